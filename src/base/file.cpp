@@ -256,14 +256,14 @@ FileSystem& FileSystem::real() {
 }
 
 void FileSystem::writeAtomic(const fs::path& path, std::span<const std::byte> data) {
-  if (isWrittenInPlace(path)) return writeFile(path, data, WriteMode::kUnsynced);
-  replace(path, [&](const fs::path& temporary) { writeFile(temporary, data, WriteMode::kSynced); });
+  if (isWrittenInPlace(path)) return writeFile(path, data, WritePolicy::kUnsynced);
+  replace(path, [&](const fs::path& temporary) { writeFile(temporary, data, WritePolicy::kSynced); });
 }
 
 void FileSystem::writeAtomic(const fs::path& path, std::string_view text) { writeAtomic(path, bytesOf(text)); }
 
-void FileSystem::writeOwn(const fs::path& path, std::span<const std::byte> data, WriteMode mode) {
-  writeOwn(path, [&](const fs::path& temporary) { writeFile(temporary, data, mode); });
+void FileSystem::writeOwn(const fs::path& path, std::span<const std::byte> data, WritePolicy policy) {
+  writeOwn(path, [&](const fs::path& temporary) { writeFile(temporary, data, policy); });
 }
 
 void FileSystem::writeOwn(const fs::path& path, std::string_view text) { writeOwn(path, bytesOf(text)); }
@@ -341,13 +341,13 @@ void FileSystem::makeDirectories(const fs::path& path) {
   if (error) throw systemError(error.value(), path, "making the directory");
 }
 
-void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data, WriteMode mode) {
+void FileSystem::writeFile(const fs::path& path, std::span<const std::byte> data, WritePolicy policy) {
   Descriptor file(openToWrite(path));
   if (file.get() < 0) throw systemError(errno, path, "creating the file");
-  const std::size_t done = mode == WriteMode::kPastCache ? writePastCache(file.get(), data) : 0;
+  const std::size_t done = policy == WritePolicy::kPastCache ? writePastCache(file.get(), data) : 0;
   // A pipe has no offsets.
   writeAll(file.get(), path, data.subspan(done), done > 0 ? std::optional<std::uint64_t>(done) : std::nullopt);
-  if (mode == WriteMode::kSynced && uninterrupted([&] { return ::fsync(file.get()); }) != 0)
+  if (policy == WritePolicy::kSynced && uninterrupted([&] { return ::fsync(file.get()); }) != 0)
     throw systemError(errno, path, "syncing to disk");
   if (file.close() != 0) throw systemError(errno, path, "closing after writing");
 }

@@ -75,7 +75,7 @@ class FileNames {
 };
 
 /// State of a written file when the write call returns.
-enum class WriteMode {
+enum class WritePolicy {
   kSynced,     // the bytes are on the disk
   kUnsynced,   // every reader sees the bytes; a later `syncAll` brings them onto the disk
   kPastCache,  // as kUnsynced, but past the page cache if the file system can; for large data not read soon
@@ -95,7 +95,7 @@ class FileSystem {
   /// Writes a file atomically in a directory that only one Kiln process writes to, such as a store. The temporary name
   /// is always `path` plus `.tmp`, so a process that resumes after a kill replaces the leftover file.
   void writeOwn(const std::filesystem::path& path, std::span<const std::byte> data,
-                WriteMode mode = WriteMode::kSynced);
+                WritePolicy policy = WritePolicy::kSynced);
   void writeOwn(const std::filesystem::path& path, std::string_view text);
   /// Calls write(temporary), which makes the file, then renames the file to `path`, as the other overloads do.
   void writeOwn(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& write);
@@ -117,7 +117,7 @@ class FileSystem {
 
   virtual void makeDirectories(const std::filesystem::path& path);
   /// Makes a file that holds `data`. Replaces a link or another user's file of this name; never writes through either.
-  virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, WriteMode mode);
+  virtual void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, WritePolicy policy);
   /// Appends `data` to a file and makes the file if there is none. A crash may leave a part of `data`.
   virtual void appendFile(const std::filesystem::path& path, std::span<const std::byte> data);
   virtual void rename(const std::filesystem::path& from, const std::filesystem::path& to);

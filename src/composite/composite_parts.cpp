@@ -151,7 +151,7 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   requireMemory(2 * made_bytes, memory_bytes, parts.front().path);
   std::vector<std::string> planes;
   for (const Plane& plane : made.planes) planes.push_back(plane.name);
-  const auto opaque_at = static_cast<float>(picture.opacity_threshold);
+  const auto opacity_threshold = static_cast<float>(picture.opacity_threshold);
   std::uint64_t done = 0, damaged_bricks = 0;
   for (const Part& part : parts) damaged_bricks += part.damaged_bricks;
   out.metadata = metadataOf(parts.front().job, camera, view, damaged_bricks);
@@ -162,7 +162,7 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
     if (image.width != made.width || image.height != made.height)
       throw Error(ErrorCode::kFormat, part.path, "dataWindow",
                   fmt::format("{} x {} samples, expected {} x {}", image.width, image.height, made.width, made.height));
-    layBehind(image, picture.aovs, 0, 0, opaque_at, made);
+    layBehind(image, picture.aovs, 0, 0, opacity_threshold, made);
     voxels += part.box.count();
     progress.advance("compositing", "parts", ++done, paths.size());
   }

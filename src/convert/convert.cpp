@@ -113,7 +113,7 @@ class Build {
         VolumeSource& source, Ranks& ranks, FileSystem& disk, Progress& progress)
       : resume_state_(resume_state),
         draft_(draft),
-        plan_(plan),
+        budget_(plan),
         options_(options),
         source_(source),
         ranks_(ranks),
@@ -121,9 +121,9 @@ class Build {
         progress_(progress) {}
 
   void run(ConvertReport& report) {
-    StoreWriter& writer = writer_.emplace(resume_state_.directory, draft_, disk_, plan_.sub_ranges_on_disk);
+    StoreWriter& writer = writer_.emplace(resume_state_.directory, draft_, disk_, budget_.sub_ranges_on_disk);
     Conversion& conversion = conversion_.emplace(
-        Conversion::Parts{source_, writer, resume_state_.directory, plan_, options_.half, ranks_, disk_, progress_},
+        Conversion::Parts{source_, writer, resume_state_.directory, budget_, options_.half, ranks_, disk_, progress_},
         resume_state_.identity, resume_state_.noted > 0);
     const std::uint64_t earlier = conversion.finishedBricks(), bricks = brickCount(writer.manifest());
     if (earlier > 0 && ranks_.first())
@@ -169,7 +169,7 @@ class Build {
 
   ResumeState& resume_state_;
   const Manifest& draft_;
-  const ConversionPlan& plan_;
+  const ConversionPlan& budget_;
   const ConvertOptions& options_;
   VolumeSource& source_;
   Ranks& ranks_;

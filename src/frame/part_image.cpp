@@ -9,12 +9,12 @@
 namespace kiln {
 namespace {
 
-void layPixelBehind(const float* behind, const AovPixels& planes_behind, float opaque_at, float* front,
+void layPixelBehind(const float* behind, const AovPixels& planes_behind, float opacity_threshold, float* front,
                     const AovPixels& planes) {
   const float before = front[3], open = 1 - before;
   if (before == 1.0f || behind[3] == 0.0f) return;
   for (int c = 0; c < 4; ++c) front[c] += open * behind[c];
-  const bool closes = front[3] >= opaque_at;
+  const bool closes = front[3] >= opacity_threshold;
   const float scale = closes ? 1 / front[3] : 1;
   if (planes.first != nullptr && before < kHitAlpha && front[3] >= kHitAlpha)
     *planes.first = behind[3] >= kHitAlpha ? *planes_behind.first : *planes_behind.mean / behind[3];
@@ -61,11 +61,11 @@ Image emptyPart(const PixelRect& samples, const Aovs& aovs) {
   return out;
 }
 
-void layBehind(Image& behind, const Aovs& aovs, int x0, int y0, float opaque_at, Image& front) {
+void layBehind(Image& behind, const Aovs& aovs, int x0, int y0, float opacity_threshold, Image& front) {
   parallelFor(static_cast<std::size_t>(behind.height), [&](std::size_t row) {
     const int y = static_cast<int>(row);
     for (int x = 0; x < behind.width; ++x)
-      layPixelBehind(behind.pixel(x, y), aovPixels(aovs, behind, x, y), opaque_at, front.pixel(x0 + x, y0 + y),
+      layPixelBehind(behind.pixel(x, y), aovPixels(aovs, behind, x, y), opacity_threshold, front.pixel(x0 + x, y0 + y),
                      aovPixels(aovs, front, x0 + x, y0 + y));
   });
 }

@@ -25,12 +25,13 @@ void premultiplyPlanes(const Aovs& aovs, const View& view, Image& samples);
 /// Returns an empty partial image.
 Image emptyPart(const PixelRect& samples, const Aovs& aovs);
 
-/// Composites `behind` behind the samples of `front` from (x, y) on. A sample that reaches `opaque_at` is divided by
-/// its alpha and closed, as in drawing. The depth of the first hit is that of the part in which alpha passes 1/2; where
-/// that part alone stays below 1/2, its mean depth. requires: `behind` fits; both have the planes of `aovs`.
-void layBehind(Image& behind, const Aovs& aovs, int x, int y, float opaque_at, Image& front);
+/// Composites `behind` behind the samples of `front` from (x, y) on. A sample that reaches `opacity_threshold` is
+/// divided by its alpha and closed, as in drawing. The depth of the first hit comes from the part in which alpha passes
+/// 1/2; if the part alone stays below 1/2, from the part's mean depth. requires: `behind` fits; both images have the
+/// planes of `aovs`.
+void layBehind(Image& behind, const Aovs& aovs, int x, int y, float opacity_threshold, Image& front);
 
-/// Filters composited samples to pixels, without a background. requires: `samples` are those of sampleWindowOf.
+/// Filters composited samples to pixels, without a background. requires: `samples` cover sampleWindowOf.
 Image pixelsOf(Image& samples, const PictureOptions& picture, const Aovs& aovs);
 
 }  // namespace kiln

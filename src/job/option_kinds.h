@@ -66,6 +66,8 @@ struct WholeOrAuto {
 /// One of a few words: an enumerator, a bool (the second word is true), or the word itself.
 struct Word {
   std::span<const std::string_view> names;
+  /// The names behind the first `count` are aliases of the first, the second, ….
+  std::size_t count = names.size();
   OptionForm form() const;
   template <class T>
   void read(const JobObject& object, std::string_view key, T& out) const {
@@ -73,10 +75,8 @@ struct Word {
     const std::size_t place = *object.choice(key, names);
     if constexpr (std::is_same_v<Value, std::string>)
       out = names[place];
-    else if constexpr (std::is_same_v<Value, Lattice>)
-      out = latticeOfName(place);
     else
-      out = static_cast<Value>(place);
+      out = static_cast<Value>(place % count);
   }
   template <class T>
   nlohmann::ordered_json write(const T& value) const {

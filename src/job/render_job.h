@@ -34,7 +34,7 @@ struct PictureOptions {
   std::optional<PixelRect> crop;  // the pixels of the whole picture that are drawn; else all
   std::optional<int> samples;  // sub-pixels that a pixel is made of: 1, 2, 4 or 16; else as job/auto_samples.h has it
   Background background;
-  Mode mode = Mode::kComposite;
+  Mode mode{};
   Aovs aovs;
   CameraSpec camera;
   std::optional<Stereo> stereo;  // draw one eye of a pair, or both, of which the camera is the middle
@@ -45,7 +45,7 @@ struct PictureOptions {
   Clipping clipping;
   std::optional<PartNumber> part;  // a part of the volume by number, instead of clipping.part
   double opacity_threshold = 0.998;
-  Lattice lattice = Lattice::kPixel;
+  Lattice lattice{};
   Interpolation interpolation = Interpolation::kLinear;  // pixel lattice only
   double sample_distance = kSampleDistance;              // all but the voxel lattice (Sampling). unit: voxels
   std::optional<int>

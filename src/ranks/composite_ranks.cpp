@@ -73,7 +73,8 @@ Strip stripFrom(const std::vector<std::byte>& bytes, const Aovs& aovs) {
 
 }  // namespace
 
-Image compositeDirectly(Ranks& ranks, Image& part, const Aovs& aovs, std::span<const int> order, float opaque_at) {
+Image compositeDirectly(Ranks& ranks, Image& part, const Aovs& aovs, std::span<const int> order,
+                        float opacity_threshold) {
   const int me = ranks.rank();
   // The strip of rows that a rank composites.
   const auto rowOf = [&](int rank) { return static_cast<int>(std::int64_t{part.height} * rank / ranks.count()); };
@@ -84,7 +85,7 @@ Image compositeDirectly(Ranks& ranks, Image& part, const Aovs& aovs, std::span<c
   Image made = emptyPart({0, 0, part.width, part.height}, aovs);
   const auto lay = [&](const std::vector<std::byte>& bytes) {
     Strip strip = stripFrom(bytes, aovs);
-    layBehind(strip.image, aovs, strip.rect.x0, strip.rect.y0, opaque_at, made);
+    layBehind(strip.image, aovs, strip.rect.x0, strip.rect.y0, opacity_threshold, made);
   };
   for (const int from : order) lay(from == me ? stripFor(me) : ranks.receive(kStripTag, from).bytes);
   if (!ranks.first()) {

@@ -13,6 +13,7 @@ namespace kiln {
 
 /// Collective. Composites the ranks' parts, in `order` front to back, into the samples of the picture on rank 0. Other
 /// ranks return an unspecified image. requires: parts of one size, with the planes of `aovs`.
-Image compositeDirectly(Ranks& ranks, Image& part, const Aovs& aovs, std::span<const int> order, float opaque_at);
+Image compositeDirectly(Ranks& ranks, Image& part, const Aovs& aovs, std::span<const int> order,
+                        float opacity_threshold);
 
 }  // namespace kiln

@@ -31,7 +31,7 @@ Extent3 spanOf(const Manifest& volume, int level) {
 void bring(const fs::path& from, const fs::path& to) {
   std::error_code failed;
   fs::create_hard_link(from, to, failed);
-  if (failed) FileSystem::real().writeOwn(to, readFile(from), WriteMode::kUnsynced);
+  if (failed) FileSystem::real().writeOwn(to, readFile(from), WritePolicy::kUnsynced);
 }
 
 // A directory named NAME.partial until all files are in it, then renamed to NAME. The holder of the lock removes the

@@ -34,9 +34,9 @@ struct VisibilityOptions {
 /// - kPixel: intersections of pixel rays and slabs; a sample contributes to its pixel only.
 /// - kVoxel: voxels, splatted as by Lee and Ihm.
 enum class Lattice { kPixel, kVoxel };
-inline constexpr std::array<std::string_view, 3> kLatticeNames = {"pixel", "voxel", "ray"};
-/// Returns the lattice of a word of kLatticeNames; "ray" is an alias of the first word.
-constexpr Lattice latticeOfName(std::size_t word) { return word == 1 ? Lattice::kVoxel : Lattice::kPixel; }
+inline constexpr std::size_t kLatticeCount = 2;
+/// The names of the lattices, followed by an alias of the first.
+inline constexpr std::array<std::string_view, kLatticeCount + 1> kLatticeNames = {"pixel", "voxel", "ray"};
 
 /// Combination of the values along a pixel's ray.
 /// - kComposite: light of the volume, attenuated by opacity.

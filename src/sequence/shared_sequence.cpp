@@ -41,28 +41,28 @@ class SharedSequence : public RankedSequence {
         crop_(drawnPixels(job.picture.size, job.picture.crop)) {}
 
  private:
-  const char* sharedBy() const override { return plan_.wholeFrames() ? "frames" : "tiles"; }
+  const char* sharedBy() const override { return split_.wholeFrames() ? "frames" : "tiles"; }
 
   // Rank 0 plans, so that all ranks have the same plan.
   void makePlan() {
     if (ranks_.first()) {
       const bool by_frames = viewWithoutTiles(job_) != nullptr || (isSeries(job_) && toDraw().size() > 1);
-      plan_ = planTiles(frames_.openedFor(toDraw().front()), toDraw(), ranks_.count(),
-                        by_frames ? Distribution::kFrames : job_.distribution);
+      split_ = planTiles(frames_.openedFor(toDraw().front()), toDraw(), ranks_.count(),
+                         by_frames ? Distribution::kFrames : job_.distribution);
     }
-    broadcastList(ranks_, plan_.tiles);
-    broadcastList(ranks_, plan_.bounds);
-    broadcastList(ranks_, plan_.homes);
-    if (shared_reads_) shared_reads_->settle(plan_.homes);
+    broadcastList(ranks_, split_.tiles);
+    broadcastList(ranks_, split_.bounds);
+    broadcastList(ranks_, split_.homes);
+    if (shared_reads_) shared_reads_->settle(split_.homes);
   }
 
   void share() override {
     makePlan();
     const std::size_t ranks = static_cast<std::size_t>(ranks_.count());
-    counters_ = ranks_.makeCounters(1 + ranks * (plan_.wholeFrames() ? 1 : toDraw().size()));
+    counters_ = ranks_.makeCounters(1 + ranks * (split_.wholeFrames() ? 1 : toDraw().size()));
     ranks_.barrier();
     begin_ = Clock::now();
-    if (plan_.wholeFrames())
+    if (split_.wholeFrames())
       drawFrames();
     else
       for (std::uint32_t i = 0; i < toDraw().size(); ++i) drawTilesOf(i);
@@ -111,7 +111,7 @@ class SharedSequence : public RankedSequence {
     begun_[i] = Clock::now();
     started(i);
     const auto ranks = static_cast<std::size_t>(ranks_.count());
-    WorkRanges work(*counters_, 1 + i * ranks, plan_.bounds, static_cast<std::size_t>(ranks_.rank()),
+    WorkRanges work(*counters_, 1 + i * ranks, split_.bounds, static_cast<std::size_t>(ranks_.rank()),
                     TilePlan::kSpared);
     FrameReport report;
     report.frame = i;
@@ -130,7 +130,7 @@ class SharedSequence : public RankedSequence {
     while (const auto units = work.take(1)) {
       if (ranks_.first()) tellTiles(toDraw()[i], work);
       if (!painter) painter = opened.painterFor(scene, of_tiles);
-      const PixelRect& tile = plan_.tiles[units->begin];
+      const PixelRect& tile = split_.tiles[units->begin];
       std::vector<std::byte> message;
       appendValue(message, i);
       appendTile(message, tile, painter->draw(tile));
@@ -144,7 +144,7 @@ class SharedSequence : public RankedSequence {
   // Reports progress over all ranks: tiles handed out, less one per rank that is being drawn.
   void tellTiles(int frame, WorkRanges& work) {
     const std::uint64_t given = work.handedOut(), drawing = static_cast<std::uint64_t>(ranks_.count());
-    progress_.advance(stepOfFrame(frame).c_str(), "tiles", given - std::min(given, drawing), plan_.tiles.size());
+    progress_.advance(stepOfFrame(frame).c_str(), "tiles", given - std::min(given, drawing), split_.tiles.size());
   }
 
   // Handles messages of other ranks. Returns whether there was a message.
@@ -194,7 +194,7 @@ class SharedSequence : public RankedSequence {
   // Writes the frame once all its tiles have arrived.
   void completed(std::uint32_t i) {
     Assembly& frame = assemblies_[i];
-    if (frame.shares < ranks_.count() || (!frame.report.failure && frame.tiles < plan_.tiles.size())) return;
+    if (frame.shares < ranks_.count() || (!frame.report.failure && frame.tiles < split_.tiles.size())) return;
     FrameReport report = std::move(frame.report);
     report.frame = i;
     if (!report.failure) {
@@ -215,7 +215,7 @@ class SharedSequence : public RankedSequence {
   }
 
   const PixelRect crop_;
-  TilePlan plan_;
+  TilePlan split_;
   std::unique_ptr<SharedCounters> counters_;  // counter 0: finished frames; then the counters of WorkRanges
   std::map<std::uint32_t, Assembly> assemblies_;
   std::map<std::uint32_t, Clock::time_point> begun_;

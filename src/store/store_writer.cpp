@@ -20,9 +20,9 @@ bool allEqual(std::span<const std::byte> voxels, std::size_t voxel_bytes) {
 
 // `finish` syncs all bricks. Bricks that exceed the page cache bypass it, because they would evict pages that other
 // programs read.
-WriteMode brickModeOf(const Manifest& manifest) {
+WritePolicy brickPolicyOf(const Manifest& manifest) {
   const std::uint64_t bytes = static_cast<std::uint64_t>(manifest.geometry().dims.count()) * sizeOf(manifest.type);
-  return bytes > machineMemoryBytes() / 2 ? WriteMode::kPastCache : WriteMode::kUnsynced;
+  return bytes > machineMemoryBytes() / 2 ? WritePolicy::kPastCache : WritePolicy::kUnsynced;
 }
 
 }  // namespace
@@ -32,7 +32,7 @@ fs::path brickPath(const BrickKey& key) {
 }
 
 StoreWriter::StoreWriter(const fs::path& directory, Manifest draft, FileSystem& disk, bool sub_ranges_on_disk)
-    : directory_(directory), manifest_(std::move(draft)), disk_(disk), brick_mode_(brickModeOf(manifest_)) {
+    : directory_(directory), manifest_(std::move(draft)), disk_(disk), brick_policy_(brickPolicyOf(manifest_)) {
   if (isStore(directory)) {
     throw Error(ErrorCode::kExists, directory, "", "is there already; name another output or give --overwrite");
   }
@@ -95,7 +95,7 @@ EncodedBrick StoreWriter::encode(const BrickKey& key, std::span<const std::byte>
 }
 
 void StoreWriter::write(const EncodedBrick& brick) {
-  if (!brick.entry.constant) disk_.writeOwn(directory_ / brickPath(brick.key), brick.file, brick_mode_);
+  if (!brick.entry.constant) disk_.writeOwn(directory_ / brickPath(brick.key), brick.file, brick_policy_);
 }
 
 // In the order of the index, so the result does not depend on the order in which bricks were encoded.
@@ -135,7 +135,7 @@ void StoreWriter::finish(const ValueHistogram& histogram, std::uint64_t nan_coun
   BrickIndex::SubRangesAt missing;
   if (sub_ranges_) missing = [this](std::size_t place) { return subRangesAt(place); };
   disk_.writeOwn(directory_ / "index.bin", [&](const fs::path& next) {
-    disk_.writeFile(next, {}, WriteMode::kUnsynced);
+    disk_.writeFile(next, {}, WritePolicy::kUnsynced);
     index_.encode(
         [&](std::span<const std::byte> piece) {
           disk_.appendFile(next, piece);

@@ -64,7 +64,7 @@ class StoreWriter {
   std::filesystem::path directory_;
   Manifest manifest_;
   FileSystem& disk_;
-  const WriteMode brick_mode_;
+  const WritePolicy brick_policy_;
   BrickIndex index_;
   std::optional<File> sub_ranges_;  // on disk, in the order of the index
 };

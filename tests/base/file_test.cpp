@@ -1,4 +1,4 @@
-// Files read back exactly as written, in every write mode. Sizes lie around a block and around the buffer of direct
+// Files read back exactly as written, by every write policy. Sizes lie around a block and around the buffer of direct
 // writes (past the page cache). On a file system without direct writes the test covers the fallback.
 #include "base/file.h"
 
@@ -23,15 +23,15 @@ namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-TEST(FileSystem, WritesTheSameBytesInEveryMode) {
-  const fs::path directory = freshDirectory("write_modes");
+TEST(FileSystem, WritesTheSameBytesByEveryPolicy) {
+  const fs::path directory = freshDirectory("write_policies");
   for (const std::size_t size : {0u, 1u, 4095u, (1u << 20) - 1, 1u << 20, (1u << 20) + 1, (3u << 20) + 4096 + 7}) {
     std::vector<std::byte> data(size);
     for (std::size_t i = 0; i < size; ++i) data[i] = static_cast<std::byte>(i * 2654435761u >> 13);
-    for (const WriteMode mode : {WriteMode::kSynced, WriteMode::kUnsynced, WriteMode::kPastCache}) {
+    for (const WritePolicy policy : {WritePolicy::kSynced, WritePolicy::kUnsynced, WritePolicy::kPastCache}) {
       const fs::path path = directory / "file";
-      FileSystem::real().writeOwn(path, data, mode);
-      EXPECT_EQ(readFile(path), data) << size << " bytes, mode " << static_cast<int>(mode);
+      FileSystem::real().writeOwn(path, data, policy);
+      EXPECT_EQ(readFile(path), data) << size << " bytes, policy " << static_cast<int>(policy);
     }
   }
 }

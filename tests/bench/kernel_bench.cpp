@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "convert/convert.h"
-#include "engine/pixel/cast_cells.h"
+#include "engine/pixel/load_patch.h"
 #include "engine/pixel/pixel_engine.h"
-#include "engine/pixel/unit_load.h"
+#include "engine/pixel/ray_caster.h"
 #include "engine/voxel/gather_voxels.h"
 #include "engine/voxel/tile_walk.h"
 #include "engine/voxel/voxel_engine.h"
@@ -30,8 +30,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kPicture = 256;
-constexpr std::size_t kUnitFloats =
-    std::size_t{kUnitVoxels + 2 * kUnitMargin} * (kUnitVoxels + 2 * kUnitMargin) * kUnitSamples;
+constexpr std::size_t kPatchFloats =
+    std::size_t{kPatchVoxels + 2 * kPatchMargin} * (kPatchVoxels + 2 * kPatchMargin) * kPatchStride;
 
 fs::path madeStore() {
   const fs::path out = fs::temp_directory_path() / "kiln_kernel_bench.kiln";
@@ -65,10 +65,10 @@ struct Scene {
         fullest(*std::max_element(zones.begin(), zones.end(),
                                   [](const auto& a, const auto& b) { return a.cells.size() < b.cells.size(); })),
         frame(*fullest.frame) {
-    for (const SlabCell& cell : fullest.cells) units.push_back(cell.box.lo);
+    for (const SlabCell& cell : fullest.cells) patches.push_back(cell.box.lo);
   }
   static constexpr std::int64_t voxelsRead() {
-    constexpr std::int64_t kEdge = kUnitVoxels + 2 * kUnitMargin;
+    constexpr std::int64_t kEdge = kPatchVoxels + 2 * kPatchMargin;
     return kEdge * kEdge * kEdge;
   }
 
@@ -79,8 +79,8 @@ struct Scene {
   BrickBlock block;
   std::vector<PixelEngine::ZoneCells> zones;
   const PixelEngine::ZoneCells& fullest;
-  const SlabFrame& frame;
-  std::vector<VoxelCoord> units;
+  const SlabContext& frame;
+  std::vector<VoxelCoord> patches;
 };
 
 const StoreReader& benchStore() {
@@ -118,16 +118,16 @@ class OnTarget {
 };
 
 // Items are voxels: of two bytes read, four written; a subtraction and two comparisons.
-void loadUnits(benchmark::State& state) {
+void loadPatches(benchmark::State& state) {
   const OnTarget on(state);
   const Scene& s = scene();
-  alignas(64) static float values[kUnitFloats];
+  alignas(64) static float values[kPatchFloats];
   const double offset = s.frame.table().offset();
   std::size_t next = 0;
   for (auto _ : state) {
-    const VoxelCoord& lo = s.units[next++ % s.units.size()];
-    const SampledRange range = on.plain() ? test::loadUnitScalar(s.block, s.frame.lattice(), offset, lo, values)
-                                          : loadUnit(s.block, s.frame.lattice(), offset, lo, values);
+    const VoxelCoord& lo = s.patches[next++ % s.patches.size()];
+    const SampledRange range = on.plain() ? test::loadPatchScalar(s.block, s.frame.lattice(), offset, lo, values)
+                                          : loadPatch(s.block, s.frame.lattice(), offset, lo, values);
     benchmark::DoNotOptimize(range);
     benchmark::ClobberMemory();
   }
@@ -147,7 +147,7 @@ void castBrick(benchmark::State& state) {
     TilePixels tile;
     tile.rect = kTile, tile.rgba = image.pixel(0, 0), tile.stride = 4 * kSquareEdge;
     DrawCounts counts;
-    castCells(*s.fullest.rays, s.frame, s.block, s.fullest.cells, tile, *visibility, 0.998f, counts);
+    castRays(*s.fullest.rays, s.frame, s.block, s.fullest.cells, tile, *visibility, 0.998f, counts);
     samples += static_cast<std::int64_t>(counts.splats);
   }
   report(state, samples, 4 * 32 + 32 + 2 * 16, 210);
@@ -188,7 +188,7 @@ void gatherVoxels(benchmark::State& state) {
   std::int64_t voxels = 0;
   std::size_t next = 0;
   for (auto _ : state) {
-    const VoxelCoord& lo = s.units[next++ % s.units.size()];
+    const VoxelCoord& lo = s.patches[next++ % s.patches.size()];
     const VoxelBox cell =
         intersection({lo, {lo.x + kSplatCellSize, lo.y + kSplatCellSize, lo.z + kSplatCellSize}}, s.block.core);
     FoundVoxels found;
@@ -273,7 +273,7 @@ void registerAll() {
     test::onEveryInstructionSet([&](std::int64_t target) { out->Arg(target); });
     out->ArgName("set");
   };
-  onTargets("load", loadUnits, true);
+  onTargets("load", loadPatches, true);
   onTargets("castBrick", castBrick, false);
   onTargets("voxels/gather", gatherVoxels, false);
   onTargets("voxels/project", projectBatch, true);

@@ -129,7 +129,7 @@ class Studio {
     request.opacity_threshold = options_.opacity_threshold;
     request.sample_distance = options_.sample_distance;
     const auto* const name = std::find(kLatticeNames.begin(), kLatticeNames.end(), options_.lattice);
-    request.lattice = latticeOfName(static_cast<std::size_t>(name - kLatticeNames.begin()));
+    request.lattice = static_cast<Lattice>((name - kLatticeNames.begin()) % std::ptrdiff_t{kLatticeCount});
     request.interpolation = interpolationNamed(options_.interpolation);
     request.samples = samplesFor(camera);
     FrameStatistics statistics;

@@ -381,7 +381,7 @@ TEST(ConvertStopped, OnlyTheSameConversionIsResumed) {
   const auto damage = [](const fs::path& brick) {
     std::vector<std::byte> file = readFile(brick);
     file[file.size() / 2] ^= std::byte{1};
-    FileSystem::real().writeFile(brick, file, WriteMode::kUnsynced);
+    FileSystem::real().writeFile(brick, file, WritePolicy::kUnsynced);
   };
   damage(out / "bricks/0/1_0_0.vdb");
   resume(volume, out, kBrickSize);
@@ -478,11 +478,11 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
     return ErrorCode::kCancelled;
   };
   EXPECT_EQ(codeOf(out, false), ErrorCode::kExists);
-  FileSystem::real().writeFile(out / "thesis.txt", {}, WriteMode::kUnsynced);
+  FileSystem::real().writeFile(out / "thesis.txt", {}, WritePolicy::kUnsynced);
   EXPECT_EQ(codeOf(out, true), ErrorCode::kExists);
   EXPECT_EQ(codeOf(out / "thesis.txt", true), ErrorCode::kUsage) << "a store holds no other";
   const fs::path beside = out.parent_path() / "thesis.txt";
-  FileSystem::real().writeFile(beside, {}, WriteMode::kUnsynced);
+  FileSystem::real().writeFile(beside, {}, WritePolicy::kUnsynced);
   EXPECT_EQ(codeOf(beside, true), ErrorCode::kExists);
   EXPECT_TRUE(fs::exists(beside));
   EXPECT_TRUE(fs::exists(out / "thesis.txt"));
@@ -509,7 +509,7 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
 TEST(ConvertStopped, FilesOfADesktopInAStore_areReplacedWithIt) {
   const fs::path out = makeStore(oldVolume(), "fault_desktop", kBrickSize);
   for (const char* name : {".DS_Store", "Thumbs.db", "desktop.ini", "._manifest.json"})
-    FileSystem::real().writeFile(out / name, {}, WriteMode::kUnsynced);
+    FileSystem::real().writeFile(out / name, {}, WritePolicy::kUnsynced);
   const DenseVolume volume = newVolume();
   DenseSource other(volume);
   Progress silent;

@@ -8,8 +8,8 @@
 #include <array>
 #include <span>
 
-#include "engine/pixel/cast_cells.h"
-#include "engine/pixel/zone_frames.h"
+#include "engine/pixel/ray_caster.h"
+#include "engine/pixel/zone_contexts.h"
 #include "support/reference/drawing.h"
 #include "support/system/sanitized.h"
 #include "support/volumes/random_scene.h"
@@ -35,7 +35,7 @@ TransferFunction beside(double lo, double hi) {
   return {1, {{lo, color, 0}, {(lo + hi) / 2, color, 0.6}, {hi, color, 0}}};
 }
 
-std::vector<SlabCell> allCells(const SlabFrame& frame, const BrickBlock& block) {
+std::vector<SlabCell> allCells(const SlabContext& frame, const BrickBlock& block) {
   std::vector<SlabCell> out;
   const VoxelBox& core = block.core;
   const VisitingOrder& order = frame.projector().order();
@@ -84,12 +84,12 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
                           &levels.clipRegion(0),
                           noise,
                           request.interpolation};
-    const SlabFrame frame(zone, projector, levels.dims(0), levels.endVoxels(0), table, look);
+    const SlabContext frame(zone, projector, levels.dims(0), levels.endVoxels(0), table, look);
     const std::vector<SlabCell> cells = allCells(frame, block);
     skipped += cells.size() - visibleCells(frame, block).size();
-    const RaySlabs rays(zones, i, projector, levels.dims(0), levels.endVoxels(0));
+    const RaySampling rays(zones, i, projector, levels.dims(0), levels.endVoxels(0));
     for (const TilePixels& square : squaresOf(tile))
-      castCells(rays, frame, block, cells, square, *visibility, static_cast<float>(request.opacity_threshold), counts);
+      castRays(rays, frame, block, cells, square, *visibility, static_cast<float>(request.opacity_threshold), counts);
   }
   return image;
 }

@@ -31,7 +31,7 @@ BrickBlock noiseBlock(VoxelType type) {
   return block;
 }
 
-TEST(ScalarKernels, UnitsAreLoadedAlike) {
+TEST(ScalarKernels, PatchesAreLoadedAlike) {
   for (const VoxelType type : {VoxelType::u8, VoxelType::i8, VoxelType::u16, VoxelType::i16, VoxelType::f32}) {
     const BrickBlock block = noiseBlock(type);
     // Ranges of floats are computed after subtraction of the offset.
@@ -41,20 +41,20 @@ TEST(ScalarKernels, UnitsAreLoadedAlike) {
       lattice.interpolation = interpolation;
       // Positions in the middle, and at both ends, where the margin reaches beyond the brick.
       for (const VoxelCoord& lo : {VoxelCoord{4, 5, 6}, VoxelCoord{-6, -6, -6}, VoxelCoord{16, 17, 18}}) {
-        constexpr int kEdge = kUnitVoxels + 2 * kUnitMargin;
-        constexpr std::size_t kCount = std::size_t{kEdge} * kEdge * kUnitSamples;
-        alignas(64) float truth[kCount], found[kCount + kUnitSamples];
-        const SampledRange range = loadUnitScalar(block, lattice, 7, lo, truth);
+        constexpr int kEdge = kPatchVoxels + 2 * kPatchMargin;
+        constexpr std::size_t kCount = std::size_t{kEdge} * kEdge * kPatchStride;
+        alignas(64) float truth[kCount], found[kCount + kPatchStride];
+        const SampledRange range = loadPatchScalar(block, lattice, 7, lo, truth);
         onEveryInstructionSet([&](std::int64_t target) {
           std::fill(std::begin(found), std::end(found), -1.0f);
-          const SampledRange other = loadUnit(block, lattice, 7, lo, found);
+          const SampledRange other = loadPatch(block, lattice, 7, lo, found);
           EXPECT_EQ(other.gaps, range.gaps) << target;
           ASSERT_EQ(other.values.empty(), range.values.empty()) << target;
           EXPECT_NEAR(other.values.lo, range.values.lo, rounding) << target;
           EXPECT_NEAR(other.values.hi, range.values.hi, rounding) << target;
           for (int row = 0; row < kEdge * kEdge; ++row) {
-            EXPECT_TRUE(std::equal(truth + row * kUnitSamples, truth + row * kUnitSamples + kEdge,
-                                   found + row * kUnitSamples,
+            EXPECT_TRUE(std::equal(truth + row * kPatchStride, truth + row * kPatchStride + kEdge,
+                                   found + row * kPatchStride,
                                    [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); }))
                 << "instruction set " << target << ", row " << row;
           }

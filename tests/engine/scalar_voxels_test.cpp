@@ -54,11 +54,11 @@ VoxelView viewAt(bool perspective, double px_per_voxel, bool phong, double edge_
 }
 
 void layIntoTile(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded, std::uint32_t drawn,
-                 const TilePixels& tile, float opaque_at, Visibility& visibility) {
+                 const TilePixels& tile, float opacity_threshold, Visibility& visibility) {
   TilePlanes planes;
   planes.reserve(tile.rect);
   planes.take(tile);
-  rasterizeFootprints(view, voxels, shaded, drawn, planes, opaque_at, visibility);
+  rasterizeFootprints(view, voxels, shaded, drawn, planes, opacity_threshold, visibility);
   planes.putBack();
 }
 

@@ -384,7 +384,7 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
       const auto found = now.find(name);
       if (found != now.end() && found->second == bytes) continue;
       fs::create_directories((folder_ / name).parent_path());
-      FileSystem::real().writeFile(folder_ / name, bytes, WriteMode::kUnsynced);
+      FileSystem::real().writeFile(folder_ / name, bytes, WritePolicy::kUnsynced);
     }
   }
 

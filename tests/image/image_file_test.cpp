@@ -403,8 +403,8 @@ TEST_F(ImageFile, Reading_needsTheMemoryThatItSays) {
 
 class FullDisk : public FileSystem {
  public:
-  void writeFile(const fs::path& path, std::span<const std::byte> data, WriteMode mode) override {
-    FileSystem::writeFile(path, data.first(data.size() / 2), mode);
+  void writeFile(const fs::path& path, std::span<const std::byte> data, WritePolicy policy) override {
+    FileSystem::writeFile(path, data.first(data.size() / 2), policy);
     throw Error(ErrorCode::kNoSpace, path, "", "full");
   }
 };

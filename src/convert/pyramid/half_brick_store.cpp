@@ -41,7 +41,7 @@ HalfBrickStore::Pieces HalfBrickStore::written(const BrickKey& key, const std::v
     out.push_back({parent, nullptr, {file.size(), bytes.size()}});
     file.insert(file.end(), bytes.begin(), bytes.end());
   }
-  disk_.writeFile(pathOf(key), file, WriteMode::kUnsynced);
+  disk_.writeFile(pathOf(key), file, WritePolicy::kUnsynced);
   return out;
 }
 

@@ -82,7 +82,7 @@ Journal::Journal(const fs::path& directory, const ConversionIdentity& identity,
   std::vector<std::byte> bytes = beginningOf(kMagic);
   appendRecord(bytes, identityPayload(identity));
   disk_.writeOwn(path_, [&](const fs::path& next) {
-    disk_.writeFile(next, bytes, WriteMode::kUnsynced);
+    disk_.writeFile(next, bytes, WritePolicy::kUnsynced);
     bytes.clear();
     readBricks(path_, [&](const FinishedBrick& brick, std::span<const std::byte> payload) {
       if (keep(brick)) appendRecord(bytes, payload);

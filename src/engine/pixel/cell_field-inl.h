@@ -20,10 +20,10 @@
 #include <cstdint>
 #include <optional>
 
-#include "engine/pixel/cast_cell.h"
+#include "engine/pixel/cast_rays_in_cell.h"
 #include "engine/pixel/label_voxels.h"
-#include "engine/pixel/shown_spaces-inl.h"
-#include "engine/pixel/unit_load.h"
+#include "engine/pixel/load_patch.h"
+#include "engine/pixel/visible_spaces-inl.h"
 #include "engine/shared/cubic_weights.h"
 #include "engine/shared/sample_math-inl.h"
 
@@ -45,7 +45,7 @@ class LinearCellField {
   // Unknown with intervals, which reach beyond the eight voxels around a sample.
   HWY_INLINE std::optional<Spaces> shown() const {
     if (kGaps || l_.integral != nullptr) return std::nullopt;
-    return shownSpaces(l_, in_.values);
+    return visibleSpaces(l_, in_.values);
   }
 
   // Stores the values before and after each sample along x, for two samples at a time if a vector holds both.
@@ -57,7 +57,7 @@ class LinearCellField {
       const auto y = ofPairs(s_.fraction[1] + n), z = ofPairs(s_.fraction[2] + n);
       for (std::size_t i = 0; i < 2; i += hn::Lanes(d)) {
         const auto row = [&](int dy, int dz) {
-          const std::size_t at = static_cast<std::size_t>(dz * kPlane + dy * kUnitSamples) + i;
+          const std::size_t at = static_cast<std::size_t>(dz * kPlane + dy * kPatchStride) + i;
           return pairsFrom(first + at, last + at);
         };
         const auto near = mix(d, row(0, 0), row(1, 0), y), far = mix(d, row(0, 1), row(1, 1), y);
@@ -87,7 +87,7 @@ class LinearCellField {
       const auto z = bothOf(s_.fraction[2][first], s_.fraction[2][last]);
       for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
         const auto row = [&](int dy, int dz) {
-          const int at = dz * kPlane + dy * kUnitSamples + static_cast<int>(i);
+          const int at = dz * kPlane + dy * kPatchStride + static_cast<int>(i);
           return bothFrom(of_first + at, of_last + at);
         };
         const auto of_row = [&](int dy) { return mix(d, row(dy, 0), row(dy, 1), z); };
@@ -235,7 +235,7 @@ class CubicCellField {
     const float* const at = in_.values + s_.offset[n] - 1 + i;
     for (int k = 0; k < z.count; ++k) {
       for (int j = 0; j < y.count; ++j)
-        f(hn::LoadU(D4(), at + z.at[k] * kPlane + y.at[j] * kUnitSamples), y.weight[j] * z.weight[k]);
+        f(hn::LoadU(D4(), at + z.at[k] * kPlane + y.at[j] * kPatchStride), y.weight[j] * z.weight[k]);
     }
   }
 
@@ -327,7 +327,7 @@ class LabelCellField {
     V weight[kCorners];
     for (int i = 0; i < kCorners; ++i) {
       const int x = i & 1, y = i >> 1 & 1, z = i >> 2;
-      rank[i] = hn::GatherIndex(di, in_.labels + z * kPlane + y * kUnitSamples + x, offset);
+      rank[i] = hn::GatherIndex(di, in_.labels + z * kPlane + y * kPatchStride + x, offset);
       const V across = hn::Mul(y != 0 ? after[1] : before[1], z != 0 ? after[2] : before[2]);
       weight[i] = hn::Mul(x != 0 ? after[0] : before[0], across);
     }
@@ -359,8 +359,8 @@ class LabelCellField {
     const D4 d4;
     const hn::RebindToSigned<D4> di4;
     constexpr int kEdge = 4;
-    const std::int32_t* const first = in_.labels + s_.offset[n] - (kPlane + kUnitSamples + 1);
-    const auto row = [&](int y, int z) { return first + z * kPlane + y * kUnitSamples; };
+    const std::int32_t* const first = in_.labels + s_.offset[n] - (kPlane + kPatchStride + 1);
+    const auto row = [&](int y, int z) { return first + z * kPlane + y * kPatchStride; };
     // Distinct ranks among the 64 voxels.
     std::int32_t ranks[kEdge * kEdge * kEdge], last = -1;
     int count = 0;

@@ -12,7 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "engine/pixel/cast_cell.h"
+#include "engine/pixel/cast_rays_in_cell.h"
 #include "engine/shared/sample_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -30,7 +30,7 @@ class CellPlaces {
   static_assert((kMostRaySlabs << kSlabBits) <= kPair);
   static constexpr float kFar = 1e30f;
 
-  CellPlaces(const RaySlabs& rays, const SampleLattice& lattice, const CellInput& in, const TilePixels& tile)
+  CellPlaces(const RaySampling& rays, const SampleLattice& lattice, const CellInput& in, const TilePixels& tile)
       : r_(rays),
         l_(lattice),
         in_(in),
@@ -38,7 +38,7 @@ class CellPlaces {
         row_pixels_(tile.stride / 4),
         rgba_(tile.rgba) {}
 
-  // Clips the rays' intervals [enter, leave] to the space between two faces across an axis (RaySlabs::faceAt). A ray
+  // Clips the rays' intervals [enter, leave] to the space between two faces across an axis (RaySampling::faceAt). A ray
   // parallel to the faces is inside if lo <= position < hi. unit: slabs from the middle slab.
   HWY_INLINE void cut(V place, V step, float lo, float hi, V& enter, V& leave) const {
     const D d;
@@ -74,7 +74,7 @@ class CellPlaces {
             hn::Add(hn::Set(d, 1.0f), hn::IfThenElseZero(pair, hn::Set(d, 1.0f)))};
   }
   // Order of operations as in CellRays, so that a sample lies exactly on its ray.
-  HWY_INLINE static V linear(const RaySlabs::Linear& l, int axis, const Where& w) {
+  HWY_INLINE static V linear(const RaySampling::Linear& l, int axis, const Where& w) {
     const D d;
     const V row = hn::Add(hn::Set(d, l.centre[axis]), hn::Mul(w.y, hn::Set(d, l.along_y[axis])));
     return fused(w.x, hn::Set(d, l.along_x[axis]), row);
@@ -127,7 +127,7 @@ class CellPlaces {
   float* pixelOf(std::int32_t pixel) const { return rgba_ + 4 * pixelPlace(pixel); }
 
  private:
-  const RaySlabs& r_;
+  const RaySampling& r_;
   const SampleLattice& l_;
   const CellInput& in_;
   const std::ptrdiff_t first_pixel_, row_pixels_;  // first pixel of the cell's rectangle in the tile; distance of rows

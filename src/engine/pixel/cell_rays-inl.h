@@ -17,7 +17,7 @@
 #include <optional>
 
 #include "engine/pixel/cell_places-inl.h"
-#include "engine/pixel/shown_spaces-inl.h"
+#include "engine/pixel/visible_spaces-inl.h"
 #include "engine/shared/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -29,7 +29,7 @@ namespace {
 template <class Cast>
 class CellRays {
  public:
-  CellRays(const CellPlaces& places, const RaySlabs& rays, const CellInput& in, const TilePixels& tile,
+  CellRays(const CellPlaces& places, const RaySampling& rays, const CellInput& in, const TilePixels& tile,
            CellSamples& samples, Cast cast)
       : p_(places), r_(rays), in_(in), tile_(tile), s_(samples), cast_(cast) {}
 
@@ -205,12 +205,12 @@ class CellRays {
   }
 
   const CellPlaces& p_;
-  const RaySlabs& r_;
+  const RaySampling& r_;
   const CellInput& in_;
   const TilePixels& tile_;
   CellSamples& s_;
   Cast cast_;
-  float lo_[3], hi_[3];  // faces of the box of visible spaces (RaySlabs::faceAt)
+  float lo_[3], hi_[3];  // faces of the box of visible spaces (RaySampling::faceAt)
   std::size_t ray_count_ = 0, count_ = 0;
   alignas(64) std::array<std::int32_t, 16> shown_;  // Spaces
 };

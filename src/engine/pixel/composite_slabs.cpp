@@ -23,13 +23,13 @@ namespace {
 // Composites row by row.
 class SlabCompositing {
  public:
-  SlabCompositing(const SlabSums& sums, const SlabZone& zone, const RaySlabs& rays, const TilePixels& tile,
-                  float opaque_at, Visibility& visibility)
+  SlabCompositing(const SlabSums& sums, const SlabZone& zone, const RaySampling& rays, const TilePixels& tile,
+                  float opacity_threshold, Visibility& visibility)
       : sums_(sums),
         zone_(zone),
         rays_(rays),
         tile_(tile),
-        opaque_at_(opaque_at),
+        opacity_threshold_(opacity_threshold),
         visibility_(visibility),
         has_layers_(tile.aovs.any() || tile.deep != nullptr) {}
 
@@ -71,7 +71,7 @@ class SlabCompositing {
     const V weight = hn::IfThenElseZero(adds, hn::Mul(hn::Sub(one, pixel[3]), opacity));
     const V per_depth = hn::Div(weight, hn::IfThenElse(adds, tau, one));
     const V alpha = hn::Add(pixel[3], weight);
-    const M closes = hn::And(adds, hn::Ge(alpha, hn::Set(d, opaque_at_)));
+    const M closes = hn::And(adds, hn::Ge(alpha, hn::Set(d, opacity_threshold_)));
     const V by = hn::IfThenElse(closes, alpha, one);
     V out[4] = {hn::Add(pixel[0], hn::Mul(red, per_depth)), hn::Add(pixel[1], hn::Mul(green, per_depth)),
                 hn::Add(pixel[2], hn::Mul(blue, per_depth)), hn::IfThenElse(closes, one, alpha)};
@@ -118,9 +118,9 @@ class SlabCompositing {
 
   const SlabSums& sums_;
   const SlabZone& zone_;
-  const RaySlabs& rays_;
+  const RaySampling& rays_;
   const TilePixels& tile_;
-  const float opaque_at_;
+  const float opacity_threshold_;
   Visibility& visibility_;
   const bool has_layers_;                    // the picture has AOVs or deep samples
   alignas(64) float rgba_[4 * kSquareEdge];  // the row's pixels
@@ -129,9 +129,9 @@ class SlabCompositing {
   std::uint64_t adds_ = 0;
 };
 
-void compositeSlabsOn(const SlabSums& sums, const SlabZone& zone, const RaySlabs& rays, const TilePixels& tile,
-                      float opaque_at, Visibility& visibility) {
-  SlabCompositing(sums, zone, rays, tile, opaque_at, visibility).run();
+void compositeSlabsOn(const SlabSums& sums, const SlabZone& zone, const RaySampling& rays, const TilePixels& tile,
+                      float opacity_threshold, Visibility& visibility) {
+  SlabCompositing(sums, zone, rays, tile, opacity_threshold, visibility).run();
 }
 
 }  // namespace
@@ -144,9 +144,9 @@ namespace kiln {
 
 HWY_EXPORT(compositeSlabsOn);
 
-void compositeSlabs(const SlabSums& sums, const SlabZone& zone, const RaySlabs& rays, const TilePixels& tile,
-                    float opaque_at, Visibility& visibility) {
-  HWY_DYNAMIC_DISPATCH(compositeSlabsOn)(sums, zone, rays, tile, opaque_at, visibility);
+void compositeSlabs(const SlabSums& sums, const SlabZone& zone, const RaySampling& rays, const TilePixels& tile,
+                    float opacity_threshold, Visibility& visibility) {
+  HWY_DYNAMIC_DISPATCH(compositeSlabsOn)(sums, zone, rays, tile, opacity_threshold, visibility);
 }
 
 }  // namespace kiln

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/vec3.hpp>
 
-#include "engine/pixel/slab_frame.h"
+#include "engine/pixel/slab_context.h"
 #include "engine/shared/gradient_opacity.h"
 #include "engine/shared/shade.h"
 #include "scene/clip_region.h"

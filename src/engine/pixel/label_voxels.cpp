@@ -42,7 +42,7 @@ class LabelLoad {
     for (int a = 0; a < 3; ++a) {
       for (int i = 0; i < wide_[static_cast<std::size_t>(a)]; ++i)
         at[a][static_cast<std::size_t>(i)] =
-            std::clamp<std::int64_t>(lo[a] - kUnitMargin - reach_ + i - has.lo[a], 0, size[a] - 1) * stride[a];
+            std::clamp<std::int64_t>(lo[a] - kPatchMargin - reach_ + i - has.lo[a], 0, size[a] - 1) * stride[a];
     }
     const T* const voxels = block_.data<T>();
     T last = voxels[at[0][0] + at[1][0] + at[2][0]];
@@ -67,8 +67,8 @@ class LabelLoad {
           ranks[i] = rank, opacities[i] = opacity;
         }
         if (!inner(1, j) || !inner(2, k)) continue;
-        const std::size_t row_of_unit = (k - reach) * static_cast<std::size_t>(inner_[1]) + j - reach;
-        std::copy_n(ranks.data() + reach, inner_[0], out_.ranks + row_of_unit * kUnitSamples);
+        const std::size_t row_of_patch = (k - reach) * static_cast<std::size_t>(inner_[1]) + j - reach;
+        std::copy_n(ranks.data() + reach, inner_[0], out_.ranks + row_of_patch * kPatchStride);
       }
     }
   }
@@ -92,7 +92,7 @@ class LabelLoad {
     }
     for (int k = 0; k < inner_[2]; ++k) {
       for (int j = 0; j < inner_[1]; ++j)
-        std::copy_n(from + (k * kWide + j) * kWide, inner_[0], out_.opacities + (k * inner_[1] + j) * kUnitSamples);
+        std::copy_n(from + (k * kWide + j) * kWide, inner_[0], out_.opacities + (k * inner_[1] + j) * kPatchStride);
     }
   }
 

@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "engine/pixel/load_patch.h"
 #include "engine/pixel/sample_table.h"
-#include "engine/pixel/unit_load.h"
 #include "scene/transfer/label_styles.h"
 #include "store/codec/brick_block.h"
 
@@ -23,11 +23,11 @@ inline constexpr int kMostLabelSmoothing = 3, kLeastLabelSmoothing = 2;
 
 /// Voxels of a cell with a margin.
 struct LabelVoxels {
-  static constexpr int kEdge = kUnitVoxels + 2 * kUnitMargin, kWide = kEdge + 2 * kMostLabelSmoothing;
+  static constexpr int kEdge = kPatchVoxels + 2 * kPatchMargin, kWide = kEdge + 2 * kMostLabelSmoothing;
   /// Per voxel: rank of the label among the visible labels (-1: not visible); opacity of the label, smoothed. shape: as
-  /// loadUnit's.
-  alignas(64) std::int32_t ranks[kEdge * kEdge * kUnitSamples];
-  alignas(64) float opacities[kEdge * kEdge * kUnitSamples];
+  /// loadPatch's.
+  alignas(64) std::int32_t ranks[kEdge * kEdge * kPatchStride];
+  alignas(64) float opacities[kEdge * kEdge * kPatchStride];
   // Opacities before and during smoothing. shape: kWide per axis.
   float smoothed[2][kWide * kWide * kWide];
 };

@@ -4,9 +4,9 @@
 #include <set>
 
 #include "base/thread/profile_scope.h"
-#include "engine/pixel/cast_cells.h"
 #include "engine/pixel/composite_slabs.h"
 #include "engine/pixel/pixel_engine.h"
+#include "engine/pixel/ray_caster.h"
 #include "traverse/depth_zones.h"
 
 namespace kiln {
@@ -22,7 +22,7 @@ class MultiVolume::ZoneEngine final : public Engine {
   std::unique_ptr<const PreparedBrick> prepare(const BrickToDraw& brick) const override {
     const ProfileScope span(Activity::kCells);
     const auto volume = static_cast<std::size_t>(brick.brick.store);
-    return std::make_unique<Prepared>(brick, visibleCells(*zone_.frames[volume], *brick.block));
+    return std::make_unique<Prepared>(brick, visibleCells(*zone_.contexts[volume], *brick.block));
   }
 
   void draw(std::span<const PreparedBrick* const> bricks, const TileTarget& target) override {
@@ -30,7 +30,7 @@ class MultiVolume::ZoneEngine final : public Engine {
       for (const TilePixels& square : squaresOf(target.pixels)) {
         if (target.visibility.hidden(square.rect)) continue;
         sums.reset(square.rect, slabs_, square.aovs.normal[0] != nullptr);
-        for (std::size_t volume = 0; volume < zone_.frames.size(); ++volume)
+        for (std::size_t volume = 0; volume < zone_.contexts.size(); ++volume)
           addVolume(volume, bricks, square, target, sums);
         compositeSlabs(sums, zone_.slabs.front(), zone_.rays.front(), square, target.opacity_threshold,
                        target.visibility);
@@ -54,7 +54,7 @@ class MultiVolume::ZoneEngine final : public Engine {
       const auto& brick = static_cast<const Prepared&>(*bricks[i]);
       if (static_cast<std::size_t>(brick.due.brick.store) != volume) continue;
       if (intersection(brick.due.rect, square.rect).empty()) continue;
-      sumCells(zone_.rays[volume], *zone_.frames[volume], *brick.due.block, brick.cells, square, target.visibility,
+      sumCells(zone_.rays[volume], *zone_.contexts[volume], *brick.due.block, brick.cells, square, target.visibility,
                sums, target.counts[i]);
     }
   }
@@ -97,8 +97,8 @@ MultiVolume::MultiVolume(std::vector<MixedVolume> volumes, const MixView& view) 
     for (std::size_t v = 0; v < volumes_.size(); ++v) {
       const Volume& volume = *volumes_[v];
       const bool reaches = zone.slabs[v].slabs > 0;
-      zone.frames.push_back(reaches ? zoneFrame(zone.slabs[v], volume.levels, volume.table, volume.appearance)
-                                    : nullptr);
+      zone.contexts.push_back(reaches ? zoneContext(zone.slabs[v], volume.levels, volume.table, volume.appearance)
+                                      : nullptr);
     }
   }
   for (std::size_t v = 0; v < volumes_.size(); ++v) addRays(v);
@@ -121,7 +121,7 @@ void MultiVolume::addRays(std::size_t volume) {
 void MultiVolume::addBricks(std::size_t volume, const PixelRect& picture) {
   std::set<int> levels;
   for (const Zone& zone : zones_) {
-    if (zone.frames[volume]) levels.insert(zone.slabs[volume].level);
+    if (zone.contexts[volume]) levels.insert(zone.slabs[volume].level);
   }
   const BrickIndex& index = volumes_[volume]->mixed.store->index();
   for (const int level : levels) {
@@ -143,10 +143,10 @@ void MultiVolume::addBrick(std::size_t volume, const BrickKey& key, const PixelR
   for (auto zone = first; zone != zones_.end(); ++zone) {
     const SlabZone& slabs = zone->slabs[volume];
     if (slabs.near - 2 * slabs.thickness > depths.far) break;
-    if (!zone->frames[volume] || slabs.level != key.level || !DepthZones::reaches(depths, slabs)) continue;
+    if (!zone->contexts[volume] || slabs.level != key.level || !DepthZones::reaches(depths, slabs)) continue;
     of_frame = true;
     PixelRect rect;
-    anyPartIn(*zone->frames[volume], core, brick_size, store.index().at(key), [&](const PixelRect& part) {
+    anyPartIn(*zone->contexts[volume], core, brick_size, store.index().at(key), [&](const PixelRect& part) {
       interesting = true;
       const PixelRect seen = intersection(part, picture);
       if (!seen.empty()) rect = aroundBoth(rect, seen);

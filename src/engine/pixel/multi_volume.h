@@ -10,9 +10,9 @@
 #include "base/thread/memory_pool.h"
 #include "engine/engine.h"
 #include "engine/engine_memory.h"
-#include "engine/pixel/ray_slabs.h"
+#include "engine/pixel/ray_sampling.h"
 #include "engine/pixel/slab_sums.h"
-#include "engine/pixel/zone_frames.h"
+#include "engine/pixel/zone_contexts.h"
 #include "traverse/brick_walk.h"
 
 namespace kiln {
@@ -80,9 +80,9 @@ class MultiVolume {
     SampleTable table;
   };
   struct Zone {
-    std::vector<SlabZone> slabs;                     // one for each volume
-    std::vector<std::unique_ptr<SlabFrame>> frames;  // one per volume; null outside the zone
-    std::vector<RaySlabs> rays;                      // one for each volume
+    std::vector<SlabZone> slabs;                         // one for each volume
+    std::vector<std::unique_ptr<SlabContext>> contexts;  // one per volume; null outside the zone
+    std::vector<RaySampling> rays;                       // one for each volume
     std::vector<Brick> bricks;
     std::unique_ptr<ZoneEngine> engine;
   };

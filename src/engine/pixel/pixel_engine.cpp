@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/pixel/cast_cells.h"
+#include "engine/pixel/ray_caster.h"
 #include "traverse/tile_scope.h"
 
 namespace kiln {
 namespace {
 
-// A sample lies across faces: the test of a cut looks at voxels beside a brick (SlabFrame::cutOff). unit: voxels.
+// A sample lies across faces: the test of a cut looks at voxels beside a brick (SlabContext::cutOff). unit: voxels.
 constexpr std::int64_t kCutGhosts = 1;
 
 // A cell's voxels and samples (CellSamples), per thread. unit: bytes.
@@ -31,7 +31,7 @@ PixelEngine::PixelEngine(const Manifest& volume, const FrameLevels& levels, cons
       zones_(levels, slabZones(zonedVolume(volume, levels, sampling), appearance.view, sampling.level)) {
   for (std::size_t i = 0; i < zones_.zones().size(); ++i) {
     const SlabZone& zone = zones_.zones()[i];
-    frames_.push_back(zoneFrame(zone, levels, table_, appearance));
+    contexts_.push_back(zoneContext(zone, levels, table_, appearance));
     rays_.emplace_back(zones_.zones(), i, levels.projector(zone.level), levels.dims(zone.level),
                        levels.endVoxels(zone.level), sampling.quincunx);
   }
@@ -40,10 +40,10 @@ PixelEngine::PixelEngine(const Manifest& volume, const FrameLevels& levels, cons
 BrickSelection PixelEngine::selection() const {
   const auto visible_part = [this](int level, const VoxelBox& core, const BrickEntry& entry, const RectTest& test) {
     const DepthZones::Depths depths = zones_.depthsOf(level, core);
-    for (std::size_t i = 0; i < frames_.size(); ++i) {
+    for (std::size_t i = 0; i < contexts_.size(); ++i) {
       const SlabZone& zone = zones_.zones()[i];
       if (zone.level != level || !DepthZones::reaches(depths, zone)) continue;
-      if (anyPartIn(*frames_[i], core, brick_size_, entry, test)) return true;
+      if (anyPartIn(*contexts_[i], core, brick_size_, entry, test)) return true;
     }
     return false;
   };
@@ -58,10 +58,10 @@ std::vector<PixelEngine::ZoneCells> PixelEngine::cellsOf(const BrickBlock& block
   const ProfileScope span(Activity::kCells);
   const DepthZones::Depths depths = zones_.depthsOf(block.key.level, block.core);
   std::vector<ZoneCells> out;
-  for (std::size_t i = 0; i < frames_.size(); ++i) {
+  for (std::size_t i = 0; i < contexts_.size(); ++i) {
     const SlabZone& zone = zones_.zones()[i];
     if (zone.level != block.key.level || !DepthZones::reaches(depths, zone)) continue;
-    out.push_back({frames_[i].get(), &rays_[i], visibleCells(*frames_[i], block)});
+    out.push_back({contexts_[i].get(), &rays_[i], visibleCells(*contexts_[i], block)});
   }
   return out;
 }
@@ -79,8 +79,8 @@ void PixelEngine::draw(std::span<const PreparedBrick* const> bricks, const TileT
     const TileScope span(brick.block->key, target.pixels.rect, target.counts[i]);
     for (const ZoneCells& zone : brick.zones) {
       for (const TilePixels& square : squares)
-        castCells(*zone.rays, *zone.frame, *brick.block, zone.cells, square, target.visibility,
-                  target.opacity_threshold, target.counts[i]);
+        castRays(*zone.rays, *zone.context, *brick.block, zone.cells, square, target.visibility,
+                 target.opacity_threshold, target.counts[i]);
     }
   }
 }

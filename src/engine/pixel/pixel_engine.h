@@ -1,14 +1,14 @@
 // `--lattice pixel`: one sample where the ray of a pixel meets the middle of a slab.
 // Method. Depth decides level and thickness of slabs, in zones (engine/shared/slab_grid.h). A brick is cut into cells;
-// in each zone that it reaches, the kernel (engine/pixel/cast_cell.h) takes the samples of a cell.
+// in each zone that it reaches, the kernel (engine/pixel/cast_rays_in_cell.h) takes the samples of a cell.
 #pragma once
 
 #include <memory>
 
 #include "engine/engine.h"
 #include "engine/engine_memory.h"
-#include "engine/pixel/ray_slabs.h"
-#include "engine/pixel/zone_frames.h"
+#include "engine/pixel/ray_sampling.h"
+#include "engine/pixel/zone_contexts.h"
 #include "traverse/depth_zones.h"
 
 namespace kiln {
@@ -28,8 +28,8 @@ class PixelEngine final : public VolumeEngine {
 
   /// Visible cells of a brick in one zone.
   struct ZoneCells {
-    const SlabFrame* frame;
-    const RaySlabs* rays;
+    const SlabContext* context;
+    const RaySampling* rays;
     std::vector<SlabCell> cells;
   };
   /// Returns the cells of a brick, from the nearest zone to the farthest. requires: this outlives the result. thread:
@@ -43,8 +43,8 @@ class PixelEngine final : public VolumeEngine {
   const std::int64_t brick_size_;
   SampleTable table_;
   DepthZones zones_;
-  std::vector<std::unique_ptr<SlabFrame>> frames_;  // one per zone
-  std::vector<RaySlabs> rays_;                      // one per zone
+  std::vector<std::unique_ptr<SlabContext>> contexts_;  // one per zone
+  std::vector<RaySampling> rays_;                       // one per zone
 };
 
 }  // namespace kiln

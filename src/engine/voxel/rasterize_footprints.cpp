@@ -21,12 +21,12 @@ template <bool kAovs>
 class FootprintRasterizer {
  public:
   FootprintRasterizer(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
-                      TilePlanes& planes, float opaque_at, Visibility& visibility)
+                      TilePlanes& planes, float opacity_threshold, Visibility& visibility)
       : view_(view),
         projected_(voxels),
         shaded_(shaded),
         planes_(planes),
-        opaque_at_(opaque_at),
+        opacity_threshold_(opacity_threshold),
         visibility_(visibility),
         weighed_(view, voxels, shaded) {}
 
@@ -69,7 +69,7 @@ class FootprintRasterizer {
       for (int y = within.y0; y < within.y1; ++y, row += stride) blendRow(n, row, x, columns, y);
     } else {
       const Brush brush(weighed_, n);
-      const V8 opaque = hn::Set(D8(), opaque_at_);
+      const V8 opaque = hn::Set(D8(), opacity_threshold_);
       float* pixels = planes_.at(x, within.y0);
       unsigned closing[kPackedRows], any = 0;
       for (int y = within.y0; y < within.y1; ++y, row += stride, pixels += 4 * planes_.plane())
@@ -119,7 +119,7 @@ class FootprintRasterizer {
     float* const at = planes_.at(x, y);
     const std::ptrdiff_t plane = planes_.plane();
     Pixels pixels = load(at, plane);
-    const V8 held = pixels.alpha, opaque = hn::Set(d, opaque_at_), one = hn::Set(d, 1.0f);
+    const V8 held = pixels.alpha, opaque = hn::Set(d, opacity_threshold_), one = hn::Set(d, 1.0f);
     if (hn::AllFalse(d, hn::Lt(held, one))) return;
     forEachBit(voxels, [&](std::size_t n) {
       const auto opacity = weighed_.template opacities<kOfTable, kIsThin>(n, x, y);
@@ -174,7 +174,7 @@ class FootprintRasterizer {
     alignas(64) float chunk[kChunk];
     constexpr int kColumns = static_cast<int>(kChunk);
     const Brush brush(weighed_, n);
-    const V8 opaque = hn::Set(D8(), opaque_at_);
+    const V8 opaque = hn::Set(D8(), opacity_threshold_);
     const int first = (within.x0 - projected_.x0[n]) / kColumns * kColumns;
     for (int y = within.y0; y < within.y1; ++y) {
       for (int i = first; i < within.x1 - projected_.x0[n]; i += kColumns) {
@@ -237,7 +237,7 @@ class FootprintRasterizer {
       const float added = fused(-opacities[i], before, opacities[i]);
       for (std::ptrdiff_t c = 0; c < 3; ++c) pixel[c * plane] = fused(added, weighed_.light(c, n), pixel[c * plane]);
       pixel[3 * plane] = before + added;
-      const bool closes = pixel[3 * plane] >= opaque_at_;
+      const bool closes = pixel[3 * plane] >= opacity_threshold_;
       addAovs(shaded_.aov[n], planes_.placeOf(x + i, y), before, added, closes);
       if (closes) closeOne(x + i, y);
     }
@@ -255,15 +255,16 @@ class FootprintRasterizer {
   const ProjectedVoxels& projected_;
   const ShadedVoxels& shaded_;
   TilePlanes& planes_;
-  const float opaque_at_;
+  const float opacity_threshold_;
   Visibility& visibility_;
   WeighedVoxels weighed_;
 };
 
 void rasterizeFootprintsOn(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
-                           std::uint32_t drawn, TilePlanes& planes, float opaque_at, Visibility& visibility) {
-  planes.aovs().any() ? FootprintRasterizer<true>(view, voxels, shaded, planes, opaque_at, visibility).run(drawn)
-                      : FootprintRasterizer<false>(view, voxels, shaded, planes, opaque_at, visibility).run(drawn);
+                           std::uint32_t drawn, TilePlanes& planes, float opacity_threshold, Visibility& visibility) {
+  planes.aovs().any()
+      ? FootprintRasterizer<true>(view, voxels, shaded, planes, opacity_threshold, visibility).run(drawn)
+      : FootprintRasterizer<false>(view, voxels, shaded, planes, opacity_threshold, visibility).run(drawn);
 }
 
 }  // namespace
@@ -277,8 +278,9 @@ namespace kiln {
 HWY_EXPORT(rasterizeFootprintsOn);
 
 void rasterizeFootprints(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
-                         std::uint32_t drawn, TilePlanes& planes, float opaque_at, Visibility& visibility) noexcept {
-  HWY_DYNAMIC_DISPATCH(rasterizeFootprintsOn)(view, voxels, shaded, drawn, planes, opaque_at, visibility);
+                         std::uint32_t drawn, TilePlanes& planes, float opacity_threshold,
+                         Visibility& visibility) noexcept {
+  HWY_DYNAMIC_DISPATCH(rasterizeFootprintsOn)(view, voxels, shaded, drawn, planes, opacity_threshold, visibility);
 }
 
 }  // namespace kiln

@@ -31,10 +31,11 @@ struct ShadedVoxels {
   VoxelAov aov[kVoxelBatch];                    // only if the tile has AOVs
 };
 
-/// Draws the voxels whose bit is set in `drawn` into `planes`. A pixel whose alpha reaches `opaque_at` (above 0) is
-/// divided by its alpha and closed. Its alpha of one then blocks all later voxels under every visibility method. A
-/// pixel's result does not depend on the tile's rectangle.
+/// Draws the voxels whose bit is set in `drawn` into `planes`. A pixel whose alpha reaches `opacity_threshold` (above
+/// 0) is divided by its alpha and closed. Its alpha of one then blocks all later voxels under every visibility method.
+/// A pixel's result does not depend on the tile's rectangle.
 void rasterizeFootprints(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
-                         std::uint32_t drawn, TilePlanes& planes, float opaque_at, Visibility& visibility) noexcept;
+                         std::uint32_t drawn, TilePlanes& planes, float opacity_threshold,
+                         Visibility& visibility) noexcept;
 
 }  // namespace kiln

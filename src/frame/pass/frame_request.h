@@ -39,21 +39,21 @@ struct FrameRequest {
   Clipping clipping;
   Background background;
   double opacity_threshold = 0.998;
-  Mode mode = Mode::kComposite;
-  Lattice lattice = Lattice::kPixel;
+  Mode mode{};
+  Lattice lattice{};
   Interpolation interpolation = Interpolation::kLinear;
   double sample_distance = kSampleDistance;  // Sampling's
-  std::optional<PixelRect> crop;             // these pixels of the whole picture are drawn; else all
+  std::optional<PixelRect> crop;             // the pixels of the whole picture to draw; all if absent
   int samples = 1;                           // sub-pixels of a pixel: 1, 2, 4 or 16
-  bool filters_rays = true;       // pixels of rays are what PixelFilter makes of them; else means of sub-pixels
+  bool filters_rays = true;       // rays: pixels are made by PixelFilter; else pixels are means of sub-pixels
   Aovs aovs;                      // planes of the image
   std::optional<DeepBound> deep;  // the image has deep samples, too; of light in slabs, samples == 1, unfiltered
-  std::optional<int> level;  // one level for the whole frame; else for each region the level with voxels of a pixel
+  std::optional<int> level;  // one level for the frame; if absent, levels with voxels of about a pixel
   Sampling sampling() const { return {level, interpolation, sample_distance, samples == 2, samples == 16}; }
   VisibilityOptions visibility;
-  int tile_px = 64;                           // as SpeedOptions has it
-  int bricks_together = kMostBricksTogether;  // drawn at a time, where several are in memory; no bit depends on it
-  int band_px = 1024;           // rows of sub-pixels drawn at a time, in steps of kVisibilityTile; no bit depends on it
+  int tile_px = 64;                           // as in SpeedOptions
+  int bricks_together = kMostBricksTogether;  // bricks in memory drawn together; no bit depends on the number
+  int band_px = 1024;  // rows of sub-pixels drawn together, in steps of kVisibilityTile; no bit depends on the number
   NodeLog* node_log = nullptr;  // requires: tile_px == 0 and a level
   EngineChoice engine() const { return {mode, lattice, !volumes.empty()}; }
   /// All of several volumes; transfer function, shading and clipping above are then ignored.

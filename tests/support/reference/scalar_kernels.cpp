@@ -22,21 +22,22 @@ void onEveryInstructionSet(const std::function<void(std::int64_t target)>& f) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
-SampledRange loadUnitScalar(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
-                            float* values) {
+SampledRange loadPatchScalar(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
+                             float* values) {
   SampledRange out;
-  const int rim = lattice.interpolation == Interpolation::kLinear ? kUnitMargin - 1 : 0;
-  const auto inner = [&](int i) { return i >= rim - kUnitMargin && i < kUnitVoxels + kUnitMargin - rim; };
+  const int rim = lattice.interpolation == Interpolation::kLinear ? kPatchMargin - 1 : 0;
+  const auto inner = [&](int i) { return i >= rim - kPatchMargin && i < kPatchVoxels + kPatchMargin - rim; };
   withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     const T* const voxels = reinterpret_cast<const T*>(block.voxels.data());
-    for (int z = -kUnitMargin; z < kUnitVoxels + kUnitMargin; ++z) {
-      for (int y = -kUnitMargin; y < kUnitVoxels + kUnitMargin; ++y, values += kUnitSamples) {
-        for (int x = -kUnitMargin; x < kUnitVoxels + kUnitMargin; ++x) {
+    for (int z = -kPatchMargin; z < kPatchVoxels + kPatchMargin; ++z) {
+      for (int y = -kPatchMargin; y < kPatchVoxels + kPatchMargin; ++y, values += kPatchStride) {
+        for (int x = -kPatchMargin; x < kPatchVoxels + kPatchMargin; ++x) {
           VoxelCoord at = {lo.x + x, lo.y + y, lo.z + z};
           for (int a = 0; a < 3; ++a) at[a] = std::clamp(at[a], block.extent.lo[a], block.extent.hi[a] - 1);
           const auto value = static_cast<double>(voxels[block.offsetOf(at)]);
-          values[x + kUnitMargin] = static_cast<float>(value - offset);
-          if (std::abs(value - offset) > 1e37) values[x + kUnitMargin] = std::copysign(1e37f, values[x + kUnitMargin]);
+          values[x + kPatchMargin] = static_cast<float>(value - offset);
+          if (std::abs(value - offset) > 1e37)
+            values[x + kPatchMargin] = std::copysign(1e37f, values[x + kPatchMargin]);
           if (!inner(x) || !inner(y) || !inner(z)) continue;
           out.values.include(value);
           out.gaps = out.gaps || std::isnan(value);

@@ -4,15 +4,15 @@
 #include <cstdint>
 #include <functional>
 
-#include "engine/pixel/unit_load.h"
+#include "engine/pixel/load_patch.h"
 
 namespace kiln::test {
 
 /// Calls f() with each instruction set that has kernels and is supported by the machine, the best set last.
 void onEveryInstructionSet(const std::function<void(std::int64_t target)>& f);
 
-/// loadUnit.
-SampledRange loadUnitScalar(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
-                            float* values);
+/// loadPatch.
+SampledRange loadPatchScalar(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
+                             float* values);
 
 }  // namespace kiln::test

@@ -184,7 +184,7 @@ void projectVoxelsScalar(const VoxelView& view, const VoxelCoord& lo, const std:
 }
 
 void layVoxelsScalar(const VoxelView& view, const ProjectedVoxels& p, const ShadedVoxels& shaded, std::uint32_t drawn,
-                     const TilePixels& tile, float opaque_at, Visibility& visibility) {
+                     const TilePixels& tile, float opacity_threshold, Visibility& visibility) {
   for (std::size_t n = 0; n < kVoxelBatch; ++n) {
     if ((drawn >> n & 1) == 0) continue;
     const float oblique = view.perspective ? std::sqrt(1 + (p.u[n] * p.u[n] + p.v[n] * p.v[n])) : 1;
@@ -204,7 +204,7 @@ void layVoxelsScalar(const VoxelView& view, const ProjectedVoxels& p, const Shad
         const float opacity = opacities[i], before = pixel[3], added = std::fma(-opacity, before, opacity);
         for (int c = 0; c < 3; ++c) pixel[c] = std::fma(added, color[c], pixel[c]);
         pixel[3] += added;
-        const bool closes = pixel[3] >= opaque_at;
+        const bool closes = pixel[3] >= opacity_threshold;
         if (tile.aovs.any()) addAovs(tile.aovs, tile.placeOf(x, y), shaded.aov[n], before, added, closes);
         if (!closes) continue;
         const float full = 1 / pixel[3];

@@ -12,6 +12,6 @@ void projectVoxelsScalar(const VoxelView& view, const VoxelCoord& lo, const std:
 
 /// rasterizeFootprints.
 void layVoxelsScalar(const VoxelView& view, const ProjectedVoxels& voxels, const ShadedVoxels& shaded,
-                     std::uint32_t drawn, const TilePixels& tile, float opaque_at, Visibility& visibility);
+                     std::uint32_t drawn, const TilePixels& tile, float opacity_threshold, Visibility& visibility);
 
 }  // namespace kiln::test

@@ -30,12 +30,12 @@ void FaultyFileSystem::makeDirectories(const fs::path& path) {
   FileSystem::makeDirectories(path);
 }
 
-void FaultyFileSystem::writeFile(const fs::path& path, std::span<const std::byte> data, WriteMode mode) {
+void FaultyFileSystem::writeFile(const fs::path& path, std::span<const std::byte> data, WritePolicy policy) {
   const Outcome outcome = nextCall();
-  if (outcome == Outcome::kWorks) return FileSystem::writeFile(path, data, mode);
+  if (outcome == Outcome::kWorks) return FileSystem::writeFile(path, data, policy);
   if (outcome == Outcome::kFails && fault_.torn_write) {
     const auto half = data.first(data.size() / 2);
-    FileSystem::writeFile(path, half, WriteMode::kUnsynced);
+    FileSystem::writeFile(path, half, WritePolicy::kUnsynced);
     const std::lock_guard lock(mutex_);
     wreckage_.emplace_back(path, std::vector<std::byte>(half.begin(), half.end()));
   }
@@ -93,7 +93,7 @@ void FaultyFileSystem::writeAt(const File& scratch, std::uint64_t offset, std::s
 void FaultyFileSystem::leaveWreckage() {
   const std::lock_guard lock(mutex_);
   for (const auto& [path, content] : wreckage_) {
-    if (fs::is_directory(path.parent_path())) FileSystem::writeFile(path, content, WriteMode::kUnsynced);
+    if (fs::is_directory(path.parent_path())) FileSystem::writeFile(path, content, WritePolicy::kUnsynced);
   }
 }
 

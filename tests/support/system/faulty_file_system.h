@@ -39,7 +39,7 @@ class FaultyFileSystem : public FileSystem {
   void leaveWreckage();
 
   void makeDirectories(const std::filesystem::path& path) override;
-  void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, WriteMode mode) override;
+  void writeFile(const std::filesystem::path& path, std::span<const std::byte> data, WritePolicy policy) override;
   void appendFile(const std::filesystem::path& path, std::span<const std::byte> data) override;
   void rename(const std::filesystem::path& from, const std::filesystem::path& to) override;
   bool exchange(const std::filesystem::path& a, const std::filesystem::path& b) override;

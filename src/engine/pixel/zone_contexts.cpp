@@ -1,4 +1,4 @@
-#include "engine/pixel/zone_frames.h"
+#include "engine/pixel/zone_contexts.h"
 
 namespace kiln {
 
@@ -7,8 +7,8 @@ ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const
           sampling.finest};
 }
 
-std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
-                                     const VolumeAppearance& look) {
+std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
+                                         const VolumeAppearance& look) {
   const Projector& projector = levels.projector(zone.level);
   const Appearance of_sample{look.shading,
                              Shader(look.shading, look.view, look.gradient_noise, projector),
@@ -16,22 +16,22 @@ std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& le
                              &levels.clipRegion(zone.level),
                              look.gradient_noise,
                              look.interpolation};
-  return std::make_unique<SlabFrame>(zone, projector, levels.dims(zone.level), levels.endVoxels(zone.level), table,
-                                     of_sample);
+  return std::make_unique<SlabContext>(zone, projector, levels.dims(zone.level), levels.endVoxels(zone.level), table,
+                                       of_sample);
 }
 
-bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
+bool anyPartIn(const SlabContext& context, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
                const RectTest& test) {
-  if (!frame.interesting(entry.support)) return false;
+  if (!context.interesting(entry.support)) return false;
   const auto passes = [&](const VoxelBox& samples) {
-    if (frame.cutOff(samples)) return false;
-    const PixelRect rect = frame.boundsOf(samples);
+    if (context.cutOff(samples)) return false;
+    const PixelRect rect = context.boundsOf(samples);
     return !rect.empty() && test(rect);
   };
   if (!entry.sub_ranges) return passes(core);
   const SubRanges& ranges = *entry.sub_ranges;
   return ranges.any([&](std::size_t i, const VoxelCoord& at) {
-    return frame.interesting(ranges.at(i, entry.support)) && passes(subBrickOf(core, brick_size, ranges.along(), at));
+    return context.interesting(ranges.at(i, entry.support)) && passes(subBrickOf(core, brick_size, ranges.along(), at));
   });
 }
 

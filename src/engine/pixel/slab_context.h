@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "engine/pixel/load_patch.h"
 #include "engine/pixel/sample_table.h"
-#include "engine/pixel/unit_load.h"
 #include "engine/shared/end_voxels.h"
 #include "engine/shared/gradient_opacity.h"
 #include "engine/shared/shade.h"
@@ -26,11 +26,12 @@ struct Appearance {
 };
 
 /// A zone of slabs with its level, table and appearance.
-class SlabFrame {
+class SlabContext {
  public:
-  /// requires: all arguments outlive the frame; `projector` belongs to the zone's level, `dims` are the level's voxels.
-  SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
-            const SampleTable& table, const Appearance& look);
+  /// requires: all arguments outlive the context; `projector` belongs to the zone's level, `dims` are the level's
+  /// voxels.
+  SlabContext(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
+              const SampleTable& table, const Appearance& look);
 
   const SlabZone& zone() const { return zone_; }
   const Projector& projector() const { return projector_; }
@@ -73,6 +74,6 @@ struct SlabCell {
 
 /// Returns the cells of the brick that the transfer function shows, front to back. cost: one range test per cell; a
 /// cubic also reads the voxels of cells next to a visible cell.
-std::vector<SlabCell> visibleCells(const SlabFrame& frame, const BrickBlock& block);
+std::vector<SlabCell> visibleCells(const SlabContext& context, const BrickBlock& block);
 
 }  // namespace kiln

@@ -1,18 +1,18 @@
-#include "engine/pixel/cast_cells.h"
+#include "engine/pixel/ray_caster.h"
 
 #include <bit>
 #include <memory>
 
-#include "engine/pixel/cast_cell.h"
+#include "engine/pixel/cast_rays_in_cell.h"
 #include "engine/pixel/label_voxels.h"
-#include "engine/pixel/unit_load.h"
+#include "engine/pixel/load_patch.h"
 
 namespace kiln {
 namespace {
 
 // Prefetches the rows of a cell, which lie far apart in a brick's memory.
 void fetch(const BrickBlock& block, const VoxelBox& cell) {
-  const VoxelBox box = intersection(dilated(cell, kUnitMargin), block.extent);
+  const VoxelBox box = intersection(dilated(cell, kPatchMargin), block.extent);
   const auto bytes = static_cast<std::int64_t>(sizeOf(block.type));
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
     for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
@@ -28,18 +28,18 @@ struct SeenCell {
   PixelRect rect;
 };
 
-class Casting {
+class RayCaster {
  public:
-  Casting(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, const TilePixels& tile,
-          Visibility& visibility, float opaque_at, SlabSums* sums, DrawCounts& counts)
+  RayCaster(const RaySampling& rays, const SlabContext& context, const BrickBlock& block, const TilePixels& tile,
+            Visibility& visibility, float opacity_threshold, SlabSums* sums, DrawCounts& counts)
       : rays_(rays),
-        frame_(frame),
+        context_(context),
         block_(block),
         tile_(tile),
         visibility_(visibility),
-        opaque_at_(opaque_at),
+        opacity_threshold_(opacity_threshold),
         sums_(sums),
-        part_(frame.look().clip->part()),
+        part_(context.look().clip->part()),
         counts_(counts) {}
 
   // Prefetches a cell while the cell before it is cast; that cell may hide the next.
@@ -66,11 +66,11 @@ class Casting {
   void cast(const SeenCell& seen) {
     if (seen.cell == nullptr || visibility_.hidden(seen.rect)) return;
     const VoxelBox& box = seen.cell->box;
-    alignas(64) float values[CellInput::kReadEdge * CellInput::kPlane + kUnitSamples];
+    alignas(64) float values[CellInput::kReadEdge * CellInput::kPlane + kPatchStride];
     CellInput in;
-    if (!(frame_.table().ofLabels() ? loadLabelsOf(box, in) : loadValuesOf(box, values, in))) return;
+    if (!(context_.table().ofLabels() ? loadLabelsOf(box, in) : loadValuesOf(box, values, in))) return;
     for (int a = 0; a < 3; ++a) {
-      const bool last = box.hi[a] == frame_.dims()[a];
+      const bool last = box.hi[a] == context_.dims()[a];
       in.lo[a] = static_cast<float>(box.lo[a] - rays_.anchor[a]) - 1.0f;
       in.corner[a] = static_cast<double>(box.lo[a]) - 0.5;
       in.end[a] = last ? rays_.volume_hi[a] : static_cast<double>(box.hi[a]) - 0.5;
@@ -82,7 +82,7 @@ class Casting {
     // Several volumes are composited in single slabs.
     in.in_pairs = in.in_pairs && sums_ == nullptr;
     CellOutput out;
-    castCell(rays_, frame_, in, tile_, opaque_at_, samples_, out);
+    castRaysInCell(rays_, context_, in, tile_, opacity_threshold_, samples_, out);
     counts_.visited += out.shown, counts_.splats += out.samples;
     counts_.changed = counts_.changed || out.samples > 0;
     for (int y = 0; y < in.rect.height(); ++y) {
@@ -92,29 +92,29 @@ class Casting {
   }
 
   bool loadValuesOf(const VoxelBox& box, float* values, CellInput& in) const {
-    const SampledRange range = loadUnit(block_, frame_.lattice(), frame_.table().offset(), box.lo, values);
+    const SampledRange range = loadPatch(block_, context_.lattice(), context_.table().offset(), box.lo, values);
     in.values = values;
     in.gaps = range.gaps;
-    in.in_pairs = frame_.inPairs(range);
-    if (!range.values.empty()) in.color = frame_.table().oneColor(range.values);
+    in.in_pairs = context_.inPairs(range);
+    if (!range.values.empty()) in.color = context_.table().oneColor(range.values);
     return true;
   }
   // Returns false if no label is visible.
   bool loadLabelsOf(const VoxelBox& box, CellInput& in) {
     if (!labels_) labels_ = std::make_unique_for_overwrite<LabelVoxels>();
-    const LabelsAround around = loadLabels(block_, frame_.lattice(), box.lo, frame_.table(), *labels_);
+    const LabelsAround around = loadLabels(block_, context_.lattice(), box.lo, context_.table(), *labels_);
     in.values = labels_->opacities, in.labels = labels_->ranks;
     // Along a ray a single label looks uniform.
     in.one_label = in.in_pairs = around == LabelsAround::kOne;
     return around != LabelsAround::kNone;
   }
 
-  const RaySlabs& rays_;
-  const SlabFrame& frame_;
+  const RaySampling& rays_;
+  const SlabContext& context_;
   const BrickBlock& block_;
   const TilePixels& tile_;
   Visibility& visibility_;
-  const float opaque_at_;
+  const float opacity_threshold_;
   SlabSums* const sums_;  // null if samples are composited at once
   const ClipRegion::Part& part_;
   DrawCounts& counts_;
@@ -124,14 +124,16 @@ class Casting {
 
 }  // namespace
 
-void castCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
-               const TilePixels& tile, Visibility& visibility, float opaque_at, DrawCounts& counts) {
-  Casting(rays, frame, block, tile, visibility, opaque_at, nullptr, counts).run(cells);
+void castRays(const RaySampling& rays, const SlabContext& context, const BrickBlock& block,
+              std::span<const SlabCell> cells, const TilePixels& tile, Visibility& visibility, float opacity_threshold,
+              DrawCounts& counts) {
+  RayCaster(rays, context, block, tile, visibility, opacity_threshold, nullptr, counts).run(cells);
 }
 
-void sumCells(const RaySlabs& rays, const SlabFrame& frame, const BrickBlock& block, std::span<const SlabCell> cells,
-              const TilePixels& tile, Visibility& visibility, SlabSums& sums, DrawCounts& counts) {
-  Casting(rays, frame, block, tile, visibility, 1, &sums, counts).run(cells);
+void sumCells(const RaySampling& rays, const SlabContext& context, const BrickBlock& block,
+              std::span<const SlabCell> cells, const TilePixels& tile, Visibility& visibility, SlabSums& sums,
+              DrawCounts& counts) {
+  RayCaster(rays, context, block, tile, visibility, 1, &sums, counts).run(cells);
 }
 
 }  // namespace kiln

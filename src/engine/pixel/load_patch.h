@@ -7,12 +7,12 @@
 namespace kiln {
 
 /// Edge of a cell. unit: voxels.
-inline constexpr int kUnitVoxels = 8;
+inline constexpr int kPatchVoxels = 8;
 /// Margin read around a cell: a voxel for linear interpolation and a voxel for the gradient, or two for a cubic and the
 /// gradient. unit: voxels.
-inline constexpr int kUnitMargin = 2;
+inline constexpr int kPatchMargin = 2;
 /// Distance of rows in the dense array: a row is whole vectors. unit: floats.
-inline constexpr int kUnitSamples = 16;
+inline constexpr int kPatchStride = 16;
 
 /// Range of the voxels that samples interpolate.
 struct SampledRange {
@@ -22,10 +22,10 @@ struct SampledRange {
 
 /// Loads a cell and its margin into `values`, with `offset` subtracted. Returns the range of the voxels that the cell's
 /// samples interpolate. `lo` is the cell's first voxel. Voxels outside the brick, which none of its samples needs,
-/// repeat the nearest voxel. shape: `values` has kUnitVoxels + 2 kUnitMargin voxels along each axis, rows of
-/// kUnitSamples, 64-byte aligned. requires: for types of up to 16 bits, `offset` is a whole number.
-SampledRange loadUnit(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
-                      float* values);
+/// repeat the nearest voxel. shape: `values` has kPatchVoxels + 2 kPatchMargin voxels along each axis, rows of
+/// kPatchStride, 64-byte aligned. requires: for types of up to 16 bits, `offset` is a whole number.
+SampledRange loadPatch(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
+                       float* values);
 
 /// Name of the instruction set in use, such as "AVX3".
 const char* instructionSet();

@@ -1,11 +1,11 @@
-#include "engine/pixel/ray_slabs.h"
+#include "engine/pixel/ray_sampling.h"
 
 #include <cmath>
 
 namespace kiln {
 
-RaySlabs::RaySlabs(const std::vector<SlabZone>& zones, std::size_t i, const Projector& projector, const Extent3& dims,
-                   const EndVoxels& ends, bool in_quincunx)
+RaySampling::RaySampling(const std::vector<SlabZone>& zones, std::size_t i, const Projector& projector,
+                         const Extent3& dims, const EndVoxels& ends, bool in_quincunx)
     : quincunx(in_quincunx) {
   const SlabZone& zone = zones[i];
   end = zone.slabs;

@@ -15,7 +15,7 @@ namespace kiln {
 
 /// The middle of slab k on the ray of pixel (x, y) is at place + (k - middle) · step; place and step are linear in x
 /// and y. Pixels are counted from the image's centre, positions from the voxel `anchor`. unit: voxels.
-struct RaySlabs {
+struct RaySampling {
   /// A vector linear over the image: centre + x · along_x + y · along_y.
   struct Linear {
     glm::vec3 centre{0}, along_x{0}, along_y{0};
@@ -23,8 +23,8 @@ struct RaySlabs {
 
   /// Rays of the i-th zone of a frame. requires: `projector` belongs to the zone's level, `dims` are the level's
   /// voxels.
-  RaySlabs(const std::vector<SlabZone>& zones, std::size_t i, const Projector& projector, const Extent3& dims,
-           const EndVoxels& ends, bool in_quincunx = false);
+  RaySampling(const std::vector<SlabZone>& zones, std::size_t i, const Projector& projector, const Extent3& dims,
+              const EndVoxels& ends, bool in_quincunx = false);
 
   /// First pixel from x on in row y that has a ray; rayStride() is the distance to the next (Sampling::quincunx).
   int firstRay(int x, int y) const { return quincunx ? x + ((x + y) & 1) : x; }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/brick_selection.h"
-#include "engine/pixel/slab_frame.h"
+#include "engine/pixel/slab_context.h"
 #include "engine/shared/tile_pixels.h"
 #include "engine/shared/volume_appearance.h"
 #include "scene/sampling.h"
@@ -17,12 +17,12 @@ namespace kiln {
 ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const Sampling& sampling);
 
 /// requires: all outlive the result.
-std::unique_ptr<SlabFrame> zoneFrame(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
-                                     const VolumeAppearance& look);
+std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
+                                         const VolumeAppearance& look);
 
-/// Implements VisiblePart for a brick with the voxels of `core` in the frame's zone; parts are sub-bricks
+/// Implements VisiblePart for a brick with the voxels of `core` in the context's zone; parts are sub-bricks
 /// (store/ranges/sub_bricks.h).
-bool anyPartIn(const SlabFrame& frame, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
+bool anyPartIn(const SlabContext& context, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
                const RectTest& test);
 
 /// Splits the tile into squares of at most kSquareEdge pixels. A tile's pixels are closed by one thread at a time.

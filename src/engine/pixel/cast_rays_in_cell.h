@@ -14,10 +14,10 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-#include "engine/pixel/ray_slabs.h"
-#include "engine/pixel/slab_frame.h"
+#include "engine/pixel/load_patch.h"
+#include "engine/pixel/ray_sampling.h"
+#include "engine/pixel/slab_context.h"
 #include "engine/pixel/slab_sums.h"
-#include "engine/pixel/unit_load.h"
 #include "engine/shared/tile_pixels.h"
 #include "image/pixel_rect.h"
 #include "scene/clip_region.h"
@@ -27,8 +27,8 @@ namespace kiln {
 /// Input: a cell of a brick in a tile.
 struct CellInput {
   /// Edge of the voxels read for a cell (with margin); distance of the planes of voxels. unit: voxels.
-  static constexpr int kReadEdge = kUnitVoxels + 2 * kUnitMargin, kPlane = kReadEdge * kUnitSamples;
-  const float* values = nullptr;           // from loadUnit; opacities for labels
+  static constexpr int kReadEdge = kPatchVoxels + 2 * kPatchMargin, kPlane = kReadEdge * kPatchStride;
+  const float* values = nullptr;           // from loadPatch; opacities for labels
   const std::int32_t* labels = nullptr;    // label volume: LabelVoxels::ranks
   glm::vec3 lo;                            // voxel before the cell's first voxel. unit: voxels from the anchor
   glm::dvec3 corner, end;                  // begin and end of the cell in index space
@@ -82,8 +82,8 @@ struct CellOutput {
 };
 
 /// Adds the cell's light to the tile, or to the sums. Closed pixels have an alpha of one; the visibility structure is
-/// not updated. requires: as castCells.
-void castCell(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile,
-              float opaque_at, CellSamples& samples, CellOutput& out);
+/// not updated. requires: as castRays.
+void castRaysInCell(const RaySampling& rays, const SlabContext& context, const CellInput& in, const TilePixels& tile,
+                    float opacity_threshold, CellSamples& samples, CellOutput& out);
 
 }  // namespace kiln

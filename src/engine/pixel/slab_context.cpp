@@ -1,4 +1,4 @@
-#include "engine/pixel/slab_frame.h"
+#include "engine/pixel/slab_context.h"
 
 #include <algorithm>
 #include <cmath>
@@ -66,8 +66,8 @@ ValueRange supportsAround(const CellSupports& supports, int x, int y, int z) {
 
 }  // namespace
 
-SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
-                     const SampleTable& table, const Appearance& look)
+SlabContext::SlabContext(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
+                         const SampleTable& table, const Appearance& look)
     : zone_(zone),
       projector_(projector),
       dims_(dims),
@@ -82,19 +82,19 @@ SlabFrame::SlabFrame(const SlabZone& zone, const Projector& projector, const Ext
 }
 
 // A sample extends across faces: up to half of a sample may be inside although the middle is outside.
-bool SlabFrame::cutOff(const VoxelBox& samples) const {
+bool SlabContext::cutOff(const VoxelBox& samples) const {
   return !look_.clip->part().touches(samples) ||
          look_.clip->classify(dilated(samples, 1)) == ClipRegion::Overlap::kOutside;
 }
 
-bool SlabFrame::inPairs(const SampledRange& range) const {
+bool SlabContext::inPairs(const SampledRange& range) const {
   if (range.gaps || look_.gradient_opacity.active()) return false;
   // Voxels that are not soft have several samples for a reason.
   const bool near = 2 * zone_.thickness <= shortest_edge_ * (1 + 1e-9);
   return near && table_.soft(range.values, voxel_length_ / kPairChange, false);
 }
 
-PixelRect SlabFrame::boundsOf(const VoxelBox& box) const {
+PixelRect SlabContext::boundsOf(const VoxelBox& box) const {
   const ViewBox at(projector_, box);
   if (at.farthest < zone_.near || at.nearest >= zone_.far) return {};
   // Without clipping, a box beside the eye would cover the whole picture.
@@ -109,30 +109,30 @@ PixelRect SlabFrame::boundsOf(const VoxelBox& box) const {
   return {first(seen.x0), first(seen.y0), end(seen.x1), end(seen.y1)};
 }
 
-std::vector<SlabCell> visibleCells(const SlabFrame& frame, const BrickBlock& block) {
+std::vector<SlabCell> visibleCells(const SlabContext& context, const BrickBlock& block) {
   std::vector<SlabCell> out;
   const int n = block.supports.edge();
   // Cubic kernels and intervals of a coarser level reach one voxel beyond the supports stored with a brick.
-  const SampleLattice& l = frame.lattice();
+  const SampleLattice& l = context.lattice();
   const bool farther = l.interpolation != Interpolation::kLinear || l.integral != nullptr;
   std::array<std::vector<std::uint8_t>, 3> order;
   for (int a = 0; a < 3; ++a) {
     std::vector<std::uint8_t>& along = order[static_cast<std::size_t>(a)];
     along.resize(static_cast<std::size_t>(n));
-    frame.projector().order().axisOrder(a, block.core.lo[a] - kCellSize, n, along.data(), kCellSize);
+    context.projector().order().axisOrder(a, block.core.lo[a] - kCellSize, n, along.data(), kCellSize);
   }
   for (const int z : order[2]) {
     for (const int y : order[1]) {
       for (const int x : order[0]) {
-        const bool near = frame.interesting(block.supports.at(x, y, z));
-        if (!near && !(farther && frame.interesting(supportsAround(block.supports, x, y, z)))) continue;
+        const bool near = context.interesting(block.supports.at(x, y, z));
+        if (!near && !(farther && context.interesting(supportsAround(block.supports, x, y, z)))) continue;
         const VoxelCoord lo = {block.core.lo.x + (x - 1) * kCellSize, block.core.lo.y + (y - 1) * kCellSize,
                                block.core.lo.z + (z - 1) * kCellSize};
         SlabCell cell{intersection({lo, {lo.x + kCellSize, lo.y + kCellSize, lo.z + kCellSize}}, block.core), {}};
-        if (cell.box.empty() || frame.cutOff(cell.box)) continue;
-        const VoxelBox support = intersection(dilated(cell.box, kUnitMargin), block.extent);
-        if (!near && !frame.interesting(rangeOf(block.voxels, block.type, block.extent, support))) continue;
-        cell.rect = frame.boundsOf(cell.box);
+        if (cell.box.empty() || context.cutOff(cell.box)) continue;
+        const VoxelBox support = intersection(dilated(cell.box, kPatchMargin), block.extent);
+        if (!near && !context.interesting(rangeOf(block.voxels, block.type, block.extent, support))) continue;
+        cell.rect = context.boundsOf(cell.box);
         if (!cell.rect.empty()) out.push_back(cell);
       }
     }

@@ -1,4 +1,4 @@
-#include "engine/pixel/unit_load.h"
+#include "engine/pixel/load_patch.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "engine/pixel/unit_load.cpp"
+#define HWY_TARGET_INCLUDE "engine/pixel/load_patch.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -17,8 +17,8 @@ namespace {
 
 // Offsets of voxel rows: row (j, k) begins at data + y[j] + z[k] + x[0].
 struct UnitRows {
-  static constexpr int kEdge = kUnitVoxels + 2 * kUnitMargin;
-  std::array<std::int64_t, kUnitSamples> x;
+  static constexpr int kEdge = kPatchVoxels + 2 * kPatchMargin;
+  std::array<std::int64_t, kPatchStride> x;
   std::array<std::int64_t, kEdge> y, z;
   int rim;  // outer voxels that only gradients read
   bool inner(int j, int k) const { return j >= rim && j < kEdge - rim && k >= rim && k < kEdge - rim; }
@@ -46,22 +46,22 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Loads rows in whole vectors, for types of at most 16 bits, and their range column by column. requires: kUnitSamples
+// Loads rows in whole vectors, for types of at most 16 bits, and their range column by column. requires: kPatchStride
 // voxels from the start of each row are readable.
 template <class T>
 SampledRange loadVectors(const UnitRows& rows, const T* data, int offset, float* values) {
-  const hn::CappedTag<std::int32_t, kUnitSamples> di;
+  const hn::CappedTag<std::int32_t, kPatchStride> di;
   const hn::RebindToFloat<decltype(di)> d;
   const hn::Rebind<T, decltype(di)> dt;
   const auto shift = hn::Set(di, offset);
-  alignas(64) std::int32_t least[kUnitSamples], most[kUnitSamples];
+  alignas(64) std::int32_t least[kPatchStride], most[kPatchStride];
   for (std::size_t x = 0; x < static_cast<std::size_t>(UnitRows::kEdge); x += hn::Lanes(di)) {
     auto lo = hn::Set(di, std::numeric_limits<std::int32_t>::max());
     auto hi = hn::Set(di, std::numeric_limits<std::int32_t>::lowest());
     float* to = values + x;
     for (int k = 0; k < UnitRows::kEdge; ++k) {
       const T* const plane = data + rows.z[static_cast<std::size_t>(k)] + rows.x[0] + x;
-      for (int j = 0; j < UnitRows::kEdge; ++j, to += kUnitSamples) {
+      for (int j = 0; j < UnitRows::kEdge; ++j, to += kPatchStride) {
         const auto v = hn::PromoteTo(di, hn::LoadU(dt, plane + rows.y[static_cast<std::size_t>(j)]));
         hn::Store(hn::ConvertTo(d, hn::Sub(v, shift)), d, to);
         if (!rows.inner(j, k)) continue;
@@ -139,11 +139,11 @@ double withinFloats(double value) {
 // Loads voxel by voxel: any type, and at the brick's ends.
 template <class T>
 SampledRange loadVoxels(const UnitRows& rows, const T* data, double offset, float* values) {
-  std::array<float, kUnitSamples> least, most;
-  std::array<bool, kUnitSamples> gaps{};
+  std::array<float, kPatchStride> least, most;
+  std::array<bool, kPatchStride> gaps{};
   least.fill(std::numeric_limits<float>::max()), most.fill(std::numeric_limits<float>::lowest());
   for (int k = 0; k < UnitRows::kEdge; ++k) {
-    for (int j = 0; j < UnitRows::kEdge; ++j, values += kUnitSamples) {
+    for (int j = 0; j < UnitRows::kEdge; ++j, values += kPatchStride) {
       const T* const from = data + rows.z[static_cast<std::size_t>(k)] + rows.y[static_cast<std::size_t>(j)];
       for (int i = 0; i < UnitRows::kEdge; ++i) {
         const double value = static_cast<double>(from[rows.x[static_cast<std::size_t>(i)]]) - offset;
@@ -163,14 +163,14 @@ SampledRange loadVoxels(const UnitRows& rows, const T* data, double offset, floa
 
 }  // namespace
 
-SampledRange loadUnit(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
-                      float* values) {
+SampledRange loadPatch(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
+                       float* values) {
   const VoxelBox& has = block.extent;
   UnitRows rows;
   // Linear interpolation reads the outermost voxels only for gradients.
   rows.rim = lattice.interpolation == Interpolation::kLinear ? 1 : 0;
   const Extent3 size = has.extent();
-  const auto from = [&](int axis) { return lo[axis] - kUnitMargin - has.lo[axis]; };
+  const auto from = [&](int axis) { return lo[axis] - kPatchMargin - has.lo[axis]; };
   placesFrom(from(0), UnitRows::kEdge, size.x, 1, rows.x.data());
   placesFrom(from(1), UnitRows::kEdge, size.y, block.strideY(), rows.y.data());
   placesFrom(from(2), UnitRows::kEdge, size.z, block.strideZ(), rows.z.data());
@@ -180,7 +180,7 @@ SampledRange loadUnit(const BrickBlock& block, const SampleLattice& lattice, dou
   return withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     const T* const data = block.data<T>();
     if constexpr (sizeof(T) <= 2) {
-      if (last_x - rows.x[0] == UnitRows::kEdge - 1 && last_row + kUnitSamples <= size.x * size.y * size.z)
+      if (last_x - rows.x[0] == UnitRows::kEdge - 1 && last_row + kPatchStride <= size.x * size.y * size.z)
         return loadWhole(rows, data, static_cast<int>(offset), values);
     }
     return loadVoxels(rows, data, offset, values);

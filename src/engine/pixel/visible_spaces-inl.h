@@ -18,8 +18,8 @@
 #include <cstring>
 #include <limits>
 
+#include "engine/pixel/load_patch.h"
 #include "engine/pixel/sample_lattice.h"
-#include "engine/pixel/unit_load.h"
 #include "engine/shared/sample_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -29,7 +29,7 @@ namespace {
 
 // One bit per space between two voxels along each axis, from the voxel before a cell on: bit x of byte y of word z.
 // There are nine spaces per axis; the last two share a bit, so that eight planes form a vector.
-constexpr int kSpaces = kUnitVoxels;
+constexpr int kSpaces = kPatchVoxels;
 using Spaces = std::array<std::uint64_t, kSpaces>;
 
 // Stores the mask at bit x of sixteen.
@@ -49,10 +49,10 @@ struct VoxelBits {
   static constexpr std::size_t kBytes = 16;  // rows of a plane, padded
   std::uint16_t rows[kSpaceRows][kBytes] = {};
 };
-// Offset of a row of voxels. shape: as loadUnit's `values`.
+// Offset of a row of voxels. shape: as loadPatch's `values`.
 constexpr std::ptrdiff_t rowOfVoxels(int y, int z) {
-  constexpr int kFirst = kUnitMargin - 1, kEdge = kUnitVoxels + 2 * kUnitMargin;
-  return ((z + kFirst) * kEdge + y + kFirst) * kUnitSamples + kFirst;
+  constexpr int kFirst = kPatchMargin - 1, kEdge = kPatchVoxels + 2 * kPatchMargin;
+  return ((z + kFirst) * kEdge + y + kFirst) * kPatchStride + kFirst;
 }
 
 // Returns the spaces with a set voxel at a corner: combines neighbours along x, then y, then z.
@@ -75,8 +75,8 @@ HWY_INLINE Spaces spacesAround(const VoxelBits& voxels) {
   return out;
 }
 
-// Returns the spaces in which samples may be visible. shape: `values` as loadUnit's.
-HWY_INLINE Spaces shownSpaces(const SampleLattice& l, const float* values) {
+// Returns the spaces in which samples may be visible. shape: `values` as loadPatch's.
+HWY_INLINE Spaces visibleSpaces(const SampleLattice& l, const float* values) {
   const D d;
   constexpr float kFar = std::numeric_limits<float>::infinity();
   // For each row of voxels: masks of the voxels above the least visible position and below the greatest. Values beyond
@@ -89,7 +89,7 @@ HWY_INLINE Spaces shownSpaces(const SampleLattice& l, const float* values) {
     for (int y = 0; y < kSpaceRows; ++y) {
       const float* const row = values + rowOfVoxels(y, z);
       std::uint8_t bits[2][8] = {};
-      for (std::size_t x = 0; x < kUnitSamples; x += hn::Lanes(d)) {
+      for (std::size_t x = 0; x < kPatchStride; x += hn::Lanes(d)) {
         const V place = hn::Mul(hn::LoadU(d, row + x), scale);
         addBits(hn::Gt(place, begin), x, bits[0]);
         addBits(hn::Lt(place, end), x, bits[1]);
@@ -112,7 +112,7 @@ HWY_INLINE Spaces labelledSpaces(const std::int32_t* ranks) {
     for (int y = 0; y < kSpaceRows; ++y) {
       const std::int32_t* const row = ranks + rowOfVoxels(y, z);
       std::uint8_t bits[8] = {};
-      for (std::size_t x = 0; x < kUnitSamples; x += hn::Lanes(di))
+      for (std::size_t x = 0; x < kPatchStride; x += hn::Lanes(di))
         addBits(hn::RebindMask(D(), hn::Gt(hn::LoadU(di, row + x), hn::Set(di, -1))), x, bits);
       std::memcpy(&shown.rows[z][y], bits, 2);
     }

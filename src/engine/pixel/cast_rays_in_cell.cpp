@@ -1,4 +1,4 @@
-#include "engine/pixel/cast_cell.h"
+#include "engine/pixel/cast_rays_in_cell.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "engine/pixel/slab_layer.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "engine/pixel/cast_cell.cpp"
+#define HWY_TARGET_INCLUDE "engine/pixel/cast_rays_in_cell.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -27,18 +27,18 @@ namespace {
 template <class Field, bool kGaps>
 class CellCaster {
  public:
-  CellCaster(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile, float opaque_at,
-             CellSamples& samples, CellOutput& out)
+  CellCaster(const RaySampling& rays, const SlabContext& context, const CellInput& in, const TilePixels& tile,
+             float opacity_threshold, CellSamples& samples, CellOutput& out)
       : r_(rays),
-        frame_(frame),
-        l_(frame.lattice()),
+        context_(context),
+        l_(context.lattice()),
         in_(in),
         tile_(tile),
-        opaque_at_(opaque_at),
-        finishes_(frame.detailed()),
+        opacity_threshold_(opacity_threshold),
+        finishes_(context.detailed()),
         derives_(finishes_ || tile.aovs.any()),
-        p_(rays, frame.lattice(), in, tile),
-        field_(frame.lattice(), in, samples),
+        p_(rays, context.lattice(), in, tile),
+        field_(context.lattice(), in, samples),
         s_(samples),
         out_(out) {}
 
@@ -81,12 +81,12 @@ class CellCaster {
       for (int a = 0; a < 3; ++a) {
         const V at = p_.indexOf(a, w, in_.lo[a]);
         // Rounding may put a sample just outside the cell.
-        const V inside = hn::Min(hn::Max(at, hn::Set(d, 0.5f)), hn::Set(d, kUnitVoxels + 0.5f));
+        const V inside = hn::Min(hn::Max(at, hn::Set(d, 0.5f)), hn::Set(d, kPatchVoxels + 0.5f));
         voxel[a] = hn::ConvertTo(di, inside);
         hn::Store(hn::Sub(inside, hn::ConvertTo(d, voxel[a])), d, s_.fraction[a] + n);
       }
-      const VI row = hn::Add(hn::Mul(voxel[2], hn::Set(di, kPlane)), hn::Mul(voxel[1], hn::Set(di, kUnitSamples)));
-      const VI first = hn::Set(di, (kPlane + kUnitSamples + 1) * (kUnitMargin - 1));
+      const VI row = hn::Add(hn::Mul(voxel[2], hn::Set(di, kPlane)), hn::Mul(voxel[1], hn::Set(di, kPatchStride)));
+      const VI first = hn::Set(di, (kPlane + kPatchStride + 1) * (kPatchMargin - 1));
       hn::Store(hn::Add(hn::Add(row, voxel[0]), first), di, s_.offset + n);
     }
   }
@@ -129,7 +129,7 @@ class CellCaster {
       const float* const at = in_.values + s_.offset[n + lane] - 1;
       const auto y = hn::Set(d4, s_.fraction[1][n + lane]), z = hn::Set(d4, s_.fraction[2][n + lane]);
       for (std::size_t i = 0; i < 4; i += hn::Lanes(d4)) {
-        const auto row = [&](int dy, int dz) { return hn::LoadU(d4, at + dz * kPlane + dy * kUnitSamples + i); };
+        const auto row = [&](int dy, int dz) { return hn::LoadU(d4, at + dz * kPlane + dy * kPatchStride + i); };
         const auto through = [&](int dy, int dz) {
           return mix(d4, mix(d4, row(dy, dz), row(dy, dz + 1), z), mix(d4, row(dy + 1, dz), row(dy + 1, dz + 1), z), y);
         };
@@ -192,8 +192,8 @@ class CellCaster {
       const SampleSite site = siteOf(n + i);
       glm::dvec3 along;
       for (int a = 0; a < 3; ++a) along[a] = static_cast<double>(steps[a][i] * slabs[i]);
-      const auto share = static_cast<float>(frame_.look().clip->shareOf(site.index, along));
-      taus[i] = share * finishedExtinction(frame_.look(), taus[i], site);
+      const auto share = static_cast<float>(context_.look().clip->shareOf(site.index, along));
+      taus[i] = share * finishedExtinction(context_.look(), taus[i], site);
     }
     return hn::Load(d, taus);
   }
@@ -204,7 +204,7 @@ class CellCaster {
       out.index[a] = static_cast<double>(r_.anchor[a]) + static_cast<double>(s_.index_place[a][n]);
     out.gradient = {s_.slope[0][n], s_.slope[1][n], s_.slope[2][n]};
     if (!std::isfinite(out.gradient.x + out.gradient.y + out.gradient.z)) out.gradient = glm::vec3(0);
-    out.view = frame_.projector().viewOfIndex(out.index);
+    out.view = context_.projector().viewOfIndex(out.index);
     return out;
   }
 
@@ -219,7 +219,7 @@ class CellCaster {
       float& alpha = p_.pixelOf(pixel)[3];
       // The weight is 0 if the pixel is closed. Branches on opacity or closing would be unpredictable.
       const float before = alpha, opacity = s_.opacity[n], weight = (1 - before) * opacity, after = before + weight;
-      const bool closes = (after >= opaque_at_) & (before != 1.0f);
+      const bool closes = (after >= opacity_threshold_) & (before != 1.0f);
       alpha = after;
       s_.weight[n] = weight;
       s_.opacity[n] = before;
@@ -261,7 +261,7 @@ class CellCaster {
       const float depth = s_.weight[n] = s_.opacity[n];
       if (derives_ && in_.sums->hasNormals() && depth > 0) {
         const CellPlaces::Place at = p_.placeOf(s_.kept_code[n]);
-        in_.sums->addNormal(at.slab, at.x, at.y, depth * finishedNormal(frame_.look(), siteOf(n)));
+        in_.sums->addNormal(at.slab, at.x, at.y, depth * finishedNormal(context_.look(), siteOf(n)));
       }
     }
     keepSeen();
@@ -269,7 +269,7 @@ class CellCaster {
 
   HWY_NOINLINE void addAovs(std::size_t n, std::int32_t pixel, float before, float weight, float opacity, bool closes) {
     const SampleSite site = siteOf(n);
-    const SlabZone& zone = frame_.zone();
+    const SlabZone& zone = context_.zone();
     SlabLayer layer;
     layer.before = before;
     layer.added = weight;
@@ -277,7 +277,7 @@ class CellCaster {
     layer.opacity = opacity;
     layer.middle = site.view.z;
     layer.thickness = (s_.kept_code[n] >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
-    const glm::vec3 normal = finishedNormal(frame_.look(), site);
+    const glm::vec3 normal = finishedNormal(context_.look(), site);
     for (int a = 0; a < 3; ++a) layer.normal[a] = weight * normal[a];
     addLayer(layer, tile_.aovs, p_.pixelPlace(pixel));
   }
@@ -347,14 +347,14 @@ class CellCaster {
   // Adds light as `light` does, and stores each sample as a deep sample. A sample that closes its pixel includes the
   // effect of the division by alpha.
   HWY_NOINLINE void addDeep(std::size_t n, std::size_t count) {
-    const SlabZone& zone = frame_.zone();
+    const SlabZone& zone = context_.zone();
     const auto depthOf = [&](int slab) { return static_cast<float>(zone.near + slab * zone.thickness); };
     for (std::size_t i = 0; i < count; ++i) {
       const std::int32_t code = s_.kept_code[n + i];
       float* const to = p_.pixelOf(code & CellPlaces::kPixel);
       float before[4] = {0, 0, 0, s_.opacity[n + i]}, after[4] = {0, 0, 0, before[3] + s_.weight[n + i]};
       for (int c = 0; c < 3; ++c) before[c] = to[c], after[c] = to[c] = to[c] + s_.rows[0][4 * i + c];
-      if (const float alpha = after[3]; alpha >= opaque_at_) {
+      if (const float alpha = after[3]; alpha >= opacity_threshold_) {
         for (float& channel : after) channel /= alpha;
       }
       const CellPlaces::Place at = p_.placeOf(code);
@@ -373,7 +373,7 @@ class CellCaster {
   HWY_NOINLINE void finishColors(std::size_t n, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
       float* const rgba = s_.rows[0] + 4 * i;
-      const Color color = finishedColor(frame_.look(), {rgba[0], rgba[1], rgba[2], rgba[3]}, siteOf(n + i));
+      const Color color = finishedColor(context_.look(), {rgba[0], rgba[1], rgba[2], rgba[3]}, siteOf(n + i));
       rgba[0] = color.r, rgba[1] = color.g, rgba[2] = color.b;
     }
   }
@@ -384,12 +384,12 @@ class CellCaster {
     return LinearCellField<kGaps>::mix(d, a, b, t);
   }
 
-  const RaySlabs& r_;
-  const SlabFrame& frame_;
+  const RaySampling& r_;
+  const SlabContext& context_;
   const SampleLattice& l_;
   const CellInput& in_;
   const TilePixels& tile_;
-  const float opaque_at_;
+  const float opacity_threshold_;
   const bool finishes_;  // samples are lit, cut or modulated one by one
   const bool derives_;   // positions and gradients of samples are needed
   const CellPlaces p_;
@@ -399,14 +399,14 @@ class CellCaster {
   std::size_t count_ = 0, kept_ = 0, closed_count_ = 0;
 };
 
-void castCellOn(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile,
-                float opaque_at, CellSamples& samples, CellOutput& out) {
+void castRaysInCellOn(const RaySampling& rays, const SlabContext& context, const CellInput& in, const TilePixels& tile,
+                      float opacity_threshold, CellSamples& samples, CellOutput& out) {
   const auto cast = [&]<class Field, bool kGaps>(std::type_identity<Field>, std::bool_constant<kGaps>) {
-    CellCaster<Field, kGaps>(rays, frame, in, tile, opaque_at, samples, out).run();
+    CellCaster<Field, kGaps>(rays, context, in, tile, opacity_threshold, samples, out).run();
   };
   if (in.labels != nullptr)
     cast(std::type_identity<LabelCellField>(), std::false_type());
-  else if (frame.lattice().interpolation != Interpolation::kLinear)
+  else if (context.lattice().interpolation != Interpolation::kLinear)
     cast(std::type_identity<CubicCellField>(), std::true_type());
   else if (in.gaps)
     cast(std::type_identity<LinearCellField<true>>(), std::true_type());
@@ -422,11 +422,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace kiln {
 
-HWY_EXPORT(castCellOn);
+HWY_EXPORT(castRaysInCellOn);
 
-void castCell(const RaySlabs& rays, const SlabFrame& frame, const CellInput& in, const TilePixels& tile,
-              float opaque_at, CellSamples& samples, CellOutput& out) {
-  HWY_DYNAMIC_DISPATCH(castCellOn)(rays, frame, in, tile, opaque_at, samples, out);
+void castRaysInCell(const RaySampling& rays, const SlabContext& context, const CellInput& in, const TilePixels& tile,
+                    float opacity_threshold, CellSamples& samples, CellOutput& out) {
+  HWY_DYNAMIC_DISPATCH(castRaysInCellOn)(rays, context, in, tile, opacity_threshold, samples, out);
 }
 
 }  // namespace kiln
