@@ -1,5 +1,5 @@
-// Allocates the planes of a picture beside its colours (scene/render_options.h defines them), lends them to engines,
-// and converts their sums to values.
+// Planes of a picture beside its colours (defined in scene/render_options.h): allocation, access for engines, and
+// conversion of sums to values.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace kiln {
 
-/// Memory of the planes, and memory that drawing them takes. unit: bytes a pixel.
+/// Memory of the planes, including memory for drawing. unit: bytes per pixel.
 std::uint64_t aovBytes(const Aovs& aovs);
 
 /// Appends the planes of `aovs` to a picture that has none. No pixel is hit yet.
@@ -28,7 +28,7 @@ struct SubPixels {
 };
 
 /// Converts the sums of each pixel's sub-pixels, alpha included, and writes the values into the image's rows from `row`
-/// on. The sums may be in `image` itself where a pixel is one sample. requires: both have the planes of `aovs`; no
+/// on. With one sample a pixel, the sums may be in `image` itself. requires: both images have the planes of `aovs`; no
 /// background.
 void putAovs(const Aovs& aovs, const View& view, const SubPixels& from, Image& image, int row);
 

@@ -112,7 +112,7 @@ EmptyFrame reasonOf(const DrawnVolume& volume, const FrameRequest& request) {
 // True where a region, a box of the world or planes cut a volume.
 bool isCut(const DrawnVolume& volume) { return !ClipRegion(volume.clipping, volume.manifest.geometry()).showsAll(); }
 
-// A function without a difference is of one colour on purpose, and gradients make differences of their own.
+// A constant function is of one colour on purpose, and gradients make differences of their own.
 bool isBeside(const DrawnVolume& volume) {
   const TransferFunction& function = volume.function;
   const ValueRange& range = volume.manifest.range;

@@ -33,8 +33,8 @@ inline constexpr const char* kOneColourText =
     "all values of a volume lie beside its transfer function or window, and have the colour at the end of these (kiln "
     "info shows the range of values)";
 
-/// Warns once for each reason, and of frames of one colour that are not empty; if there are `several` frames, with the
-/// numbers of the empty frames.
+/// Warns once per reason, with the numbers of the empty frames if there are `several` frames. Also warns of frames of
+/// one colour.
 void warnOfDoubtfulFrames(const std::vector<FrameStatistics>& frames, bool several, Progress& progress);
 
 }  // namespace kiln

@@ -14,7 +14,7 @@ namespace kiln {
 
 class FrameDrawing {
  public:
-  /// requires: all outlive this; only this uses the cache.
+  /// requires: the arguments outlive the object; no other user of the cache.
   FrameDrawing(BrickCache& cache, const FrameRequest& request, Progress& progress);
 
   /// Draws pixels without background, their planes as sums (engine/shared/aov_pixels.h). requires: not empty, in the
@@ -22,11 +22,11 @@ class FrameDrawing {
   Image draw(const PixelRect& pixels);
   /// A rectangle around all pixels of the last piece that show something; colours outside are zero.
   const PixelRect& shown() const { return shown_; }
-  /// Returns the cost of all pieces, except for times. Announces nothing more to the cache.
+  /// Returns the cost of all pieces without times, and stops prefetching.
   FrameStatistics finish();
 
  private:
-  /// Makes the structure of a piece, of which nothing is closed.
+  /// Makes the visibility structure of a piece, without closed pixels.
   std::unique_ptr<Visibility> visibilityOf(const PixelRect& pixels) const;
 
   BrickCache& cache_;

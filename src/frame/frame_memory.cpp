@@ -33,7 +33,7 @@ std::uint64_t pixelBytes(const RenderJob& job) {
   return 16 + aovBytes(job.picture.aovs) + engineMemory(job, {}, 0).pixel;
 }
 
-// Pictures in memory at a time: of both eyes, and as many again while one is put beside the other.
+// Number of pictures in memory: two eyes, and two more while a flat file puts both eyes side by side.
 std::uint64_t picturesHeld(const RenderJob& job) {
   if (!drawsBothEyes(job.picture.stereo)) return 1;
   const auto beside = [](const std::filesystem::path& path) {
@@ -43,13 +43,14 @@ std::uint64_t picturesHeld(const RenderJob& job) {
   return std::any_of(names.begin(), names.end(), beside) ? 4 : 2;
 }
 
-// Stacks of threads, and what the allocator and TBB keep for each. Measured: the first few, which decode, take most.
+// Stacks of threads, and memory that the allocator and TBB keep per thread. Measured: the first threads decode and need
+// most.
 std::uint64_t threadsBytes() {
   constexpr std::uint64_t kFirst = 16, kFirstBytes = 384 << 10, kOtherBytes = 128 << 10;
   const std::uint64_t threads = ThreadLimit::active();
   return std::min(threads, kFirst) * kFirstBytes + (threads - std::min(threads, kFirst)) * kOtherBytes;
 }
-// Threads that draw: a frame of one tile has one.
+// Returns the number of drawing threads: one if the frame is one tile.
 std::uint64_t drawingThreads(const RenderJob& job) { return job.speed.tile_px == 0 ? 1 : ThreadLimit::active(); }
 
 // The largest tile of what is drawn at a time. unit: sub-pixels.
@@ -67,7 +68,7 @@ PixelFilter filterOf(const RenderJob& job) {
                                                           !drawsPart(job.picture) && !drawsDeep(job));
 }
 
-// A partial image is a picture of its samples, each of them a pixel.
+// A partial image is a picture of its samples: each sample is a pixel.
 RenderJob ofDrawnPixels(RenderJob job) {
   if (!drawsPart(job.picture)) return job;
   const SampleWindow window = sampleWindowOf(job.picture);
@@ -101,7 +102,7 @@ std::uint64_t shareOf(std::uint64_t budget, std::uint64_t taken) {
   return taken < budget ? std::min(budget / 4, (budget - taken) / 2) : 0;
 }
 
-// Charges one thing after the other; what may take a share of the rest comes after what must be there.
+// Charges the parts of a frame in turn. Optional parts, which share the rest, come after the necessary parts.
 class FrameAccount {
  public:
   FrameAccount(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes,
@@ -166,7 +167,7 @@ class FrameAccount {
       out_.index += store->index().bytes() + store->index().size() * of_brick;
   }
 
-  // The largest of the files, which are written one after the other; both eyes may be in one.
+  // Charges the largest file, as files are written in turn. A file may hold both eyes.
   void chargeFiles(std::uint64_t share) {
     const std::vector<std::filesystem::path> names = namesOf(job_.output);
     if (std::none_of(names.begin(), names.end(), isExrPath)) return;

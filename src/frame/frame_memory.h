@@ -1,5 +1,5 @@
-// The account of a frame: everything that grows with the picture or the store is charged to the number that the user
-// gives, and the bricks get what is left.
+// The account of a frame: all memory that grows with the picture or the store is charged to the user's number; bricks
+// get the rest.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +15,20 @@ namespace kiln {
 
 /// unit: bytes.
 struct FrameMemory {
-  std::uint64_t image = 0;       // RGBA in floats and what goes with it, of the pixels that are drawn
-  std::uint64_t band = 0;        // a band of samples: the rows drawn at a time; 0 where a pixel is one sample
+  std::uint64_t image = 0;       // RGBA in floats and planes of the drawn pixels
+  std::uint64_t band = 0;        // the rows of samples drawn at a time; 0 if a pixel is one sample
   std::uint64_t face = 0;        // one face of a panorama
-  std::uint64_t deep = 0;        // samples of a deep image, as many a pixel as the user bounds them by
+  std::uint64_t deep = 0;        // samples of a deep image, up to the user's bound per pixel
   std::uint64_t visibility = 0;  // the structure of the visibility method
-  std::uint64_t index = 0;       // the stores', and the octree above bricks that a frame makes of it
+  std::uint64_t index = 0;       // the indices of the stores, and the frame's octree above bricks
   std::uint64_t slabs = 0;       // scratch of each thread: cells, sums of several volumes; a tile of voxels
   std::uint64_t files = 0;       // compressing the picture's files, with as many threads as a share of the rest allows
-  std::uint64_t threads = 0;     // their stacks and what the libraries keep for each
-  std::uint64_t trace = 0;       // the trace, where one is kept
+  std::uint64_t threads = 0;     // stacks of threads and memory that libraries keep per thread
+  std::uint64_t trace = 0;       // the trace, if requested
   std::uint64_t behind =
       0;  // the previous frame of a sequence, whose files are being written, out of the remaining memory
-  std::uint64_t shared = 0;  // brick files that ranks send one another; of what the rest leaves
-  std::uint64_t brick = 0;   // reading one, the largest of the store; of several volumes, all that meet in a tile
+  std::uint64_t shared = 0;  // brick files exchanged by ranks; a share of the rest
+  std::uint64_t brick = 0;   // the largest brick; with several volumes, all bricks that meet in a tile
 
   bool several = false;  // volumes
 
@@ -41,9 +41,9 @@ struct FrameMemory {
   std::uint64_t besideBricks() const {
     return framebuffer() + visibility + index + slabs + files + threads + trace + shared;
   }
-  /// All that grows with the pixels that are drawn.
+  /// Memory that grows with the drawn pixels.
   std::uint64_t framebuffer() const { return image + face + band + deep + behind; }
-  /// Describes `brick`, in a sentence that begins with its bytes.
+  /// Describes `brick` for a sentence that begins with its bytes.
   const char* brickText() const { return several ? "of bricks that meet in a tile" : "to read one brick"; }
   /// The least budget that draws the frame.
   std::uint64_t smallest() const {
@@ -55,22 +55,22 @@ struct FrameMemory {
 struct MemoryBeside {
   MemoryBeside(std::uint64_t b = 0) : bytes(b) {}
   std::uint64_t bytes = 0;  // charged with the image
-  /// The picture is never whole in memory: at most these pixels of it are drawn at a time.
+  /// Set if the picture is drawn in pieces: the largest piece.
   std::optional<PixelRect> at_a_time;
 };
 
-/// `brick_bytes` is the least that bricks need, `written` the pixels of the files where these are more than are drawn.
+/// `brick_bytes`: the least memory for bricks. `written`: the pixels of the files, if more than the drawn pixels.
 FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes,
                         const std::optional<PixelRect>& written = {});
 /// For one volume.
 FrameMemory frameMemory(const StoreReader& store, const RenderJob& job);
 
-/// Returns the memory of a frame whose files are written while the next frame is drawn: its pictures and files, if
-/// they take at most a quarter of what `memory` leaves for bricks; else 0. unit: bytes.
+/// Returns the memory for writing a frame's files while the next frame is drawn: pictures and files, if they take at
+/// most a quarter of the bricks' memory; else 0. unit: bytes.
 std::uint64_t writeBehindBytes(const FrameMemory& memory, const RenderJob& job);
 
-/// Returns the part of `budget_bytes` that is left for bricks. throws: Error kBudget naming the smallest budget that
-/// works, and its parts.
+/// Returns the part of `budget_bytes` for bricks. throws: Error kBudget naming the smallest sufficient budget and its
+/// parts.
 std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, const std::filesystem::path& store);
 
 /// The share of `budget_bytes` for pages of evicted bricks that wait for the next brick (base/memory/large_pages.h);

@@ -9,7 +9,7 @@
 
 namespace kiln {
 
-/// Makes one structure for all bricks of a frame. requires: tile_px as SpeedOptions has it.
+/// Makes one structure for all bricks of a frame. requires: tile_px as in SpeedOptions.
 std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, const ImageSize& size, int tile_px);
 
 /// Makes the structure of `rect` alone, addressed in pixels of the whole frame; pixels outside are ignored. requires:

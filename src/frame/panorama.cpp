@@ -15,16 +15,16 @@
 namespace kiln {
 namespace {
 
-// Directions along a pixel's edge; and the resolution of a face's middle, its coarsest place, over the panorama's.
+// Directions along a pixel's edge. Resolution of a face's middle, the coarsest place, relative to the panorama's.
 constexpr int kDirections = 2;
 constexpr double kFiner = 1.5;
-// Faces blend where the cosines of the angles to their middles differ by less than this, some 3 degrees to either side.
-// Slabs at different angles give slightly different values, which a slow change hides.
+// Width of the blend between faces, as a difference of the cosines of the angles to their middles: some 3 degrees to
+// either side. Slabs at different angles give slightly different values; a slow transition hides the difference.
 constexpr double kFade = 0.05;
 // Cosine at which the weight of a face becomes 0: a corner is 37.4 degrees from the middle and fades over 3.1.
 constexpr double kWidest = 0.86;
 constexpr double kLeastCosine = 0.758;  // cosine of 40.7 degrees
-// Pixels that interpolation reads beyond a place.
+// Pixels beyond a place that interpolation reads.
 constexpr int kBeside = 2;
 
 // A direction in a face.
@@ -145,7 +145,7 @@ class Panorama {
     weights_.resize(aovs.any() ? image.rgba.size() / 4 : 0);
   }
 
-  // Adds the contribution of a face. Rows run in parallel; faces one after the other, so that sums have one order.
+  // Adds the contribution of a face. Rows run in parallel; faces come in turn, so that sums have a fixed order.
   void add(std::size_t face, const DrawnFace& drawn) {
     parallelFor(static_cast<std::size_t>(image.height), [&](std::size_t y) {
       for (int x = 0; x < image.width; ++x) {
@@ -232,7 +232,7 @@ std::array<View, kPanoramaFaces> panoramaFaces(const View& panorama) {
   const int half = static_cast<int>(std::ceil(focal_px * kWidest)) + kBeside + 1;
   std::array<View, kPanoramaFaces> out;
   for (std::size_t i = 0; i < out.size(); ++i) {
-    // One face ahead, one behind, and five around each.
+    // One face ahead, one behind, and five around either.
     const bool before = i < out.size() / 2;
     const std::size_t place = before ? i : i - out.size() / 2;
     const double from_axis = place == 0 ? 0 : std::atan(2.0);

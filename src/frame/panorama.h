@@ -1,8 +1,8 @@
-// Problem: draw all directions around the eye with slabs that are planes.
-// Method: draw the twelve faces of a dodecahedron in perspective, each a little larger than its face. A pixel is the
-// mean of four directions, each interpolated in the faces that show it; faces blend at their edges. Differs: a cube's
-// corners are 55 degrees from the middle of a face, where samples are too far apart and a translucent medium loses 4 %
-// of its alpha; a dodecahedron's are 37 degrees away and lose 1 %.
+// Problem: draw all directions around the eye with plane slabs.
+// Method: draw the twelve faces of a dodecahedron in perspective, each slightly enlarged. A pixel is the mean of four
+// directions, each interpolated in the faces that contain the direction; faces blend at their edges.
+// Differs: a cube's corners are 55 degrees from the middle of a face. Samples there are too far apart, and a
+// translucent medium loses 4 % of its alpha. A dodecahedron's corners are 37 degrees away and lose 1 %.
 #pragma once
 
 #include <array>

@@ -57,13 +57,13 @@ void weighColumns(const float* line, const float* weights, int taps, int edge, s
     weigh(tag, from, weights, taps, to + i);
     i += hn::Lanes(tag);
   };
-  // Pixels are contiguous in memory only where each is one sample.
+  // Pixels are contiguous in memory only if each pixel is one sample.
   while (edge == 1 && i + hn::Lanes(d) <= floats) step(d);
   while (i < floats) step(d4);
 }
 
-// Filters pixels of rays in quincunx: of the 4 × 4 sub-pixels of each, starting in rows[..], those with rays, without
-// the two corners that are farther than a pixel.
+// Filters pixels of rays in quincunx. A pixel's weights cover the sub-pixels with rays among 4 × 4, starting in
+// rows[..], except two corners that are farther than a pixel.
 void weighQuincunx(const float* const* rows, std::size_t pixels, float* to) {
   const hn::CappedTag<float, 4> d;
   const auto near = hn::Set(d, 10 / 32.0f), far = hn::Set(d, 3 / 32.0f);
@@ -125,7 +125,7 @@ int mirrored(int i, int samples) { return i < 0 ? -i : i < samples ? i : 2 * sam
 
 }  // namespace
 
-// Filters rows of pixels with scratch memory of its own.
+// Filters rows of pixels, with its own scratch memory.
 class PixelFilter::Rows {
  public:
   /// `beside` samples of a row precede the first pixel's own samples.

@@ -1,7 +1,7 @@
 // Problem: turn the samples (sub-pixels) of a picture into pixels.
-// Method: the mean of a pixel's samples; for rays, each of which sees a point, a Gaussian over the samples in and
-// around the pixel. Rows and columns have the same weights, except for two rays in quincunx (Sampling::quincunx).
-// Invariant: one Highway source without fused operations, so all instruction sets give the same bits.
+// Method: the mean of a pixel's samples. Rays sample points, and get a Gaussian over the samples in and around the
+// pixel. Rows and columns have the same weights, except with two rays in quincunx (Sampling::quincunx).
+// Invariant: one Highway source without fused operations, so all instruction sets give equal bits.
 #pragma once
 
 #include <array>
@@ -21,11 +21,11 @@ class PixelFilter {
 
   /// Samples along a pixel's edge.
   int edge() const { return edge_; }
-  /// Samples beside a pixel, on each side, that contribute to it.
+  /// Margin of contributing samples on each side of a pixel.
   int reach() const { return reach_; }
-  /// Returns whether a pixel equals its sample.
+  /// Returns true if a pixel equals its sample.
   bool none() const { return edge_ == 1 && reach_ == 0; }
-  /// Returns whether pixels and samples are equally many, so that pixels can replace samples in place.
+  /// Returns true if pixels and samples are equal in number, so that pixels can replace samples in place.
   bool inPlace(const PixelRect& pixels, const ImageSize& size) const {
     return edge_ == 1 && samplesOf(pixels, size) == pixels;
   }

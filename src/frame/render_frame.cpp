@@ -38,7 +38,7 @@ void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRe
   }
 }
 
-// But for what writes another frame's files meanwhile.
+// Excludes writing, which may be another frame's.
 BusyTimes busySince(const BusyTimes& before) {
   BusyTimes out = BusyTimes::now().since(before);
   out.seconds[static_cast<std::size_t>(Activity::kWrite)] = 0;
@@ -50,7 +50,7 @@ PixelFilter filterOf(const FrameRequest& request) {
                                                : PixelFilter(request.samples, false);
 }
 
-// The origin of several volumes' view space is near the box around all, whatever their order.
+// Several volumes: the origin of view space is near the box around all volumes, independent of their order.
 View drawnViewOf(const View& view, const std::vector<const StoreReader*>& stores) {
   if (stores.size() == 1) return drawnView(view, stores.front()->manifest().geometry());
   constexpr double kFar = std::numeric_limits<double>::infinity();
@@ -69,8 +69,8 @@ FrameRequest ofSubPixels(FrameRequest request, int edge, const std::vector<const
   return request;
 }
 
-// Bands of rows, in pixels, that are drawn one after the other. Those of sub-pixels end at borders of tiles, which are
-// borders of pixels, too.
+// Returns bands of rows, in pixels, to draw in turn. Bands of sub-pixels end at borders of tiles, hence at borders of
+// pixels.
 std::vector<PixelRect> bandsOf(const PixelRect& pixels, const ImageSize& size, const PixelFilter& filter, int band_px) {
   if (filter.inPlace(pixels, size)) return {pixels};
   const int tile = kVisibilityTile / filter.edge();
@@ -118,7 +118,7 @@ struct DrawnPlane {
   std::vector<PixelRect> bands;
 };
 
-// A frame that is one plane.
+// Returns request, pixels and bands of a frame whose image is one plane.
 DrawnPlane planeOf(const FrameRequest& request, const std::vector<const StoreReader*>& stores,
                    const PixelRect& pixels) {
   const PixelFilter filter = filterOf(request);

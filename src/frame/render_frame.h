@@ -17,39 +17,39 @@
 
 namespace kiln {
 
-/// The view in which a frame of the volume is drawn: a parallel view with its origin near the volume (nearVolume).
-/// Slabs of samples are counted from the origin. Several volumes have theirs near the box around all.
+/// Returns the view in which a frame of the volume is drawn: a parallel view gets an origin near the volume
+/// (nearVolume). Slabs of samples are counted from the origin. With several volumes the origin is near the box around
+/// all volumes.
 View drawnView(const View& view, const VolumeGeometry& volume);
 
-/// The bricks that a frame asks for if nothing hides anything, each once; of a panorama, for each of its faces.
+/// Returns the bricks that a frame reads if nothing is hidden, each once; in a panorama, once per face.
 std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
                                       BrickWalkCounts& counts);
 
-/// Returns the total of the progress of a frame that is drawn in several parts (bands of sub-pixels, faces, eyes); 0
-/// for a single part, which knows its own total. cost: the plans of the parts.
+/// Returns the total progress of a frame in several parts (bands of sub-pixels, faces, eyes). Returns 0 for a single
+/// part, because the part computes its total. cost: the plans of the parts.
 std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const std::vector<FrameRequest>& eyes);
 
-/// Returns the memory of bricks that must be in the cache at once, beyond the largest brick: the bricks of several
-/// volumes that meet in a tile. unit: bytes.
+/// Returns the memory for bricks that must be in the cache together, beyond the largest brick: the bricks of several
+/// volumes in a tile. unit: bytes.
 std::uint64_t bytesAtOnce(const std::vector<const StoreReader*>& stores, const FrameRequest& request);
 
-/// Returns the bricks of one volume, with the pixels of the image of sub-pixels that each can touch. requires: no other
-/// volumes.
+/// Returns the bricks of one volume, each with the sub-pixels that the brick can touch. requires: no other volumes.
 std::vector<BrickOfFrame> bricksOnImage(const StoreReader& store, const FrameRequest& request);
 
 class FrameDrawing;
 
-/// A frame that is drawn piece by piece, in any order; what the pieces cost adds up. No panorama.
+/// Draws a frame piece by piece, in any order, and sums the costs of the pieces. No panorama.
 class FramePainter {
  public:
-  /// requires: all but `request` outlive this; nobody else uses the cache. throws: as renderFrame.
+  /// requires: all arguments but `request` outlive the object; no other user of the cache. throws: as renderFrame.
   FramePainter(BrickCache& cache, const FrameRequest& request, Progress& progress);
   ~FramePainter();
   FramePainter(const FramePainter&) = delete;
   FramePainter& operator=(const FramePainter&) = delete;
 
-  /// These pixels of the whole picture, and their planes. requires: in the crop, none drawn before. throws: as
-  /// renderFrame.
+  /// Returns pixels of the whole picture, with planes. requires: the pixels lie in the crop and are drawn once. throws:
+  /// as renderFrame.
   Image draw(const PixelRect& pixels);
   /// Returns the statistics of all pieces, and ends reading ahead.
   FrameStatistics finish();
@@ -61,14 +61,15 @@ class FramePainter {
   std::unique_ptr<FrameDrawing> drawing_;
 };
 
-/// Draws one frame: an image of the crop's size, each pixel of which is that of the whole picture, bit for bit, but for
-/// the quadtree, and its planes the same. The picture depends neither on the cache's budget, the threads, the tiles nor
-/// on an exact visibility method; where the level is named, nor on the bricks' size. With one tile for the frame it is
-/// Lee and Ihm's algorithm to the letter: one sequential walk, every node tested with all of its projected area. A
-/// brick that the cache skips is drawn as nothing. Of several volumes, `store` is the first and the cache is of all.
-/// `progress` hears how far each part is, one after the other (frame/pass/frame_progress.h).
-/// throws: what BrickCache::get throws, Error kCancelled, kUsage (lattice, level, crop, samples, interpolation,
-/// distance of samples), kBudget where the cache has no room for the bricks of several volumes that meet in a tile.
+/// Draws one frame: an image of the crop's size. Except with the quadtree, pixels and planes equal the whole picture's
+/// bit for bit, and do not depend on the cache's budget, threads, tiles or an exact visibility method; at a fixed
+/// level, not on the size of bricks either.
+/// With one tile for the frame the method is exactly Lee and Ihm's: one sequential walk that tests every node with its
+/// whole projected area.
+/// A brick that the cache skips is drawn as empty. With several volumes, `store` is the first volume and the cache
+/// holds all. `progress` gets the parts in turn (frame/pass/frame_progress.h).
+/// throws: as BrickCache::get; Error kCancelled; kUsage (lattice, level, crop, samples, interpolation, distance of
+/// samples); kBudget if the cache has no room for the bricks of several volumes in a tile.
 Image renderFrame(BrickCache& cache, const FrameRequest& request, Progress& progress, FrameStatistics& statistics);
 
 }  // namespace kiln

@@ -16,7 +16,7 @@ struct SharedReadCounts {
   std::uint64_t sent = 0, sent_bytes = 0;          // to other ranks
 };
 
-/// The work of one rank. `busy_s` excludes time spent waiting for other ranks.
+/// The work of one rank. `busy_s` excludes waiting for other ranks.
 struct RankStatistics {
   int rank = 0;
   double busy_s = 0, idle_s = 0;
@@ -28,24 +28,24 @@ struct RankStatistics {
   std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;
   void add(const FrameStatistics& share);
-  /// With shared reads: the bricks that this rank read for all ranks, instead of those of its frames.
+  /// Sets the bricks read for all ranks (shared reads) instead of the bricks of the rank's frames.
   void setReads(const SharedReadCounts& shared);
 };
 
 struct RenderStatistics {
   std::vector<FrameStatistics> frames;
-  std::uint64_t budget_bytes = 0;  // cache_bytes of it for bricks, the rest for image, visibility, index and slabs
+  std::uint64_t budget_bytes = 0;  // memory: cache_bytes for bricks, the rest for image, visibility, index and slabs
   std::uint64_t cache_bytes = 0, peak_cache_bytes = 0, framebuffer_bytes = 0, visibility_bytes = 0, index_bytes = 0,
                 files_bytes = 0, threads_bytes = 0;
   std::uint64_t shared_reads_bytes = 0;  // for brick files that ranks exchange
-  std::uint64_t trace_bytes = 0;         // for the trace, if there is one
+  std::uint64_t trace_bytes = 0;         // for the trace, if any
   std::uint64_t slabs_bytes = 0,
                 peak_slabs_bytes = 0;  // memory to draw with (slabs, tiles of voxels): planned, and peak
   std::uint64_t peak_rss_bytes = 0;
   double load_s = 0, render_s = 0, output_s = 0;
   std::vector<RankStatistics> ranks;  // empty for one process
   std::string shared_by;              // the unit that ranks share: "tiles", "frames", "bricks"
-  std::vector<int> kept, failed;      // frames of a sequence that are not in `frames`
+  std::vector<int> kept, failed;      // frames of a sequence missing in `frames`
   /// Appends a frame and adds it to the sums.
   void add(const FrameStatistics& frame);
 };

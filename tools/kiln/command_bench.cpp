@@ -15,7 +15,7 @@ struct BenchArguments {
   bool quick = false;
 };
 
-// A report's suite.json may be the suite of the next one: the file gets the text that was read.
+// A report's suite.json may be the next report's suite: the file then gets the text that was read.
 void requireInputsApart(const Suite& suite, const fs::path& directory) {
   OutputFiles outputs;
   for (const fs::path& file : reportFiles(directory)) {

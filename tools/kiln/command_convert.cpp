@@ -67,7 +67,7 @@ void printCost(const ConvertArguments& a, VolumeSource& source, const ConvertOpt
   say("nothing was written\n");
 }
 
-// The largest of a number that each rank has, on the first.
+// Returns the largest loss of all ranks, on the first rank.
 HalfLoss lossOfAll(HalfLoss loss, Ranks& ranks) {
   std::vector<std::byte> bytes;
   appendValue(bytes, loss);
@@ -87,7 +87,7 @@ void printRanks(const ConvertReport& report) {
 
 void printReport(const ConvertArguments& a, const SourceInfo& info, const ConvertReport& report) {
   say("{}: {}\n", a.output, firstLine(info));
-  // Reports the bricks that this run of a resumed conversion made.
+  // The rate counts the bricks that this run of a resumed conversion made.
   const double rate = static_cast<double>(report.voxels) / 1e6 / report.seconds;
   const std::string work = report.voxels > 0 ? fmt::format("{:.1f} s, {:.1f} million voxels/s, buffers up to {}",
                                                            report.seconds, rate, formatBytes(report.buffer_bytes))

@@ -36,7 +36,7 @@ const char* className(VolumeClass volume_class) {
   return "unknown";
 }
 
-// The first of them, for there may be thousands.
+// Prints the first labels; a volume may have thousands.
 void printLabels(const std::vector<LabelCount>& labels) {
   constexpr std::size_t kMost = 64;
   say("labels       {} that {} voxels\n", labels.size(), labels.size() == 1 ? "has" : "have");
@@ -92,7 +92,7 @@ void printLevels(const Manifest& m, const Storage& storage) {
       100 * storage.ratio(), formatBytes(storage.raw_bytes));
 }
 
-// The manifest, and what follows from it and the index.
+// Returns the manifest with facts derived from the manifest and the index.
 std::string textForPrograms(const StoreReader& store) {
   auto out = nlohmann::ordered_json::parse(readTextFile(store.path() / "manifest.json"));
   const Storage storage = storageOf(store);
@@ -142,7 +142,7 @@ void printForPeople(const StoreReader& store) {
   if (!m.source.time.empty()) say("made at      {}\n", m.source.time);
 }
 
-// Prints how the colours are stored, or the first other channel of a file without colours.
+// Returns the pixel type of the colours, or of the first channel of a file without colours.
 std::string exrTypeOf(const PixelLayout& layout) {
   for (const auto& [name, type] : layout.channels) {
     if (name == "R") return type;
@@ -177,7 +177,7 @@ void printPicture(const fs::path& path, std::uint64_t memory_bytes) {
   if (!job.empty()) sayLines(fmt::format("{:<12}\n{}\n", ImageMetadata::kJob, job));
 }
 
-// Adds the file's own pixel type and compression to the job, so that the picture is drawn again with the same type.
+// Adds the file's pixel type and compression to the job, so that the job draws an equal file.
 void addLayout(const PixelLayout& layout, nlohmann::ordered_json& job) {
   if (layout.png_bits > 0) {
     if (layout.png_bits == 16) job["png"] = {{"bits", 16}};

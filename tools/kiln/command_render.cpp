@@ -118,7 +118,7 @@ void applyVolumes(const RenderArguments& a, RenderJob& job) {
   }
 }
 
-// Files that the command makes beside its pictures until these are whole.
+// Returns the temporary files beside the pictures: locks and checkpoints.
 std::vector<fs::path> passingFiles(const RenderArguments& a, const RenderJob& job) {
   std::vector<fs::path> out;
   if (const fs::path& video = job.output.video.path; !video.empty()) out.push_back(lockOf(behindLinks(video)));
@@ -131,7 +131,7 @@ std::vector<fs::path> passingFiles(const RenderArguments& a, const RenderJob& jo
   return out;
 }
 
-// All files that the command writes.
+// Returns all files that the command writes.
 OutputFiles outputsOf(const RenderArguments& a, const RenderJob& job) {
   OutputFiles out;
   out.add(a.stats, "--stats");
@@ -148,7 +148,7 @@ void requireNone(const OutputFiles& outputs, const TransferFunctionChoice& read)
   if (const auto* const file = std::get_if<fs::path>(&read)) outputs.requireNone(fileOf(*file));
 }
 
-// Tests that no output is a file that the command reads. The files of a foreign volume are known once it is opened
+// Checks that no output is an input. The files of a foreign volume are checked later, when the volume is open
 // (SequenceOptions::store_for).
 void requireInputsApart(const RenderArguments& a, const RenderJob& job) {
   const OutputFiles outputs = outputsOf(a, job);
@@ -171,7 +171,7 @@ void requireInputsApart(const RenderArguments& a, const RenderJob& job) {
   }
 }
 
-// True for the folder itself, too; neither needs to be there.
+// Returns true if `path` is the folder or lies in it. Neither has to exist.
 bool isIn(const fs::path& path, const fs::path& folder) {
   std::error_code unknown;
   const auto whole_name = [&](const fs::path& name) {
@@ -183,7 +183,7 @@ bool isIn(const fs::path& path, const fs::path& folder) {
   return isWithin(whole_name(behindLinks(path)), whole_name(folder));
 }
 
-// Tests that no output lies in the folder of a video's frames, which is removed with its content.
+// Checks that no output lies in the folder of a video's frames, because the folder is removed at the end.
 void requireOutsideKeptFrames(const RenderJob& job, const fs::path& path, const char* option) {
   if (!keepsFramesForVideo(job) || path.empty() || !isIn(path, keptFramesOf(job.output.video))) return;
   throw Error(ErrorCode::kUsage,
@@ -191,7 +191,7 @@ void requireOutsideKeptFrames(const RenderJob& job, const fs::path& path, const 
                           option, path.string(), keptFramesOf(job.output.video).string()));
 }
 
-// Tests that statistics and trace do not overwrite another output of the command.
+// Checks that statistics and trace do not overwrite another output of the command.
 void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
   requireInputsApart(a, job);
   for (const fs::path& path : namesOf(job.output)) requireOutsideKeptFrames(job, path, "-o");
@@ -239,7 +239,8 @@ RenderJob jobOf(const RenderArguments& a) {
   return job;
 }
 
-// Options on how a foreign file is read are INPUT's, not those of volumes beside it; which volumes hold labels.
+// Options for reading foreign files: the dimensions and types of the command line belong to INPUT; labels are known per
+// volume.
 class InputOptions {
  public:
   InputOptions(const RenderArguments& a, const RenderJob& job) : options_(a.source.resolve()) {
@@ -277,7 +278,7 @@ void requireStatisticsPlace(const RenderArguments& a) {
   if (!a.stats.empty()) FileSystem::real().requirePlaceFor(a.stats);
 }
 
-// Says what the render would cost, and fails where the memory given is too little.
+// Prints the cost of the render. throws: Error kBudget if the memory is too small.
 void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input, const MemoryBeside& beside,
              TerminalProgress& progress) {
   requireStatisticsPlace(a);
@@ -374,7 +375,7 @@ void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions&
   if (a.strict) requireNoWarnings(context.progress.warnings());
 }
 
-// throws: Error kUsage where the store is to hold labels and holds amounts.
+// Returns the store. throws: Error kUsage if labels are required and the store holds amounts.
 fs::path requiredClass(const fs::path& store, bool labels) {
   if (labels && readManifest(store).volume_class != VolumeClass::kLabels)
     throw Error(ErrorCode::kUsage, store, "--labels",
@@ -432,7 +433,7 @@ void run(const RenderArguments& a, Context& context) {
     runFrames(a, job, options, context);
 }
 
-// An error of a job's camera, with the job's file where no option changed the camera.
+// Adds the job's file to an error of the job's camera, unless an option changed the camera.
 Error inJob(const RenderArguments& a, const Error& error) {
   const std::string text = error.what();
   const bool of_camera = error.path().empty() && text.find("camera: ") != std::string::npos;
@@ -442,7 +443,7 @@ Error inJob(const RenderArguments& a, const Error& error) {
   return Error(error.code(), a.input, "", text);
 }
 
-// Options of the command that are no part of a job, and the job's, by group.
+// The options of the command itself and, by group, the options of jobs.
 class RenderCommandLine {
  public:
   RenderCommandLine(CLI::App& command, RenderArguments& a, Context& context) : command_(command), a_(a) {

@@ -23,7 +23,8 @@ struct VerifyArguments {
   unsigned threads = 0;
 };
 
-// The box of a part that split made. A file of that name that is none is a stranger in a whole store.
+// Returns the box of a part that `kiln split` made; nothing for a whole store. In a whole store, an unreadable file of
+// that name is noted.
 std::optional<VoxelBox> partOf(const StoreReader& store, Progress& progress) {
   if (!isThere(store.path() / kPartFile)) return std::nullopt;
   try {

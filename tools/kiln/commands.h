@@ -1,4 +1,4 @@
-// The commands of the program, one file each: every one adds itself to the command line and leaves what to run.
+// The commands of the program, one file each. Each command adds itself to the command line and sets the action to run.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -14,9 +14,9 @@ struct Context {
   TerminalProgress progress;
   std::string command_line;      // for the manifest
   std::function<void()> action;  // runs the chosen command
-  Ranks* ranks = nullptr;        // under mpirun several; else one
-  bool by_all_ranks = false;     // the action is for every rank; else for the first, while the others wait
-  double rank_timeout_s = 300;   // a rank that does nothing for so long ends the run; 0: never
+  Ranks* ranks = nullptr;        // one rank; several under mpirun
+  bool by_all_ranks = false;     // all ranks run the action; else the first rank, while the others wait
+  double rank_timeout_s = 300;   // a rank idle for longer ends the run; 0: never. unit: s
 };
 
 /// Adds --rank-timeout to a command that all ranks run.

@@ -17,7 +17,7 @@ fs::path findProgram(const std::string& name) {
   for (std::string folder; std::getline(folders, folder, ':');) {
     const fs::path program = fs::path(folder) / name;
     if (!program.is_absolute()) continue;
-    // A failing disk must not lead to another program of this name.
+    // A failing disk must not lead to another program of the same name.
     std::error_code error;
     const bool found = fs::is_regular_file(program, error) && ::access(program.c_str(), X_OK) == 0;
     if (found) return program;

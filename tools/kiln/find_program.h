@@ -6,9 +6,9 @@
 
 namespace kiln::tool {
 
-/// The first executable file `name` in the absolute folders of PATH; empty where there is none. Empty and relative
-/// elements of PATH are the working directory or below it, where other users' files may lie: they are skipped.
-/// throws: Error kIo where a disk fails, so that no other program of the name is taken.
+/// Returns the first executable file `name` in the absolute folders of PATH; an empty path if there is none. Skips
+/// empty and relative folders of PATH, because other users may have put programs into the working directory.
+/// throws: Error kIo if a disk fails, because a later folder may hold another program of the name.
 std::filesystem::path findProgram(const std::string& name);
 
 }  // namespace kiln::tool

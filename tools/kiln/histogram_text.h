@@ -8,8 +8,8 @@
 
 namespace kiln::tool {
 
-/// Up to 16 lines, each led by `indent`: the values of the row, its bar, its share of all counted voxels and their
-/// number. Empty where nothing is counted. `whole` where values are integers, which are then labelled as such.
+/// Returns up to 16 lines that begin with `indent`: a range of values, a bar, the share of the counted voxels, and the
+/// count. Empty if no voxel is counted. `whole`: values are integers and are printed as such.
 std::string histogramText(const ValueHistogram& histogram, bool whole, const std::string& indent);
 
 }  // namespace kiln::tool

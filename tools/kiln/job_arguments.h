@@ -1,4 +1,4 @@
-// The flags of a job on a command line: one for each row of the tables of options that has a flag.
+// The flags of a job on a command line, one per row with a flag in the tables of options.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,11 +17,11 @@ inline std::string nameOf(OptionGroup group) { return std::string(kOptionGroupNa
 class JobArguments {
  public:
   void addTo(CLI::App& command, OptionGroup group);
-  /// Whether the flag is on the command line.
+  /// Returns true if the flag is on the command line.
   bool has(std::string_view flag) const;
   bool hasAny(std::initializer_list<std::string_view> flags) const;
   std::optional<std::string> text(std::string_view flag) const;
-  /// Replaces the options of the job that the command line names. throws: Error kUsage naming the flag.
+  /// Replaces the options of the job for which a flag is given. throws: Error kUsage naming the flag.
   void apply(RenderJob& job) const;
 
  private:

@@ -1,6 +1,6 @@
-// The program: reads the command line, runs one command, and turns every failure into one line and an exit code:
-// 0 done, 1 data or I/O, 2 what was asked. Started by mpirun it is one of several ranks: one of them speaks, and one
-// that fails ends all.
+// The program: reads the command line, runs one command, and turns every failure into one line and an exit code.
+// Exit codes: 0 done, 1 data or system, 2 command line. Under mpirun one rank prints, and a failing rank ends all
+// ranks.
 #include <execinfo.h>
 #include <fcntl.h>
 #include <unistd.h>
@@ -31,7 +31,7 @@ namespace {
 
 using kiln::tool::complain;
 
-// Open MPI's mpirun, and other launchers (srun --mpi=pmix, Hydra) by what they tell a process of its rank.
+// True under Open MPI's mpirun and other launchers (srun --mpi=pmix, Hydra), which set variables of the environment.
 bool startedAsRank() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE"}) {
     if (std::getenv(name) != nullptr) return true;
@@ -50,11 +50,11 @@ int refuseCommandLine(const CLI::App& app, const CLI::ParseError& error, const k
   return 2;
 }
 
-// The name of an option of the chosen command that was given an empty text, as a script does whose variable is not set.
+// Returns the name of an option of the command with an empty argument, as a script with an unset variable gives.
 std::string emptyArgument(const CLI::App& app) {
   for (const CLI::App* const command : app.get_subcommands()) {
     for (const CLI::Option* const option : command->get_options()) {
-      // Texts that a job's may be emptied by.
+      // An empty owner or comment clears the text of the job.
       if (option->get_name() == "--owner" || option->get_name() == "--comments") continue;
       for (const std::string& text : option->results())
         if (text.empty()) return option->get_name();
@@ -95,21 +95,21 @@ const char* sentenceOf(kiln::Refusal refusal) {
 }
 
 void handleUnhandled(int /*argc*/, char** /*argv*/, char** /*environment*/) { std::set_terminate(endUnhandled); }
-// Before the constructors of shared libraries: some of those that OpenVDB needs start threads there.
+// Runs before the constructors of shared libraries, because some libraries of OpenVDB start threads there.
 [[gnu::used, gnu::section(".preinit_array")]] void (*const before_libraries)(int, char**, char**) = handleUnhandled;
 
 std::string unexpected(const std::exception& error) {
   return std::string("unexpected: ") + error.what() + "; this is a defect, please report it";
 }
 
-// One rank says why, and all end; it may be the others that notice next.
+// Ends all ranks. The first rank to claim the failure reports it; a rank that notices later prints nothing.
 [[noreturn]] void endAll(kiln::Ranks& ranks, const std::string& sentence, int exit_code) {
   if (ranks.claimFailure())
     complain("kiln: rank {} of {}: {}\n", ranks.rank(), ranks.count(), sentence);
   else
     std::this_thread::sleep_for(std::chrono::seconds(3));
   ranks.abort(exit_code);
-  std::_Exit(exit_code);  // never; a compiler may take a virtual function for one that returns
+  std::_Exit(exit_code);  // not reached; a compiler may expect `abort`, a virtual function, to return
 }
 
 int fail(kiln::tool::Context& context, const std::string& sentence, int exit_code) {
@@ -123,14 +123,14 @@ int fail(kiln::tool::Context& context, const std::string& sentence, int exit_cod
 constexpr const char* kUnsaid = "standard output: could not be written to its end; is the disk full?";
 bool saidAll() { return std::fflush(stdout) == 0 && std::ferror(stdout) == 0; }
 
-// Options by which each rank may differ: how fast it works, and what it writes for itself.
+// Options that may differ between ranks: speed, and files of one rank.
 bool isOfOneRank(const CLI::Option& option) {
   static constexpr const char* kNames[] = {"--threads",  "--memory",      "--stats",       "--trace",
                                            "--progress", "--store-local", "--rank-timeout"};
   return std::any_of(std::begin(kNames), std::end(kNames), [&](const char* name) { return option.check_name(name); });
 }
 
-// The command line as all ranks must have it, and how it was read.
+// Returns the facts of the command line that all ranks must share, with the error found in it.
 std::vector<kiln::RankFact> commandFacts(const CLI::App& app, const std::string& refused) {
   std::vector<kiln::RankFact> out = {{"the version of kiln", KILN_VERSION}, {"the command line's error", refused}};
   std::string chosen;
@@ -147,8 +147,8 @@ std::vector<kiln::RankFact> commandFacts(const CLI::App& app, const std::string&
   return out;
 }
 
-// The launcher continues a rank that is stopped and interrupts it: the rank must know that the failure is reported, and
-// may find others silent that end. The claim has no answer where the first rank is on another machine and is gone.
+// Ends all ranks for a silent one. The sentence is printed unless another rank has claimed the failure, or if the claim
+// gets no answer in time, as from a first rank that has died on another machine.
 [[noreturn]] void endAllForOne(kiln::Ranks& ranks, const std::string& sentence) {
   const auto claim = std::make_shared<std::promise<bool>>();
   std::thread([&ranks, claim] { claim->set_value(ranks.claimFailure()); }).detach();
@@ -156,7 +156,7 @@ std::vector<kiln::RankFact> commandFacts(const CLI::App& app, const std::string&
   const bool answered = first.wait_for(std::chrono::milliseconds(500)) == std::future_status::ready;
   if (!answered || first.get()) complain("kiln: {}\n", sentence);
   ranks.abort(1);
-  std::_Exit(1);  // never; a compiler may take a virtual function for one that returns
+  std::_Exit(1);  // not reached; see endAll
 }
 
 // Ends all ranks if one of them hangs.
@@ -213,14 +213,15 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
   }
 }
 
-// Unwinding through a function of the C library loads libgcc, which the library cannot do without memory, and then
-// ends the process. The first call loads it.
+// Loads libgcc, which unwinding through a function of the C library needs. Without memory the C library cannot load
+// libgcc and ends the process.
 void loadUnwinder() {
   void* frame = nullptr;
   ::backtrace(&frame, 1);
 }
 
-// Opens closed standard streams on /dev/null, so that the next opened file does not get their numbers and their text.
+// Opens closed standard streams on /dev/null. Else the next opened files would get the numbers of the streams, and the
+// program would print into them.
 void occupyStandardFiles() {
   for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (::fcntl(file, F_GETFD) >= 0) continue;
@@ -230,7 +231,7 @@ void occupyStandardFiles() {
   }
 }
 
-// Before anything is written: with fewer files a command could end anywhere, even where it removes what it has begun.
+// Refuses to start with too few open files, because a command could then fail anywhere, even during its clean-up.
 void requireOpenFiles() {
   constexpr std::uint64_t kLeast = 16;
   if (const std::uint64_t most = kiln::mostOpenFiles(); most < kLeast)

@@ -1,4 +1,4 @@
-// The text of --help in the two other forms that an installed program has it: manual pages, and what a shell completes.
+// The text of --help in two other forms of an installed program: manual pages and a completion script.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,12 +6,12 @@
 
 namespace kiln::tool {
 
-/// A page of section 1 for one command, in man(7)'s language.
+/// Returns the page of section 1 for one command, in the language of man(7).
 std::string manualPage(const CLI::App& app, const CLI::App& command);
-/// The page of the program, which names its commands.
+/// Returns the page of the program, with a list of its commands.
 std::string manualPage(const CLI::App& app);
 
-/// A script for bash that completes commands, options and the words that some options take; else file names.
+/// Returns a script for bash that completes commands, options and words of options; file names elsewhere.
 std::string bashCompletion(const CLI::App& app);
 
 }  // namespace kiln::tool

@@ -17,7 +17,7 @@ namespace kiln::tool {
 namespace fs = std::filesystem;
 namespace {
 
-// Nothing where there is no regular file.
+// Returns the status of a regular file; otherwise nothing.
 std::optional<struct stat> fileStatus(const fs::path& path) {
   struct stat status;
   if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return std::nullopt;

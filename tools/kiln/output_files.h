@@ -1,5 +1,5 @@
-// The files that a command is going to write, so that none of them is a file that the command reads: by device and
-// inode, whatever links, hard links or spellings lead to it. Nor is a file put into the folder of a store.
+// The outputs of a command, checked against its inputs by device and inode, so that links and spellings of a path do
+// not matter. No output may lie in the folder of a store.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +12,16 @@ namespace kiln::tool {
 
 class OutputFiles {
  public:
-  /// `option` is what named the file, for the message, such as "--stats". A name without a regular file behind it, as
-  /// of a device, is no file that could be lost. throws: Error kUsage where the file would be in a store's folder.
+  /// Adds an output; `option`, such as "--stats", names it in errors. A path without a regular file, as a device,
+  /// cannot lose data and passes. throws: Error kUsage if the file would be in a store's folder.
   void add(const std::filesystem::path& path, const std::string& option = "-o");
 
-  /// Call this for each file or folder that is read, before anything is written. Files in folders of a folder count,
-  /// too. throws: Error kUsage, naming the option and the output, where an output is the file, or is in the folder or
-  /// linked to a file in it. cost: files of a folder are looked at where an output is in it or has several links.
+  /// Checks an input: a file, or a folder with all files below it. Call before anything is written. throws: Error
+  /// kUsage, naming option and output, if an output is the input, lies in the input folder, or is linked to a file in
+  /// it.
+  /// cost: reads the folder only if an output lies in it or has several links.
   void requireNone(const std::filesystem::path& read) const;
-  /// Checks single files and ignores folders among them: slices of a folder are files of their own.
+  /// Checks single files and skips folders: the slices of a folder are listed as files.
   void requireNoneOf(const std::vector<std::filesystem::path>& read) const;
 
  private:
@@ -33,7 +34,7 @@ class OutputFiles {
   void requireNotThis(const std::filesystem::path& file) const;
   bool mayBeIn(const std::filesystem::path& folder) const;
   std::vector<Output> outputs_;
-  std::set<std::filesystem::path> folders_;  // in which the outputs are
+  std::set<std::filesystem::path> folders_;  // the folders of the outputs
 };
 
 }  // namespace kiln::tool

@@ -1,4 +1,4 @@
-// Values on the command lines of commands that read no job.
+// Values on the command lines of commands without a job.
 #pragma once
 
 #include <string>

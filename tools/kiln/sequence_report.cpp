@@ -40,12 +40,12 @@ Json pathsOf(const RenderJob& job, int frame) {
   return out;
 }
 
-// Why the frame shows nothing; null where it shows something.
+// Returns the reason for an empty frame; null if the frame shows something.
 Json emptyJson(const FrameStatistics& frame) {
   return frame.empty == EmptyFrame::kShows ? Json(nullptr) : Json(emptyText(frame.empty));
 }
 
-// "1.2 frames/s", or how long one takes where that says more.
+// "1.2 frames/s", or the time per frame if a frame takes more than a second.
 std::string rateText(double frames, double seconds) {
   if (!(frames > 0) || !(seconds > 0)) return "";
   return frames >= seconds ? fmt::format("{:.1f} frames/s", frames / seconds)
@@ -72,7 +72,7 @@ void SequenceReport::drawingGoesOn(const TerminalProgress::Numbers& numbers) con
   emit("frame_progress", more);
 }
 
-// Ranks may end a frame while another one is drawn here.
+// A frame of another rank may end while this rank draws.
 void SequenceReport::frameEnded(int frame) {
   if (drawing_ == frame) drawing_.reset();
 }

@@ -14,9 +14,9 @@ namespace kiln::tool {
 
 class SequenceReport : public SequenceListener {
  public:
-  /// With `events`, all it prints are JSON objects, one a line on stdout, each with "event" and "time" (ISO 8601, UTC):
-  /// started, frame_started, frame_progress (a few a second, of a frame that takes longer), frame_done, frame_kept,
-  /// frame_failed, warning, then finished, failed or interrupted.
+  /// With `events`, stdout gets JSON objects, one per line, each with "event" and "time" (ISO 8601, UTC). Events:
+  /// started, frame_started, frame_progress (a few a second), frame_done, frame_kept, frame_failed, warning; at the end
+  /// finished, failed or interrupted.
   SequenceReport(TerminalProgress& progress, bool events);
   ~SequenceReport() override;
   SequenceReport(const SequenceReport&) = delete;
@@ -29,7 +29,7 @@ class SequenceReport : public SequenceListener {
   void frameFailed(int frame, const Error& error, std::size_t done) override;
 
   void finished(const RenderJob& job, const SequenceResult& result);
-  /// The sequence ended with this error.
+  /// Reports the error that ended the sequence.
   void ended(const Error& error);
 
  private:

@@ -52,14 +52,14 @@ TerminalProgress::~TerminalProgress() { clear(); }
 
 bool TerminalProgress::cancelled() const { return interrupted; }
 
-// A resumed conversion begins in the middle: the rate is of what was done since.
+// A resumed conversion begins in the middle: the rate counts this run's work.
 void TerminalProgress::advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) {
   if (step_ != step) {
     step_ = step;
     begin_ = Clock::now();
     done_before_ = done;
     told_ = false;
-    if (listener_) last_ = begin_;  // work that ends sooner shows no progress
+    if (listener_) last_ = begin_;  // shorter work shows no progress
     return;
   }
   if (!due(done == total)) return;
@@ -96,7 +96,7 @@ void TerminalProgress::show(const std::string& line, const std::string& before_s
   print(line);
 }
 
-// A line that is to be drawn over must not be broken.
+// A redrawn line must fit into one row of the terminal.
 void TerminalProgress::print(const std::string& line) {
   if (terminal_)
     drawLine(line, columnsOfTerminal() - 1);

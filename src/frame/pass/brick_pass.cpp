@@ -13,9 +13,10 @@
 namespace kiln {
 namespace {
 
-// Returns how many bricks are drawn at a time. One thread gains nothing by several bricks, and its statistics repeat. A
-// frame of one tile is tested in the order of a sequential walk. Answers of the quadtree depend on the time of the
-// test.
+// Returns the number of bricks drawn together. Bricks are drawn one by one
+// - by a single thread, which gains nothing otherwise, so that its statistics repeat;
+// - if the frame is one tile, which is tested in the order of a sequential walk;
+// - with the quadtree, whose answers depend on the time of the test.
 std::size_t drawnTogether(const FrameRequest& request) {
   const bool in_turn =
       ThreadLimit::active() == 1 || request.tile_px == 0 || request.visibility.method == VisibilityMethod::kQuadtree;
@@ -24,7 +25,7 @@ std::size_t drawnTogether(const FrameRequest& request) {
 
 }  // namespace
 
-// One piece of the picture. A brick is due when its turn has come and it is not drawn yet.
+// Draws one piece of the picture. A brick is due from its turn in the order until it is drawn.
 class BrickPass::Drawing {
  public:
   Drawing(const BrickPass& pass, const PassTarget& target, PassContext& context)
@@ -60,7 +61,7 @@ class BrickPass::Drawing {
     PixelRect rect;
     std::vector<std::size_t> bricks;
     std::vector<DrawCounts> counts;
-    std::uint64_t pixels;  // that its bricks may touch, summed over bricks: an estimate of the time
+    std::uint64_t pixels;  // summed over bricks that may touch them: an estimate of the time
   };
 
   std::vector<BrickInView> bricksInView(const PixelRect& pixels) const {
@@ -82,13 +83,13 @@ class BrickPass::Drawing {
     if (due_.size() == drawn_together_) drawDue();
   }
 
-  // Returns the brick from memory if it may be drawn with the due bricks. Otherwise draws these, and reads the brick if
-  // it is still visible.
+  // Returns the brick from memory if it may be drawn with the due bricks. Otherwise draws the due bricks, and reads the
+  // brick if still visible.
   std::shared_ptr<const BrickBlock> blockOf(const BrickInView& brick) {
     if (!due_.empty()) {
       std::shared_ptr<const BrickBlock> block = mayHide(brick) ? nullptr : context_.cache.find(brick.key);
       if (block) return block;
-      // The due bricks are drawn while the brick is read; they may hide it.
+      // The prefetcher reads the brick while the due bricks, which may hide it, are drawn.
       drawDue();
       if (pass_.walk().hidden(brick, target_.visibility)) {
         ++context_.costs.walked.hidden;
@@ -100,7 +101,7 @@ class BrickPass::Drawing {
     return block;
   }
 
-  // Whether the due bricks would hide the brick if they were opaque, and are enough to keep threads busy.
+  // True if the due bricks keep the threads busy and would hide the brick if they were opaque.
   bool mayHide(const BrickInView& brick) const {
     if (due_.size() < kEnoughBricksTogether) return false;
     std::vector<PixelRect> covered;

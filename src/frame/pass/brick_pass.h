@@ -1,6 +1,6 @@
 // One volume, brick after brick from front to back.
-// Method. Bricks that are in memory are drawn together: tiles in parallel, in each tile its bricks front to back. A
-// brick that is not in memory is read while the bricks before it are drawn, unless they would hide it.
+// Method. Bricks in memory are drawn together: tiles in parallel, the bricks of a tile front to back. A missing brick
+// is read while earlier bricks are drawn, unless the earlier bricks would hide it.
 #pragma once
 
 #include "frame/pass/volume_pass.h"

@@ -1,7 +1,6 @@
 // The interface of passes: orders in which a frame draws bricks. A frame has one pass: brick after brick
 // (frame/pass/brick_pass.h), zone after zone (frame/pass/zone_pass.h) or by value (frame/pass/value_pass.h).
-// Pixels and tiles are counted in the whole picture, so that a pixel is the same, bit for bit, in whatever piece it is
-// drawn.
+// Pixels and tiles are counted in the whole picture, so that a pixel is equal, bit for bit, in every piece.
 #pragma once
 
 #include <cstdint>
@@ -18,16 +17,16 @@
 
 namespace kiln {
 
-/// A brick that a frame needs, and the pixels that the brick can touch.
+/// A brick of a frame, and the pixels that the brick can touch.
 struct BrickOfFrame {
   StoredBrick brick;
   PixelRect rect;
 };
 
-/// A piece of the picture that is drawn.
+/// A piece of the picture to draw.
 struct PassTarget {
   TilePixels pixels;
-  Visibility& visibility;  // of the piece; nothing is closed yet
+  Visibility& visibility;  // of the piece; no pixel is closed yet
   float opacity_threshold;
 };
 
@@ -38,7 +37,7 @@ struct PassCosts {
   BrickWalkCounts walked;
 };
 
-/// Sources and sinks of a pass. requires: only the pass uses the cache while it draws.
+/// Sources and sinks of a pass. requires: no other user of the cache during a draw.
 struct PassContext {
   BrickCache& cache;
   Progress& progress;
@@ -49,17 +48,17 @@ class FramePass {
  public:
   virtual ~FramePass() = default;
 
-  /// Returns the bricks that the pixels need if nothing is hidden, each once, and adds to the counts.
+  /// Returns the bricks for the pixels if nothing is hidden, each once, and adds to the counts.
   virtual std::vector<BrickOfFrame> inView(const PixelRect& pixels, BrickWalkCounts& counts) const = 0;
   /// Returns the total of the progress of `draw` for these pixels (frame/pass/frame_progress.h).
   virtual std::uint64_t steps(const PixelRect& pixels) const = 0;
-  /// Draws a piece, without background, its planes as sums (engine/shared/aov_pixels.h). Returns a rectangle around all
-  /// pixels that changed. throws: as BrickCache::get; Error kCancelled; kBudget as `bytesAtOnce` explains.
+  /// Draws a piece without background, its planes as sums (engine/shared/aov_pixels.h). Returns a rectangle around all
+  /// changed pixels. throws: as BrickCache::get; Error kCancelled; kBudget if the cache has no room for `bytesAtOnce`.
   virtual PixelRect draw(const PassTarget& target, PassContext& context) = 0;
-  /// Returns the memory of bricks that must be in the cache at once to draw these pixels, beyond the largest brick.
+  /// Returns the memory for bricks that must be in the cache together to draw these pixels, beyond the largest brick.
   /// unit: bytes.
   virtual std::uint64_t bytesAtOnce(const PixelRect& /*pixels*/) const { return 0; }
-  /// Returns the memory that threads have drawn with so far, at most. unit: bytes.
+  /// Returns the peak of the threads' scratch memory. unit: bytes.
   virtual std::uint64_t scratchBytes() const = 0;
 };
 

@@ -18,7 +18,7 @@ void PartProgress::reached(std::uint64_t done) {
 }
 
 void PartProgress::within(std::uint64_t count, std::uint64_t drawn, std::uint64_t of) {
-  // A thread that finds another thread reporting continues with its work.
+  // If another thread is reporting, the thread continues with its work.
   const std::unique_lock lock(telling_, std::try_to_lock);
   if (lock) tell(reached_ + count * drawn / of);
 }

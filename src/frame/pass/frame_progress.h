@@ -1,6 +1,6 @@
-// The progress of a frame as one count that grows from 0 to its total. Parts that are drawn one after the other (bands
-// of sub-pixels, faces of a panorama, eyes) each count their bricks in view, hidden bricks included. With several
-// volumes, each tile that a brick is drawn into counts.
+// The progress of a frame as one count from 0 to its total. Parts drawn in turn (bands of sub-pixels, faces of a
+// panorama, eyes) each count their bricks in view, hidden bricks included. With several volumes, a brick counts once
+// per tile.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace kiln {
 
-/// The progress of one part: reported once at 0 and once at its total. An empty part reports nothing.
+/// The progress of one part. Reports 0 and the total once each; an empty part reports nothing.
 class PartProgress {
  public:
   /// requires: `progress` and `unit` outlive this.
@@ -19,7 +19,7 @@ class PartProgress {
 
   /// Sets the count since the beginning. thread: the part's own.
   void reached(std::uint64_t done);
-  /// Reports that `drawn` of `of` tiles of the next `count` bricks are done. thread: any; one of them reports.
+  /// Reports that `drawn` of `of` tiles of the next `count` bricks are done. thread: any; one thread reports.
   void within(std::uint64_t count, std::uint64_t drawn, std::uint64_t of);
   void finish();
 
@@ -36,8 +36,7 @@ class PartProgress {
 /// Adds the progress of the parts to the frame's.
 class FrameProgress : public Progress {
  public:
-  /// `total` is the sum over all parts; 0 for a single part, which knows its own total. requires: `progress` outlives
-  /// this.
+  /// `total`: the sum over all parts; 0 for a single part with its own total. requires: `progress` outlives the object.
   FrameProgress(int frame, std::uint64_t total, Progress& progress);
   void advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) override;
   void note(const std::string& sentence) override { progress_.note(sentence); }
@@ -54,7 +53,7 @@ class FrameProgress : public Progress {
 /// Passes on messages but no counts, for work whose caller counts.
 class UncountedProgress : public Progress {
  public:
-  /// requires: `progress` outlives this.
+  /// requires: `progress` outlives the object.
   explicit UncountedProgress(Progress& progress) : progress_(progress) {}
   void note(const std::string& sentence) override { progress_.note(sentence); }
   void warn(const std::string& sentence) override { progress_.warn(sentence); }

@@ -11,7 +11,7 @@
 
 namespace kiln {
 
-/// The part of a frame that was drawn at one level; `add` counts one brick.
+/// The part of a frame at one level; `add` counts one brick.
 struct LevelStatistics {
   std::uint64_t bricks = 0, voxels_visited = 0, voxels_splats = 0;
   void add(std::uint64_t visited, std::uint64_t splats) {
@@ -21,16 +21,16 @@ struct LevelStatistics {
   }
 };
 
-/// The reason why a frame shows nothing.
+/// The reason for an empty frame.
 /// - kOpacity: the transfer function is transparent everywhere.
-/// - kValues: no value of the volume is shown by the function.
+/// - kValues: the function shows no value of the volume.
 /// - kClipped: the region, the box of the world or the planes leave nothing.
 /// - kBehind: the volume is behind the eye.
 /// - kOutOfView: the volume is beside the picture, or beside its crop.
 /// - kTooSmall: the volume covers so little of a pixel that 8 bits round its alpha to 0.
 /// - kThin: the region, the box of the world or the planes leave so little that 8 bits round its alpha to 0.
 /// - kFaint: 8 bits round the alpha of each pixel to 0.
-/// - kCombined: none of these alone: the visible values are clipped away, out of view or in no voxel.
+/// - kCombined: several reasons together: visible values are clipped away, out of view or in no voxel.
 enum class EmptyFrame : std::uint8_t {
   kShows,
   kOpacity,
@@ -44,10 +44,10 @@ enum class EmptyFrame : std::uint8_t {
   kCombined
 };
 
-/// Counts of one frame. Bricks are those of the levels that the view selects (BrickWalkCounts). With several samples a
-/// pixel, the counts are of the picture of sub-pixels, which is drawn in bands of rows. Voxels, nodes, hidden bricks
-/// and levels are sums over bands, so a brick in two bands counts twice; bricks read count twice if the cache could not
-/// keep them. Total, interesting, contributing and damaged bricks count once.
+/// Counts of one frame. Bricks belong to the levels that the view selects (BrickWalkCounts). With several samples a
+/// pixel, the counts refer to the picture of sub-pixels, drawn in bands of rows. Voxels, nodes, hidden bricks and
+/// levels are sums over bands, so a brick in two bands counts twice. Bricks read count twice if the cache could not
+/// keep a brick between bands. Total, interesting, contributing and damaged bricks count once.
 struct FrameStatistics {
   int frame = 1;         // number of the frame
   unsigned samples = 1;  // per pixel
@@ -59,23 +59,23 @@ struct FrameStatistics {
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
   std::uint64_t bricks_total = 0, bricks_interesting = 0, bricks_read = 0, bricks_hidden = 0, bricks_unused = 0,
                 bricks_damaged = 0, bricks_read_bytes = 0;
-  /// With several ranks: bricks needed by two ranks, or twice by one, whose files were in a rank's memory.
+  /// With several ranks: bricks served from a rank's memory because two ranks, or one rank twice, needed the brick.
   std::uint64_t bricks_shared = 0, bricks_shared_bytes = 0;
-  /// Bricks that change a pixel, and the size of their files: the least that a frame has to read.
+  /// Bricks that change a pixel, and the size of their files: the least that a frame reads.
   std::uint64_t bricks_contributing = 0, bricks_contributing_bytes = 0;
-  std::uint64_t slab_bytes = 0;                            // peak of the memory that threads draw with
+  std::uint64_t slab_bytes = 0;                            // peak of the scratch memory of threads
   std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;  // including earlier frames
   std::vector<LevelStatistics> levels;                     // by level of the store, 0 first
-  unsigned threads = 1;                                    // threads that draw; with several, as many more read
+  unsigned threads = 1;                                    // threads that draw; if several, as many more threads read
   BusyTimes busy;                                          // processor times within wall_s
-  /// Busy time over the drawing threads' time; above 1 where readers have cores of their own.
+  /// Busy time over the drawing threads' time; above 1 if readers have cores of their own.
   double utilisation() const { return wall_s > 0 ? busy.total() / (wall_s * threads) : 0; }
-  std::map<StoredBrick, std::uint64_t> contributing;  // size of their files
+  std::map<StoredBrick, std::uint64_t> contributing;  // size of the files
   std::set<StoredBrick> damaged;
   void addContributing(const StoredBrick& brick, std::uint64_t file_bytes);
-  /// Adds the parts of the same frame drawn elsewhere, except its start, wall_s and output_s.
+  /// Adds parts of the frame drawn elsewhere, except start, wall_s and output_s.
   void merge(const FrameStatistics& other);
-  /// Adds another view of the frame, drawn after this one.
+  /// Adds another view of the frame, drawn later.
   void addView(const FrameStatistics& view);
 };
 

@@ -17,7 +17,7 @@ namespace {
 // bytes.
 constexpr std::uint64_t kWalkBytes = 16 + sizeof(BrickInView);
 
-// The quadtree draws what its own answers leave.
+// The quadtree tests nodes only (VisibilityOptions::test_samples).
 bool testsSamples(const VisibilityOptions& options) {
   return options.test_samples && options.method != VisibilityMethod::kNone &&
          options.method != VisibilityMethod::kQuadtree;

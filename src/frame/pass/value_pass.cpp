@@ -21,7 +21,7 @@ PixelRect ValuePass::draw(const PassTarget& target, PassContext& context) {
   for (const BrickInView& brick : bricks) {
     if (!index.at(brick.key).constant) with_file.push_back(brick);
   }
-  // Nothing is opaque: a brick behind another is no guess.
+  // Nothing is opaque: earlier bricks cover no pixels.
   Prefetcher prefetcher(std::move(with_file),
                         [&](const BrickInView& brick, auto /*covered*/) { return projection.hidden(brick); });
   prefetcher.announce(cache);

@@ -1,4 +1,4 @@
-// One volume whose values are projected, in an order of values.
+// One volume with projected values, drawn in an order of values.
 #pragma once
 
 #include "engine/projection/value_projection.h"

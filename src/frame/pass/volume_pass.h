@@ -1,4 +1,4 @@
-// The base class of passes over one volume, with the walk over the bricks that the volume's engine selects.
+// The base class of passes over one volume. Holds the walk over the bricks that the volume's engine selects.
 #pragma once
 
 #include <memory>
@@ -12,11 +12,11 @@
 
 namespace kiln {
 
-/// EngineOfVolume is VolumeEngine, or a class derived from it.
+/// EngineOfVolume is VolumeEngine or a derived class.
 template <class EngineOfVolume>
 class VolumePass : public FramePass {
  public:
-  /// requires: `store` and `request` outlive this; `engine` refers to no other levels.
+  /// requires: `store` and `request` outlive the object; `engine` refers to `levels` only.
   VolumePass(const StoreReader& store, const FrameRequest& request, std::unique_ptr<const FrameLevels> levels,
              std::unique_ptr<EngineOfVolume> engine)
       : request_(request),

@@ -13,7 +13,7 @@
 
 namespace kiln {
 
-// One piece of the picture.
+// Draws one piece of the picture.
 class ZonePass::Drawing {
  public:
   Drawing(ZonePass& pass, const PassTarget& target, PassContext& context)
@@ -89,7 +89,7 @@ class ZonePass::Drawing {
     context_.cache.announce(next);
   }
 
-  // Returns the bricks that can be read.
+  // Returns the readable bricks.
   std::vector<BrickToDraw> readBricks(const Bricks& bricks) {
     FrameStatistics& statistics = context_.costs.statistics;
     std::vector<BrickToDraw> out;

@@ -11,7 +11,7 @@ namespace kiln {
 
 class ZonePass final : public FramePass {
  public:
-  /// requires: the stores of `volumes` outlive this.
+  /// requires: the stores of `volumes` outlive the object.
   ZonePass(std::vector<MixedVolume> volumes, const MixView& view, int tile_px);
 
   std::vector<BrickOfFrame> inView(const PixelRect& pixels, BrickWalkCounts& counts) const override;
