@@ -12,9 +12,29 @@
 #include "base/thread/trace.h"
 
 namespace kiln {
+namespace {
+
+// Most memory of evicted bricks that stays in the heap where bricks differ in size: no large brick fits into a gap
+// between small bricks. unit: bytes.
+constexpr std::uint64_t kMostFreed = std::uint64_t{8} << 20;
+
+bool differInSize(const std::vector<const StoreReader*>& stores) {
+  const auto voxels = [](const StoreReader* store) {
+    return std::pair(store->manifest().brick_size, sizeOf(store->manifest().type));
+  };
+  return std::any_of(stores.begin(), stores.end(),
+                     [&](const StoreReader* store) { return voxels(store) != voxels(stores.front()); });
+}
+
+}  // namespace
+
 BrickCache::BrickCache(std::vector<const StoreReader*> stores, std::uint64_t budget_bytes, unsigned readers,
                        SkipHandler skip, BrickFiles* files)
-    : stores_(std::move(stores)), budget_bytes_(budget_bytes), skip_(std::move(skip)), files_(files) {
+    : stores_(std::move(stores)),
+      budget_bytes_(budget_bytes),
+      mixed_sizes_(differInSize(stores_)),
+      skip_(std::move(skip)),
+      files_(files) {
   for (const StoreReader* const store : stores_) {
     const std::uint64_t smallest = store->largestReadBytes();
     if (smallest <= budget_bytes) continue;
@@ -44,15 +64,24 @@ BrickCache::Announced::const_iterator BrickCache::announced(const StoredBrick& b
 
 void BrickCache::erase(Slots::iterator slot) {
   if (!slot->second.asked_for) ++counts_.unused;
-  held_bytes_ -= slot->second.charged_bytes;
+  const std::uint64_t bytes = slot->second.charged_bytes;
+  held_bytes_ -= bytes;
   recency_.erase(slot->second.recency);
   slots_.erase(slot);
+  noteFreed(bytes);
+}
+
+void BrickCache::noteFreed(std::uint64_t bytes) {
+  freed_bytes_ += bytes;
+  if (!mixed_sizes_ || freed_bytes_ < kMostFreed) return;
+  freed_bytes_ = 0;
+  returnFreedMemory();
 }
 
 // Evicts unneeded bricks until `bytes` fit; returns false if too few can go. Bricks held, awaited or being read
 // stay.
 bool BrickCache::makeRoom(std::uint64_t bytes, bool spare_announced) {
-  for (auto oldest = recency_.end(); oldest != recency_.begin() && held_bytes_ + bytes > budget_bytes_;) {
+  for (auto oldest = recency_.end(); oldest != recency_.begin() && !fits(bytes);) {
     --oldest;
     const auto slot = slots_.find(*oldest);
     if (slot->second.state == State::kReading || slot->second.awaited || slot->second.block.use_count() > 1) continue;
@@ -60,7 +89,13 @@ bool BrickCache::makeRoom(std::uint64_t bytes, bool spare_announced) {
     ++oldest;
     erase(slot);
   }
-  return held_bytes_ + bytes <= budget_bytes_;
+  return fits(bytes);
+}
+
+void BrickCache::setAside(std::uint64_t bytes) {
+  const Lock lock(mutex_);
+  aside_bytes_ = bytes;
+  if (!makeRoom(0, true)) makeRoom(0, false);
 }
 
 // Charges a brick before its reading begins. requires: room.

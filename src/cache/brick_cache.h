@@ -82,6 +82,9 @@ class BrickCache {
   /// thread: as `get`; exact after `settle`.
   CacheCounts counts() const;
   std::uint64_t budgetBytes() const { return budget_bytes_; }
+  /// Leaves this much of the budget free, for buffers that the caller makes of bricks; replaces the last such amount.
+  /// Bricks that are held or being read stay. thread: as `get`. requires: at most budgetBytes(). unit: bytes.
+  void setAside(std::uint64_t bytes);
   const std::vector<const StoreReader*>& stores() const { return stores_; }
   /// Largest charge at any time. unit: bytes.
   std::uint64_t peakBytes() const;
@@ -103,11 +106,13 @@ class BrickCache {
 
   Announced::const_iterator announced(const StoredBrick& brick) const;
   const StoredBrick* nextToRead();
+  bool fits(std::uint64_t bytes) const { return held_bytes_ + bytes + aside_bytes_ <= budget_bytes_; }
   bool makeRoom(std::uint64_t bytes, bool spare_announced);
   Slots::iterator begin(const StoredBrick& brick);
   void read(Slots::iterator slot, Lock& lock);
   std::shared_ptr<const BrickBlock> skip(const Slot& failed, bool first, Lock& lock);
   void erase(Slots::iterator slot);
+  void noteFreed(std::uint64_t bytes);
   void passTurnsUpTo(const StoredBrick& brick);
   void readAhead();
 
@@ -115,11 +120,13 @@ class BrickCache {
 
   const std::vector<const StoreReader*> stores_;
   const std::uint64_t budget_bytes_;
+  const bool mixed_sizes_;  // of bricks
   const SkipHandler skip_;
   BrickFiles* const files_;
   mutable std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
-  std::uint64_t held_bytes_ = 0, peak_bytes_ = 0;
+  std::uint64_t held_bytes_ = 0, aside_bytes_ = 0, peak_bytes_ = 0;
+  std::uint64_t freed_bytes_ = 0;  // since the heap last returned freed memory
   int reading_ = 0;
   bool closing_ = false;
   bool starved_ = false;  // `get` waits for room

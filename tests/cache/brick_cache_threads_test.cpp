@@ -87,6 +87,19 @@ TEST_F(BrickCacheTest, FindsWhatIsInMemoryAndReadsNothing) {
   EXPECT_EQ(cache.counts().reads, keys_.size());
 }
 
+TEST_F(BrickCacheTest, EvictsForWhatTheCallerSetsAside) {
+  const std::uint64_t brick = store_->read(keys_[0]).bytes();
+  BrickCache cache(*store_, largest_ + 3 * brick);
+  for (std::size_t i = 0; i < 4; ++i) cache.get(keys_[i]);
+  cache.setAside(largest_ + brick);  // room for two bricks
+  EXPECT_EQ(cache.find(keys_[1]), nullptr);
+  EXPECT_NE(cache.find(keys_[2]), nullptr);
+  EXPECT_NE(cache.find(keys_[3]), nullptr);
+  cache.setAside(0);
+  cache.get(keys_[0]);
+  EXPECT_NE(cache.find(keys_[2]), nullptr);
+}
+
 TEST_F(BrickCacheTest, FindsNothingThatIsDamaged) {
   std::ofstream(path_ / "bricks/0/0_0_0.vdb", std::ios::binary | std::ios::app) << "more";
   BrickCache cache(*store_, 3 * largest_, 0, [](const Error&) {});

@@ -95,6 +95,11 @@ BudgetRow rendered(const char* name, int least_mib, std::vector<std::string> opt
   return {name, least_mib, options};
 }
 
+BudgetRow threeSizes(const char* name, int least_mib, std::vector<std::string> options) {
+  options.insert(options.end(), {"--add", "IN/edge64.kiln", "--add", "IN/edge32.kiln"});
+  return rendered(name, least_mib, options, "IN/o.exr", "IN/edge128.kiln");
+}
+
 BudgetRow converted(const char* name, int least_mib, const char* input, std::vector<std::string> options = {}) {
   options.insert(options.begin(), {"convert", input, "IN/c.kiln", "--overwrite"});
   return {name, least_mib, options};
@@ -189,6 +194,7 @@ std::vector<BudgetRow> largePictureRows() {
        {"render", "IN/huge.kiln", "-o", "IN/o.exr", "--tf", "grayscale", "--lattice", "ray", "--size", "400x400",
         "--level", "0"}},
       {"slice, large bricks", 16, {"slice", "IN/large.kiln", "-o", "IN/o.png"}},
+      threeSizes("bricks of three sizes, large", 128, {"--size", "900x900", "--samples", "1", "--level", "0"}),
   };
 }
 
@@ -281,6 +287,11 @@ class BudgetTable : public ::testing::Test {
     writeText(in("noise320.raw"), randomVolume({320, 320, 320}, VoxelType::u16, 2).stored(false));
     made({"convert", in("noise320.raw"), in("noise.kiln"), "--dims", "320,320,320", "--type", "u16"});
     made({"convert", in("large.vdb"), in("large.vdb.kiln")});
+  }
+
+  void makeStoresOfThreeSizes(const std::string& extent) const {
+    for (const char* const edge : {"32", "64", "128"})
+      made({"convert", "phantom:head:" + extent, in(std::string("edge") + edge + ".kiln"), "--brick-size", edge});
   }
 
   void makeMoreForeignFiles() const {
@@ -381,6 +392,13 @@ TEST_F(BudgetTable, ATableOfTooManyBricksIsRefused) {
   EXPECT_FALSE(fs::exists(in("c.kiln")));
 }
 
+// Bricks of one size leave gaps in the heap into which bricks of the other sizes do not fit.
+TEST_F(BudgetTable, BricksOfThreeSizesInOnePictureStayWithinIt) {
+  makeStoresOfThreeSizes("288x288x288");
+  const std::vector<std::string> view = {"--size", "300x300", "--samples", "1", "--level", "0"};
+  check({threeSizes("bricks of three sizes", 80, view)}, {64, 80, 90, 100, 157});
+}
+
 // Each row succeeds at its least budget, so that refusals cannot hide failures.
 TEST_F(BudgetTable, UsualPicturesAndConversions_succeedWithinTheLeastBudget) {
   for (const std::vector<BudgetRow>& rows : {pictureRows(), manyBricksRows(), conversionRows()}) {
@@ -396,6 +414,7 @@ TEST_F(BudgetTable, UsualPicturesAndConversions_refuseAMegabyteInOneLine) {
 
 TEST_F(BudgetTable, NightlyEveryPictureAndConversionStaysWithinIt) {
   makeLargeStores();
+  makeStoresOfThreeSizes("512x512x512");
   makeMoreForeignFiles();
   const std::vector<int> budgets_mib(std::begin(kBudgetsMib), std::end(kBudgetsMib));
   for (const std::vector<BudgetRow>& rows :

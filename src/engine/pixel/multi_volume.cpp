@@ -155,9 +155,9 @@ void MultiVolume::addBrick(std::size_t volume, const BrickKey& key, const PixelR
     if (rect.empty()) continue;
     const auto edge = static_cast<std::uint64_t>(brick_size / kCellSize);
     const std::uint64_t cells = edge * edge * edge * sizeof(SlabCell);
-    const std::uint64_t bytes = blockBytes(store.frame(key)) + cells, read = store.readBytes(key);
-    reading_bytes_ = std::max(reading_bytes_, read - std::min(read, bytes));
-    zone->bricks.push_back({{key, static_cast<int>(volume)}, rect, bytes});
+    const std::uint64_t block = blockBytes(store.frame(key)), read = store.readBytes(key);
+    reading_bytes_ = std::max(reading_bytes_, read - std::min(read, block));
+    zone->bricks.push_back({{key, static_cast<int>(volume)}, rect, block, cells});
   }
   counts_.bricks += of_frame ? 1 : 0;
   counts_.interesting += interesting ? 1 : 0;
@@ -180,8 +180,14 @@ std::vector<StoredBrick> MultiVolume::inView(const PixelRect& pixels) const {
 }
 
 std::uint64_t MultiVolume::bytesFor(std::span<const Brick* const> bricks) const {
-  std::uint64_t sum = reading_bytes_;
-  for (const Brick* const brick : bricks) sum += brick->bytes;
+  std::uint64_t sum = reading_bytes_ + cellBytesFor(bricks);
+  for (const Brick* const brick : bricks) sum += brick->block_bytes;
+  return sum;
+}
+
+std::uint64_t MultiVolume::cellBytesFor(std::span<const Brick* const> bricks) {
+  std::uint64_t sum = 0;
+  for (const Brick* const brick : bricks) sum += brick->cell_bytes;
   return sum;
 }
 

@@ -37,7 +37,7 @@ class MultiVolume {
   struct Brick {
     StoredBrick brick;
     PixelRect rect;
-    std::uint64_t bytes = 0;  // memory of the decoded brick and a list of its cells
+    std::uint64_t block_bytes = 0, cell_bytes = 0;  // memory of the decoded brick, and of a list of its cells
   };
 
   /// requires: the stores outlive this; kMostVolumes of them at most. throws: as FrameLevels. cost: a look at every
@@ -67,6 +67,8 @@ class MultiVolume {
   std::uint64_t mostBytes(std::span<const PixelRect> tiles) const;
   /// Returns the memory of these bricks, with reading the last brick. unit: bytes.
   std::uint64_t bytesFor(std::span<const Brick* const> bricks) const;
+  /// Returns the share of the lists of cells in this memory. unit: bytes.
+  static std::uint64_t cellBytesFor(std::span<const Brick* const> bricks);
   /// Memory that the threads have drawn with so far, at most. unit: bytes.
   std::uint64_t scratchBytes() const { return sums_.bytes(); }
 

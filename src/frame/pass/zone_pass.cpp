@@ -76,11 +76,13 @@ class ZonePass::Drawing {
           fmt::format("is too little: bricks have {} of it, and those of the volumes that meet in one tile take "
                       "{} at once; give {} more",
                       formatBytes(room), formatBytes(needed), roundedUpBytes(needed - room)));
+    context_.cache.setAside(MultiVolume::cellBytesFor(bricks));
     announce(bricks);
     const std::vector<BrickToDraw> read = readBricks(bricks);
     // The next zone is read while this zone is drawn.
     if (context_.cache.readsAhead() && zone + 1 < volumes_.zones()) announce(visibleBricks(zone + 1, tiles));
     drawTiles(zone, read, tiles);
+    context_.cache.setAside(0);
   }
 
   void announce(const Bricks& bricks) {
