@@ -160,34 +160,42 @@ std::string expectedWhole(std::int64_t least, std::int64_t most, std::string_vie
   return fmt::format("a whole number{}{} from {} to {}", unit.empty() ? "" : " of ", unit, least, most);
 }
 
-JobObject::JobObject(Json value, Text text, std::filesystem::path path, std::string place)
-    : value_(std::move(value)), text_(std::move(text)), path_(std::move(path)), place_(std::move(place)) {
+JobObject::JobObject(Json root, Json value, Text text, std::filesystem::path path, std::string place)
+    : root_(std::move(root)),
+      value_(std::move(value)),
+      text_(std::move(text)),
+      path_(std::move(path)),
+      place_(std::move(place)) {
   if (!value_->is_object()) complainAt(place_, "expected an object {…}, found " + shownValue(*value_));
 }
 
 JobObject JobObject::parse(const std::string& text, const std::filesystem::path& path) {
-  return JobObject(checkedDocument(text, path), std::make_shared<const std::string>(text), path, "");
+  const Json root = checkedDocument(text, path);
+  return JobObject(root, root, std::make_shared<const std::string>(text), path, "");
 }
 
 std::vector<JobObject> JobObject::parseSeveral(const std::string& text, const std::filesystem::path& path) {
   const Json root = checkedDocument(text, path);
   const auto shared_text = std::make_shared<const std::string>(text);
-  if (!root->is_array()) return {JobObject(root, shared_text, path, "")};
+  if (!root->is_array()) return {JobObject(root, root, shared_text, path, "")};
   std::vector<JobObject> out;
-  for (std::size_t i = 0; i < root->size(); ++i)
-    out.push_back(JobObject(Json(root, &(*root)[i]), shared_text, path, fmt::format("[{}]", i)));
+  for (std::size_t i = 0; i < root->size(); ++i) {
+    const Json item(root, &(*root)[i]);
+    out.push_back(JobObject(item, item, shared_text, path, fmt::format("[{}]", i)));
+  }
   return out;
 }
 
 JobObject JobObject::ofFlag(const json& value, const FlagText& flag) {
-  JobObject out(std::make_shared<const json>(value), nullptr, {}, "");
+  const auto root = std::make_shared<const json>(value);
+  JobObject out(root, root, nullptr, {}, "");
   out.flag_ = std::make_shared<const FlagText>(flag);
   return out;
 }
 
 JobObject JobObject::inside(const json& value, std::string place) const {
   // Shares the document's lifetime, points at the part.
-  JobObject out(Json(value_, &value), text_, path_, std::move(place));
+  JobObject out(root_, Json(value_, &value), text_, path_, std::move(place));
   out.flag_ = flag_;
   return out;
 }
@@ -248,6 +256,14 @@ bool JobObject::isObject(std::string_view key) const {
 bool JobObject::isNumber(std::string_view key) const {
   const json* value = find(key);
   return value && value->is_number();
+}
+
+std::optional<double> JobObject::format() const {
+  for (const json* owner : {value_.get(), root_.get()}) {
+    const auto found = owner->find("kiln");
+    if (found != owner->end() && found->is_number()) return found->get<double>();
+  }
+  return std::nullopt;
 }
 
 std::optional<double> JobObject::number(std::string_view key, std::string_view expected, bool (*legal)(double)) const {

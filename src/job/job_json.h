@@ -78,6 +78,9 @@ class JobObject {
   bool isText(std::string_view key) const;
   bool isNumber(std::string_view key) const;
   bool isObject(std::string_view key) const;
+  /// The number `kiln` of this object, or else of the document: the version of its format. Nothing where neither has
+  /// it.
+  std::optional<double> format() const;
 
   /// Empty where the key is not there. `expected` describes the legal values: "a number of degrees in (0, 180)".
   std::optional<double> number(std::string_view key, std::string_view expected, bool (*legal)(double)) const;
@@ -117,14 +120,14 @@ class JobObject {
  private:
   using Json = std::shared_ptr<const nlohmann::json>;
   using Text = std::shared_ptr<const std::string>;
-  JobObject(Json value, Text text, std::filesystem::path path, std::string place);
+  JobObject(Json root, Json value, Text text, std::filesystem::path path, std::string place);
   [[noreturn]] void complainAt(const std::string& place, const std::string& sentence) const;
   void requireWithin(std::string_view key, ListLimit limit, const nlohmann::json& list) const;
   const nlohmann::json* find(std::string_view key) const;
   bool fill(std::string_view key, std::string_view expected, const Legal& legal, std::span<double> out) const;
   JobObject inside(const nlohmann::json& value, std::string place) const;
 
-  Json value_;
+  Json root_, value_;
   Text text_;  // the whole document
   std::filesystem::path path_;
   std::string place_;                     // path of this object; empty for the root

@@ -86,7 +86,8 @@ Options<RenderJob> imageOptions() {
       Row("height", {KILN_MEMBER(picture.size.height), Whole{1, kLargestSide_px, "pixels"}, kAlways},
           "Height of the picture."),
       Row("background", "--background", kLight, {KILN_MEMBER(picture.background), BackgroundColors{}, kAlways},
-          "Background in linear light: transparent (default), one colour, or two from top to bottom."),
+          "Background: transparent (default), one colour, or two from top to bottom. A colour is R,G,B in linear "
+          "light, a name such as navy, #rgb or #rrggbb."),
       Row("crop", "--crop", kOutput, {KILN_MEMBER(picture.crop), PixelBox{}, kAlways},
           "Draw these pixels of the picture only. Each is equal to that of the whole picture, except with --visibility "
           "quadtree."),
@@ -165,11 +166,8 @@ Options<RenderJob> rootOptions() {
   using Row = Option<RenderJob>;
   Options<RenderJob> out;
   const auto add = [&](Option<RenderJob> option) { out.push_back(std::move(option)); };
-  OptionValue<RenderJob> format = custom({{"const", 1}}, [](const JobObject& root, RenderJob&) {
-    root.number("kiln", "1, the job format of this version", [](double v) { return v == 1; });
-  });
-  format.write = [](const RenderJob&) { return 1; };
-  add(Row("kiln", std::move(format).resolvedIf(kAlways), "Version of the job format."));
+  add(Row("kiln", formatValue<RenderJob>().resolvedIf(kAlways), "Version of the job format.",
+          "add \"kiln\": 2, the version of the job format"));
   OptionValue<RenderJob> volumes = custom(volumeList().form().schema, readVolumes);
   volumes.write = [](const RenderJob& job) {
     ordered_json list = ordered_json::array();
@@ -228,7 +226,7 @@ Options<RenderJob> rootOptions() {
   lights.read = [](const JobObject& root, std::string_view, RenderJob& job) { readLights(root, job); };
   add(Row("lights", "--light", kLight, std::move(lights).resolvedIf(kAlways),
           "Add a light: headlight (default), dir:x,y,z for the direction towards a far light, or point:x,y,z; each may "
-          "end in :r,g,b, its colour. Repeatable."));
+          "end in :COLOR, r,g,b in linear light, a name, #rgb or #rrggbb. Repeatable."));
   add(Row("region", "--region", kShown, {KILN_MEMBER(picture.clipping.region), VoxelBounds{}, kAlways}, kRegionHelp));
   add(Row("worldRegion", "--world-region", kShown, {KILN_MEMBER(picture.clipping), WorldBounds{}}, kWorldRegionHelp));
   OptionForm part;

@@ -6,6 +6,23 @@
 
 namespace kiln {
 
+/// The newest version of the language of jobs and transfer function files; earlier versions are read, too. Since 2,
+/// colours of transfer functions are sRGB by default.
+inline constexpr int kJobFormat = 2;
+
+/// The key "kiln" of a document. JobObject::format holds the number for all of the document.
+template <class Owner>
+OptionValue<Owner> formatValue() {
+  const WholeChoice kind{.numbers = {1, kJobFormat}};
+  return OptionValue<Owner>::custom(
+      kind.form(),
+      [kind](const JobObject& object, std::string_view key, Owner&) {
+        int format = 0;
+        kind.read(object, key, format);
+      },
+      [](const Owner&) { return kJobFormat; });
+}
+
 /// The job itself, with the objects that it holds once.
 const Options<RenderJob>& jobOptions();
 

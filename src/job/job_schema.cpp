@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "image/named_color.h"
 #include "job/job_options.h"
 
 namespace kiln {
@@ -39,8 +40,11 @@ void addKeyframes(const std::string& name, const std::string& key, ordered_json&
                        {"additionalProperties", false}};
 }
 
+constexpr const char* kColorPattern = "^#[0-9A-Fa-f]{3}([0-9A-Fa-f]{3})?$";
+
 constexpr const char* kShared = R"({
-  "gradient": {"type": "object", "properties": {"top": {"$ref": "rgba"}, "bottom": {"$ref": "rgba"}},
+  "backgroundColor": {"anyOf": [{"const": "transparent"}, {"$ref": "colorName"}, {"$ref": "rgba"}]},
+  "gradient": {"type": "object", "properties": {"top": {"$ref": "backgroundColor"}, "bottom": {"$ref": "backgroundColor"}},
                "required": ["top", "bottom"], "additionalProperties": false},
   "text": {"type": "string", "minLength": 1},
   "vector": {"type": "array", "items": {"$ref": "length"}, "minItems": 3, "maxItems": 3},
@@ -81,6 +85,7 @@ std::string jobSchemaText() {
   for (const SharedRange& range : sharedRanges())
     definitions[std::string(range.name)] = Number{range.range}.form().schema;
   definitions.update(ordered_json::parse(kShared));
+  definitions["colorName"]["anyOf"] = {{{"enum", colorNames()}}, {{"type", "string"}, {"pattern", kColorPattern}}};
   ordered_json out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                       {"title", fmt::format("A job of kiln render, version {}", KILN_VERSION)},
                       {"$ref", "job"},

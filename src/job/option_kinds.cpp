@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/memory/memory.h"
+#include "image/named_color.h"
 #include "job/job_names.h"
 
 namespace kiln {
@@ -54,6 +55,34 @@ std::string valueNameOf(std::string_view unit, std::string_view otherwise) {
 
 std::vector<std::string> stringsOf(std::span<const std::string_view> names) { return {names.begin(), names.end()}; }
 
+// throws: Error kUsage if the text names no colour.
+glm::dvec3 namedColor(const JobObject& object, std::string_view key, const std::string& expected) {
+  const auto color = colorNamed(*object.text(key, expected));
+  if (!color) object.refuse(key, expected);
+  return *color;
+}
+
+constexpr std::string_view kTransparent = "transparent";
+
+// One end of a background, as a value of a job.
+json backgroundOfText(const std::string& text) {
+  if (text == kTransparent) return text;
+  json out = colorOfText(text);
+  if (out.is_array()) out.push_back(1);
+  return out;
+}
+
+using Rgba = std::array<double, 4>;
+
+Rgba backgroundFrom(const JobObject& object, std::string_view key) {
+  const std::string expected =
+      fmt::format("[red, green, blue, alpha] from 0 to 1, premultiplied, transparent, or {}", kColorForms);
+  if (!object.isText(key)) return *object.numbers<4>(key, expected, legal::fraction);
+  if (*object.text(key, expected) == kTransparent) return {};
+  const glm::dvec3 color = namedColor(object, key, expected);
+  return {color.r, color.g, color.b, 1};
+}
+
 void readAuto(const JobObject& object, std::string_view key) {
   constexpr std::array<std::string_view, 1> kAuto = {"auto"};
   object.choice(key, kAuto);
@@ -71,6 +100,12 @@ json numbersOfText(const std::string& text, char separator) {
     begin = end + 1;
   }
   return out;
+}
+
+json colorOfText(const std::string& text) {
+  if (colorNamed(text)) return text;
+  json numbers = numbersOfText(text);
+  return numbers.size() == 3 ? numbers : json();
 }
 
 std::string refusalOfText(const OptionForm& form, const std::string& text) {
@@ -312,40 +347,41 @@ glm::dvec3 WorldVector::readVector(const JobObject& object, std::string_view key
 
 OptionForm ColorValue::form() const {
   OptionForm out;
-  out.schema = {{"type", "array"}, {"items", {{"$ref", ref}}}, {"minItems", 3}, {"maxItems", 3}};
+  const ordered_json numbers = {{"type", "array"}, {"items", {{"$ref", ref}}}, {"minItems", 3}, {"maxItems", 3}};
+  out.schema["anyOf"] = {{{"$ref", "colorName"}}, numbers};
   return out;
 }
 
 void ColorValue::read(const JobObject& object, std::string_view key, glm::dvec3& out) const {
-  const auto c = *object.numbers<3>(key, fmt::format("[red, green, blue] from {}", range.text()), range);
+  const std::string expected = fmt::format("[red, green, blue] from {}, or {}", range.text(), kColorForms);
+  if (object.isText(key)) {
+    out = namedColor(object, key, expected);
+    return;
+  }
+  const auto c = *object.numbers<3>(key, expected, range);
   out = {c[0], c[1], c[2]};
 }
 
 OptionForm BackgroundColors::form() const {
   OptionForm out;
-  out.schema = {{"anyOf", {{{"$ref", "rgba"}}, {{"$ref", "gradient"}}}}};
-  out.value_name = "R,G,B[:R,G,B]";
-  out.expected = "transparent, R,G,B or R,G,B:R,G,B (top:bottom) from 0 to 1";
-  out.words = {"transparent"};
+  out.schema = {{"anyOf", {{{"$ref", "backgroundColor"}}, {{"$ref", "gradient"}}}}};
+  out.value_name = "COLOR[:COLOR]";
+  out.expected = fmt::format("COLOR or COLOR:COLOR (top:bottom), each transparent, R,G,B from 0 to 1, {}", kColorForms);
+  out.words = stringsOf(colorNames());
+  out.words.insert(out.words.begin(), std::string(kTransparent));
   out.parse = [](const std::string& text) -> json {
-    if (text == "transparent") return {0, 0, 0, 0};
     const std::size_t colon = std::min(text.find(':'), text.size());
-    json top = numbersOfText(text.substr(0, colon));
-    if (top.size() != 3) return {};
-    top.push_back(1);
-    if (colon == text.size()) return top;
-    json bottom = numbersOfText(text.substr(colon + 1));
-    if (bottom.size() != 3) return {};
-    bottom.push_back(1);
-    return {{"top", top}, {"bottom", bottom}};
+    const json top = backgroundOfText(text.substr(0, colon));
+    if (colon == text.size() || top.is_null()) return top;
+    const json bottom = backgroundOfText(text.substr(colon + 1));
+    return bottom.is_null() ? bottom : json{{"top", top}, {"bottom", bottom}};
   };
   return out;
 }
 
 void BackgroundColors::read(const JobObject& object, std::string_view key, Background& out) const {
-  constexpr std::string_view kExpected = "[red, green, blue, alpha] from 0 to 1, premultiplied";
   if (!object.isObject(key)) {
-    const auto all = *object.numbers<4>(key, kExpected, legal::fraction);
+    const Rgba all = backgroundFrom(object, key);
     out = {all, all};
     return;
   }
@@ -354,7 +390,7 @@ void BackgroundColors::read(const JobObject& object, std::string_view key, Backg
   for (const char* end : {"top", "bottom"}) {
     if (!ends.has(end)) ends.complain(end, "is missing; a gradient has top and bottom");
   }
-  out = {*ends.numbers<4>("top", kExpected, legal::fraction), *ends.numbers<4>("bottom", kExpected, legal::fraction)};
+  out = {backgroundFrom(ends, "top"), backgroundFrom(ends, "bottom")};
 }
 
 ordered_json BackgroundColors::write(const Background& background) const {

@@ -166,7 +166,7 @@ struct WorldVector {
   }
 };
 
-/// A colour in linear light.
+/// A colour: numbers, in linear light where their object has no other space, or a text (image/named_color.h).
 struct ColorValue {
   NumberRange range;
   std::string_view ref;
@@ -175,7 +175,7 @@ struct ColorValue {
   nlohmann::ordered_json write(const glm::dvec3& color) const { return {color.r, color.g, color.b}; }
 };
 
-/// One colour behind the volume, or two.
+/// One colour behind the volume, or two. A colour is [red, green, blue, alpha], a text, or "transparent".
 struct BackgroundColors {
   OptionForm form() const;
   void read(const JobObject& object, std::string_view key, Background& out) const;
@@ -258,6 +258,8 @@ struct ListOf {
 
 /// The numbers of "a,b,c" as a list; null where the text is none.
 nlohmann::json numbersOfText(const std::string& text, char separator = ',');
+/// The three numbers of "r,g,b" as a list, or a colour's name as it stands; null where the text is no colour.
+nlohmann::json colorOfText(const std::string& text);
 
 /// Returns "expected …, found …" for a text that has no legal form, else an empty text.
 std::string refusalOfText(const OptionForm& form, const std::string& text);

@@ -48,7 +48,7 @@ void requireSortedGradients(const JobObject& object, const std::vector<GradientP
     object.refuse("gradient", "a gradient not below that of the point before, for points are sorted");
 }
 
-// "headlight[:r,g,b]", "dir:x,y,z[:r,g,b]" or "point:x,y,z[:r,g,b]".
+// "headlight[:COLOR]", "dir:x,y,z[:COLOR]" or "point:x,y,z[:COLOR]".
 nlohmann::json lightOfText(const std::string& text) {
   std::vector<std::string> parts;
   for (std::size_t begin = 0; begin <= text.size(); begin = parts.back().size() + begin + 1)
@@ -64,7 +64,7 @@ nlohmann::json lightOfText(const std::string& text) {
     color = 1;
   }
   if (light.is_null() || parts.size() > color + 1) return {};
-  if (parts.size() > color) light["color"] = numbersOfText(parts[color]);
+  if (parts.size() > color) light["color"] = colorOfText(parts[color]);
   return nlohmann::json::array({light});
 }
 
@@ -173,7 +173,7 @@ const Options<Light>& lightOptions() {
           {KILN_MEMBER(place), WorldVector{}, [](const Light& light) { return light.kind == LightKind::kPoint; }},
           "Position of a point light."),
       Row("color", {KILN_MEMBER(color), ColorValue{kBrightness.range, kBrightness.name}, kAlways},
-          "[red, green, blue] in linear light."),
+          "[red, green, blue] in linear light, or a name, #rgb or #rrggbb in sRGB."),
       Row("intensity", {KILN_MEMBER(intensity), Number{kBrightness.range, "", kBrightness.name}, kAlways},
           "Factor of the colour."),
   };
@@ -198,7 +198,9 @@ const ListOf<Light>& lightList() {
       .expected = "a list of lights [{type, …}, …]",
       .item_from = &lightFrom,
       .value_name = "LIGHT",
-      .flag_expected = "headlight[:r,g,b], dir:x,y,z[:r,g,b] or point:x,y,z[:r,g,b], colours from 0 to 1000000",
+      .flag_expected =
+          "headlight[:COLOR], dir:x,y,z[:COLOR] or point:x,y,z[:COLOR], COLOR a name such as orange, "
+          "#rgb, #rrggbb, or r,g,b from 0 to 1000000",
       .parse = &lightOfText};
   return kList;
 }
@@ -269,6 +271,7 @@ const Options<TransferFunction>& transferFunctionOptions() {
   static const auto kHasLabels = [](const TransferFunction& function) { return !function.labels.empty(); };
   using Row = Option<TransferFunction>;
   static const Options<TransferFunction> kOptions = {
+      Row("kiln", formatValue<TransferFunction>(), "Version of the format; decides the default of colorSpace."),
       Row("unit", {KILN_MEMBER(unit), Number{{0, kLongest}, "world units"}, kAlways},
           "Length that opacity is per; 0 is the mean spacing of voxels."),
       Row("colorSpace",
@@ -279,7 +282,7 @@ const Options<TransferFunction>& transferFunctionOptions() {
               },
               [](const TransferFunction&) { return kColorSpaceNames[0]; })
               .resolvedIf(kAlways),
-          "Space of all colours of the function."),
+          "Space of all colours that are numbers: srgb by default, linear in format 1 and in a file without kiln."),
       Row("labels", {KILN_MEMBER(labels), kLabels, kHasLabels},
           "Styles of the labels of a label volume, instead of points; all other labels are transparent."),
       Row("points",

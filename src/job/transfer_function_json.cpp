@@ -10,8 +10,20 @@
 namespace kiln {
 namespace {
 
-void makeLinear(glm::dvec3& color) {
-  for (int channel = 0; channel < 3; ++channel) color[channel] = linearFromSrgb(color[channel]);
+// Whether numbers of colours are sRGB. A document without a number of its format has format 1.
+bool hasSrgbNumbers(const JobObject& function) {
+  if (const auto place = function.choice("colorSpace", kColorSpaceNames)) return *place == 1;
+  return function.format().value_or(1) >= 2;
+}
+
+// Decodes the colours that are numbers; texts were decoded when they were read.
+template <class Item>
+void decodeNumbers(const JobObject& function, std::string_view list, std::vector<Item>& items) {
+  if (items.empty()) return;
+  const auto objects = *function.objects(list, list, {items.size(), list});
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (!objects[i].isText("color")) items[i].color = linearFromSrgb(items[i].color);
+  }
 }
 
 void requireOnce(const JobObject& object, const std::vector<LabelStyle>& labels) {
@@ -34,9 +46,9 @@ TransferFunction transferFunctionFrom(const JobObject& object) {
   readOptions(transferFunctionOptions(), object, out);
   if (out.labels.empty() && out.points.empty())
     object.refuse("points", "a list of at least one point {value, color, opacity}");
-  if (object.choice("colorSpace", kColorSpaceNames).value_or(0) == 1) {
-    for (TransferPoint& point : out.points) makeLinear(point.color);
-    for (LabelStyle& style : out.labels) makeLinear(style.color);
+  if (hasSrgbNumbers(object)) {
+    decodeNumbers(object, "points", out.points);
+    decodeNumbers(object, "labels", out.labels);
   }
   requireOnce(object, out.labels);
   sortLabels(out.labels);

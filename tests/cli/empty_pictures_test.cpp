@@ -174,13 +174,13 @@ TEST_F(EmptyPicturesCli, WorldBoxBesideTheVolume_isRefusedAsRegionIs) {
   refused(with({"--region", "1000,1000,1000,1010,1010,1010"}), 2, "holds none of the volume's voxels");
   refused(with({"--world-region", "5000,5000,5000,5010,5010,5010"}), 2, "--world-region");
   refused(with({"--world-region", "5000,5000,5000,5010,5010,5010", "--add", in("h.kiln")}), 2, "--world-region");
-  writeText(in("job.json"), R"({"volume": "h.kiln", "worldRegion": [5000, 5000, 5000, 5010, 5010, 5010]})");
+  writeText(in("job.json"), R"({"kiln": 2, "volume": "h.kiln", "worldRegion": [5000, 5000, 5000, 5010, 5010, 5010]})");
   refused({"render", in("job.json"), "-o", in("x.exr")}, 2, "holds nothing of the volume, which is from ");
 }
 
 // Frames 2 and 3 of four look past the volume, and frame 4 away from it: a warning for each reason.
 TEST_F(EmptyPicturesCli, Sequences_warnOnceWithTheFramesNumbers) {
-  writeText(in("job.json"), R"({"volume": "h.kiln", "output": "f_#.png", "image": {"width": 16, "height": 16},
+  writeText(in("job.json"), R"({"kiln": 2, "volume": "h.kiln", "output": "f_#.png", "image": {"width": 16, "height": 16},
       "clip": {"keyframes": [{"frame": 1, "planes": [{"normal": [0, 0, 1], "offset": 10000}]},
                              {"frame": 2, "planes": [{"normal": [0, 0, 1], "offset": -10000}]},
                              {"frame": 4, "planes": [{"normal": [0, 0, 1], "offset": -10000}]}]}})");
@@ -256,7 +256,7 @@ TEST_F(EmptyPicturesCli, LabelsBesideAVolume_areDrawnAsLabels) {
   fs::remove_all(in("l.nrrd.kiln"));
   done(with({"--add", in("l.nrrd")}));
   EXPECT_TRUE(drawn({"--labels", in("l.nrrd")}).first == right);
-  writeText(in("job.json"), R"({"volumes": [{"volume": "h.kiln"}, {"volume": "l.nrrd", "labels": true}],
+  writeText(in("job.json"), R"({"kiln": 2, "volumes": [{"volume": "h.kiln"}, {"volume": "l.nrrd", "labels": true}],
                                 "output": "x.exr", "image": {"width": 24, "height": 24}})");
   fs::remove_all(in("l.nrrd.kiln"));
   done({"render", in("job.json")});

@@ -53,11 +53,14 @@ import json, jsonschema, re, sys
 schema = json.load(open(sys.argv[1]))
 jsonschema.Draft202012Validator.check_schema(schema)
 check = jsonschema.Draft202012Validator(schema)
-jobs = re.findall(r'```json[^\n]*\n(\{ "kiln": 1.*?)```', open(sys.argv[2]).read(), re.S)
+jobs = re.findall(r'```json[^\n]*\n(\{ "kiln": 2, (?:"volume|"output).*?)```', open(sys.argv[2]).read(), re.S)
 for job in jobs: check.validate(json.loads(re.sub(r'//.*', '', job)))
-wrong = [{}, {"volume": ""}, {"volume": "a", "camera": {"fvo": 3}}, {"volume": "a", "image": {"width": 0}},
-         {"volume": "a", "lights": [{"kind": "sun"}]}, {"volume": "a", "frames": "1-"}]
+keys = [{}, {"volume": ""}, {"volume": "a", "camera": {"fvo": 3}}, {"volume": "a", "image": {"width": 0}},
+        {"volume": "a", "lights": [{"kind": "sun"}]}, {"volume": "a", "frames": "1-"},
+        {"volume": "a", "image": {"background": "#12345"}}, {"volume": "a", "kiln": 3}]
+wrong = [{"kiln": 2, **job} for job in keys] + [{"volume": "a"}]
 assert len(jobs) >= 5 and not any(check.is_valid(job) for job in wrong)
+for format in 1, 2: check.validate({"kiln": format, "volume": "a", "image": {"background": "#12345a"}})
 )");
   std::string documents = readTextFile(fs::path(KILN_SOURCE_DIR) / "README.md");
   for (const auto& page : fs::directory_iterator(fs::path(KILN_SOURCE_DIR) / "tools/kiln/manual"))

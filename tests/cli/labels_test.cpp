@@ -93,7 +93,7 @@ TEST_F(LabelsCli, AFileOfItkSnapsIsAJobsList) {
   writeText(in("l.txt"), kSnapFile);
   const ZeroPages<float> by_file = drawn({in("l.kiln"), "--tf", in("l.txt")});
   writeText(in("again.json"), readImageText(in("d.exr")).at("kiln:job"));
-  writeText(in("job.json"), R"({"volume": "l.kiln", "output": "j.exr", "image": {"width": 60, "height": 50},
+  writeText(in("job.json"), R"({"kiln": 2, "volume": "l.kiln", "output": "j.exr", "image": {"width": 60, "height": 50},
     "transferFunction": {"colorSpace": "srgb", "labels": [{"label": 9, "name": "ball", "color": [0, 0, 1], "opacity": 0.6},
                                                           {"label": 3, "color": [1, 0, 0]}]}})");
   EXPECT_TRUE(by_file == drawn({in("job.json")}));

@@ -21,7 +21,7 @@ class OverwrittenInputs : public ToolTest {
     done({"convert", in("v.raw"), in("v.kiln"), "--dims", "32,32,32", "--type", "u8", "--brick-size", "16"});
     writeText(in("v.nhdr"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 32 32 32\nencoding: raw\ndata file: v.raw\n");
     writeText(in("tf.json"), R"({"points": [{"value": 0, "opacity": 0}, {"value": 255, "opacity": 0.5}]})");
-    writeText(in("job.json"), R"({"volume": "v.kiln", "transferFunction": "tf.json"})");
+    writeText(in("job.json"), R"({"kiln": 2, "volume": "v.kiln", "transferFunction": "tf.json"})");
     done({"render", in("v.kiln"), "-o", in("p.png"), "--size", "16x16"});
     fs::create_directories(in("slices"));
     const ForeignVolume slices = randomVolume({32, 32, 3}, VoxelType::u8, 1);
@@ -118,7 +118,7 @@ TEST_F(OverwrittenInputs, NamesOfUnfinishedWork_AreNoOutputs) {
     fs::remove(in("v.mp4.frames"));
     refused(with("v.mp4.frames"), 2, "where the frames of the video are kept until it is made");
   }
-  writeText(in("video.json"), R"({"volume": "v.kiln", "output": "v.mp4", "camera": {"turntable": {"frames": 2}},
+  writeText(in("video.json"), R"({"kiln": 2, "volume": "v.kiln", "output": "v.mp4", "camera": {"turntable": {"frames": 2}},
                                   "outputs": [{"path": "v.mp4.frames/d_#.exr", "content": "depth"}]})");
   refused({"render", in("video.json"), "--dry-run"}, 2, "where the frames of the video are kept until it is made");
   EXPECT_FALSE(fs::exists(in("v.mp4.frames")));

@@ -59,7 +59,7 @@ TEST_F(SceneCli, TransferFunctionsOfEveryKind) {
   for (const char* tf : {"iso:300", "viridis", "fire"}) EXPECT_NE(drawnTwice({"--tf", tf}).rgba, by_default.rgba) << tf;
   const Image whole = drawnTwice({"--tf", in("maps.json") + "#B"});
   EXPECT_NE(drawnTwice({"--tf", in("maps.json") + "#B", "--window", "700,300"}).rgba, whole.rgba);
-  std::ofstream(in("windowed.json")) << R"({"volume": ")" + store_ +
+  std::ofstream(in("windowed.json")) << R"({"kiln": 2, "volume": ")" + store_ +
                                             R"(", "transferFunction": "maps.json#B", "window": [700, 300],
                                               "image": {"width": 24, "height": 20}})";
   EXPECT_EQ(runTool({"render", in("windowed.json"), "-o", in("w.exr")}).exit_code, 0);
@@ -117,7 +117,7 @@ TEST_F(SceneCli, LightClippingAndBackground) {
       by_default.rgba);
   // An option replaces the named cut of a job and keeps the other cuts.
   const auto of_job = [&](const std::string& box, const std::string& plane, const std::vector<std::string>& more) {
-    writeText(in("cuts.json"), R"({"volume": ")" + store_ +
+    writeText(in("cuts.json"), R"({"kiln": 2, "volume": ")" + store_ +
                                    R"(", "image": {"width": 32, "height": 24}, "worldRegion": )" + box +
                                    R"(, "clip": [)" + plane + "]}");
     std::vector<std::string> arguments = {"render", in("cuts.json"), "-o", in("cuts.exr")};

@@ -127,7 +127,7 @@ TEST_F(SequenceCli, OptionsAreTheJobsKeys) {
     options.insert(options.begin(), {"render", in("h.kiln"), "-o", in("o.exr"), "--size", "24x20"});
     done(options);
     writeText(in("job.json"),
-              R"({"volume": "h.kiln", "output": "j.exr", "image": {"width": 24, "height": 20}, )" + keys + "}");
+              R"({"kiln": 2, "volume": "h.kiln", "output": "j.exr", "image": {"width": 24, "height": 20}, )" + keys + "}");
     done({"render", in("job.json")});
     EXPECT_TRUE(readFile(in("o.exr")) == readFile(in("j.exr"))) << keys;
   };
@@ -173,7 +173,7 @@ TEST_F(SequenceCli, AFailedFrameDoesNotLoseTheOthers) {
     const std::string spacing = std::to_string(30 + frame);
     done({"convert", fmt::format("phantom:head:{0}x{0}x{0}", spacing), in(fmt::format("t_{:04}.kiln", frame))});
   }
-  writeText(in("job.json"), R"({"volume": "t_####.kiln", "output": "f_####.png", "frames": "1-4",
+  writeText(in("job.json"), R"({"kiln": 2, "volume": "t_####.kiln", "output": "f_####.png", "frames": "1-4",
                                 "image": {"width": 16, "height": 16}})");
   const ToolResult result = runTool({"render", in("job.json"), "--progress", "json", "--stats", in("s.json")});
   EXPECT_EQ(result.exit_code, 1);
@@ -217,7 +217,7 @@ TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
   // A job that also writes pictures encodes the frames of these pictures.
   writeTurn(3, R"("outputs": [{"path": "w_#.png"}], "video": {"rate": 12.5},)");
   done({"render", in("job.json"), "--resume"});
-  writeText(in("job2.json"), R"({"volume": "h.kiln", "output": "w.webm", "outputs": [{"path": "w_#.png"}],)" +
+  writeText(in("job2.json"), R"({"kiln": 2, "volume": "h.kiln", "output": "w.webm", "outputs": [{"path": "w_#.png"}],)" +
                                  readTextFile(in("job.json")).substr(readTextFile(in("job.json")).find("\"image\"")));
   const ToolResult again = done({"render", in("job2.json"), "--resume"});
   EXPECT_NE(again.out.find("3 kept"), std::string::npos) << again.out << again.err;
@@ -307,12 +307,12 @@ TEST_F(SequenceCli, AnEncoderThatHangsCanBeInterrupted) {
 // Known because the job's own keyframes place the camera.
 TEST_F(SequenceCli, OptionsDoNotMoveACameraThatHasKeyframes) {
   writeText(in("keys.json"),
-            R"({"volume": "h.kiln", "output": "k_#.png", "image": {"width": 16, "height": 16}, "camera":
+            R"({"kiln": 2, "volume": "h.kiln", "output": "k_#.png", "image": {"width": 16, "height": 16}, "camera":
       {"keyframes": [{"frame": 1, "view": "front"}, {"frame": 2, "view": "left"}]}})");
   refused({"render", in("keys.json"), "--eye", "0,0,300"}, 2, "--eye: the job says by keyframes where the camera is");
   refused({"render", in("keys.json"), "--zoom", "2"}, 2, "--zoom: the job says by keyframes");
   done({"render", in("keys.json")});
-  writeText(in("none.json"), R"({"volume": "h.kiln", "output": "k_#.png", "camera":
+  writeText(in("none.json"), R"({"kiln": 2, "volume": "h.kiln", "output": "k_#.png", "camera":
       {"keyframes": [{"frame": 1.5, "view": "front"}]}})");
   refused({"render", in("none.json")}, 2, "no whole frame is between the first keyframe and the last");
 }
@@ -322,7 +322,7 @@ TEST_F(SequenceCli, OptionsDoNotMoveACameraThatHasKeyframes) {
 TEST_F(SequenceCli, EyesMoveApartAndAreBesideEachOtherInAVideo) {
   const PathOf stand_in(pathWithFfmpeg());
   const std::string image = R"("image": {"width": 40, "height": 36}, "stereo": {"eye": "both", )";
-  writeText(in("pair.json"), R"({"volume": "h.kiln", "output": "p.mp4", "outputs": [{"path": "p_#.exr"}], )" + image +
+  writeText(in("pair.json"), R"({"kiln": 2, "volume": "h.kiln", "output": "p.mp4", "outputs": [{"path": "p_#.exr"}], )" + image +
                                  R"("keyframes": [{"frame": 1, "interocular": 10, "convergence": 200},
                                                   {"frame": 3, "interocular": 30, "convergence": 300}]}})");
   done({"render", in("pair.json")});
@@ -330,7 +330,7 @@ TEST_F(SequenceCli, EyesMoveApartAndAreBesideEachOtherInAVideo) {
   EXPECT_EQ(fs::file_size(in("p.mp4")), 3u * 80 * 36 * 3);
   EXPECT_FALSE(fs::exists(in("p.mp4.frames")));
   writeText(in("still.json"),
-            R"({"volume": "h.kiln", "output": "s.exr", )" + image + R"("interocular": 20, "convergence": 250}})");
+            R"({"kiln": 2, "volume": "h.kiln", "output": "s.exr", )" + image + R"("interocular": 20, "convergence": 250}})");
   done({"render", in("still.json")});
   EXPECT_TRUE(readFile(in("s.exr")) == readFile(in("p_2.exr")));
   EXPECT_FALSE(readFile(in("s.exr")) == readFile(in("p_1.exr")));

@@ -81,7 +81,7 @@ TEST_F(SharedWorldCli, RasBesideLps_landsInTheSamePlace) {
   const ZeroPages<float> of_ras = drawn(ct_ras, labels_ras).rgba;
   EXPECT_TRUE(drawn(ct_ras, labels).rgba == of_ras);
   // A job with equal options draws an equal picture, and so does the job in the picture's header.
-  writeText(in("job.json"), R"({"volumes": [{"volume": "ct.kiln", "transferFunction": "tf.json"}, {"volume":
+  writeText(in("job.json"), R"({"kiln": 2, "volumes": [{"volume": "ct.kiln", "transferFunction": "tf.json"}, {"volume":
       "labels_ras.kiln"}], "image": {"width": 48, "height": 48}, "camera": {"view": "front", "azimuth": 30, "elevation":
       20}, "exr": {"type": "float"}})");
   done({"render", in("job.json"), "-o", in("job.exr")});

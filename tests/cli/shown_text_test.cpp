@@ -108,7 +108,7 @@ TEST_F(ShownTextCli, TextsOfFiles_areShownEscaped) {
   // Names of labels, keys of a job, comments of a picture.
   writeText(in("l.json"), R"({"labels": [{"label": 1, "name": "\u001b[31mliver\u009b", "color": [1, 0, 0]}]})");
   expectHarmless({"tf", in("l.json")}, R"(\x1b[31mliver\x9b)");
-  writeText(in("job.json"), R"({"volume": "h.kiln", "\u001b[31mkey": 1})");
+  writeText(in("job.json"), R"({"kiln": 2, "volume": "h.kiln", "\u001b[31mkey": 1})");
   expectHarmless({"render", in("job.json"), "-o", in("x.png")}, R"(\x1b[31mkey)");
   done({"render", in("h.kiln"), "-o", in("c.exr"), "--size", "8x8", "--comments", "two\nlines \x1b[31m"});
   expectHarmless({"info", in("c.exr")}, R"(lines \x1b[31m)");

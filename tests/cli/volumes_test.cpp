@@ -24,7 +24,7 @@ class VolumesCli : public ToolTest {
 
   // Writes a job with two volumes; `first` and `second` are their additional keys.
   void writeJob(const std::string& first, const std::string& second, const std::string& more = "") const {
-    writeText(in("job.json"), fmt::format(R"({{"volumes": [{{"volume": "h.kiln"{}}}, {{"volume": "e.kiln"{}}}],
+    writeText(in("job.json"), fmt::format(R"({{"kiln": 2, "volumes": [{{"volume": "h.kiln"{}}}, {{"volume": "e.kiln"{}}}],
       "output": "j.exr", "image": {{"width": 40, "height": 36}}{}}})",
                                           first, second, more));
   }
@@ -141,11 +141,11 @@ TEST_F(VolumesCli, WhatOneVolumeOnlyHasIsRefused) {
     writeText(in("job.json"), text);
     refused({"render", in("job.json"), "-o", in("x.png")}, 2, mention);
   };
-  job(R"({"volumes": []})", "volumes: expected a list of at least one volume");
-  job(R"({"volume": "h.kiln", "volumes": [{"volume": "e.kiln"}]})", "volume: is each volume's own");
-  job(R"({"volumes": [{"volume": "e.kiln"}], "window": [1, 2]})", "window: is each volume's own");
-  job(R"({"volumes": [{"volume": "e.kiln"}, {"transferFunction": "auto"}]})", "volumes[1].volume: is missing");
-  job(R"({"volumes": [{"volume": "e.kiln", "windo": [1, 2]}]})",
+  job(R"({"kiln": 2, "volumes": []})", "volumes: expected a list of at least one volume");
+  job(R"({"kiln": 2, "volume": "h.kiln", "volumes": [{"volume": "e.kiln"}]})", "volume: is each volume's own");
+  job(R"({"kiln": 2, "volumes": [{"volume": "e.kiln"}], "window": [1, 2]})", "window: is each volume's own");
+  job(R"({"kiln": 2, "volumes": [{"volume": "e.kiln"}, {"transferFunction": "auto"}]})", "volumes[1].volume: is missing");
+  job(R"({"kiln": 2, "volumes": [{"volume": "e.kiln", "windo": [1, 2]}]})",
       "volumes[0].windo: unknown key; did you mean 'window'?");
 }
 

@@ -53,7 +53,7 @@ class FrameProgressOf : public ::testing::Test {
 
   // Draws the seventh frame of a job with these keys and returns the progress reports.
   std::vector<Told> drawn(const std::string& keys, unsigned threads) const {
-    RenderJob job = parseJob(R"({"image": {"width": 80, "height": 40}, )" + keys + "}", folder_ / "job.json");
+    RenderJob job = parseJob(R"({"kiln": 2, "image": {"width": 80, "height": 40}, )" + keys + "}", folder_ / "job.json");
     job.speed.threads = threads;
     const ThreadLimit limit(threads);
     Listening listening;
@@ -82,7 +82,7 @@ TEST_F(FrameProgressOf, APictureCountsTheBricksInView) {
 }
 
 TEST_F(FrameProgressOf, PartsAreOneCount) {
-  RenderJob job = parseJob(R"({"image": {"width": 12, "height": 300}, "volume": "volume.kiln", "samples": 16,
+  RenderJob job = parseJob(R"({"kiln": 2, "image": {"width": 12, "height": 300}, "volume": "volume.kiln", "samples": 16,
                                "camera": {"zoom": 20}})",
                            folder_ / "job.json");
   job.speed.memory_bytes = frameMemory(StoreReader(job.volume), job).smallest();
@@ -109,7 +109,7 @@ TEST_F(FrameProgressOf, SeveralVolumesCountTiles) {
 
 // Only a checkpoint counts finished tiles, in pixels.
 TEST_F(FrameProgressOf, ACheckpointCountsPixels) {
-  RenderJob job = parseJob(R"({"image": {"width": 600, "height": 550}, "volume": "volume.kiln", "output": "f.exr"})",
+  RenderJob job = parseJob(R"({"kiln": 2, "image": {"width": 600, "height": 550}, "volume": "volume.kiln", "output": "f.exr"})",
                            folder_ / "job.json");
   Listening listening;
   OpenedJob opened(job, listening, checkpointMemory(job));

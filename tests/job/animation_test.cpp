@@ -29,7 +29,9 @@ VolumeGeometry box() {
   return out;
 }
 
-RenderJob jobOf(const std::string& body) { return parseJob(R"({"volume": "a.kiln", )" + body + "}", "job.json"); }
+RenderJob jobOf(const std::string& body) {
+  return parseJob(R"({"kiln": 2, "volume": "a.kiln", )" + body + "}", "job.json");
+}
 
 Camera cameraOf(const RenderJob& job, double frame) {
   return cameraAt(job.animation.camera, job.picture.camera, frame, box(), {64, 64});

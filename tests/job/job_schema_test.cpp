@@ -39,6 +39,7 @@ TEST(JobSchema, TheParserTakesWhatTheSchemaHas) {
   const Json schema = Json::parse(jobSchemaText());
   for (const auto& [name, definition] : schema["$defs"]["job"]["properties"].items()) {
     Json job = Json::object();
+    job["kiln"] = 2;
     if (name != "volumes") job["volume"] = "a.kiln";
     job[name] = {{"no such key", 1}};
     try {
@@ -74,12 +75,13 @@ TEST(JobSchema, LinesOfPlaces) {
 
 TEST(JobSchema, MistakesNameTheirLine) {
   try {
-    parseJob("{\"volume\": \"a.kiln\", // the head\n\n  \"camera\": {\n    \"fvo\": 3}}", "job.json");
+    parseJob("{\"kiln\": 2, \"volume\": \"a.kiln\", // the head\n\n  \"camera\": {\n    \"fvo\": 3}}", "job.json");
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(), "job.json: line 4, camera.fvo: unknown key; did you mean 'fov'?");
   }
-  EXPECT_THROW(parseJob("{\"volume\": " + std::string(200, '[') + std::string(200, ']') + "}", "job.json"), Error);
+  EXPECT_THROW(parseJob("{\"kiln\": 2, \"volume\": " + std::string(200, '[') + std::string(200, ']') + "}", "job.json"),
+               Error);
 }
 
 }  // namespace

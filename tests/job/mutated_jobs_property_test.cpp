@@ -25,7 +25,7 @@ constexpr const char* kJobs[] = {
   "outputs": [{"path": "z_##.exr", "content": "depth"}], "video": {"rate": 25},
   "visibility": {"method": "quadtree", "threshold": 0.9, "area": "sphere", "epsilon": 3, "samples": "tested"},
   "lattice": "voxel", "level": 0, "samples": 4, "memory": "64M", "threads": 1, "tile": 64, "exr": {"type": "float"} })",
-    R"({"volume": "v.kiln", "image": {"width": 8, "height": 9}, // keys of all that moves
+    R"({"kiln": 2, "volume": "v.kiln", "image": {"width": 8, "height": 9}, // keys of all that moves
   "camera": {"fov": 50, "pivot": "target", "keyframes": [
      {"frame": 0, "eye": [-20, 5, 9], "target": [8, 8, 8], "up": [0, 0, 1]},
      {"frame": 2.5, "eye": [8, -30, 20], "target": [8, 8, 9], "ease": "linear", "fov": 20}]},
@@ -39,19 +39,19 @@ constexpr const char* kJobs[] = {
   "shading": {"model": "phong", "ambient": 0.1, "diffuse": 0.7, "specular": 0.3, "power": 8},
   "region": [1, 1, 1, 15, 15, 14], "worldRegion": [0, 0, 0, 15, 15, 15], "window": [60, 80],
   "interpolation": "catmull-rom", "png": {"bits": 16}, "skipDamaged": false })",
-    R"({"volume": "v.kiln", "image": {"width": 8, "height": 8, "background": [0, 0, 0, 1]}, "level": "auto",
+    R"({"kiln": 2, "volume": "v.kiln", "image": {"width": 8, "height": 8, "background": [0, 0, 0, 1]}, "level": "auto",
   "camera": {"fov": 40, "matrices": [[[1, 0, 0, 8], [0, 0, -1, -30], [0, 1, 0, 8], [0, 0, 0, 1]]]},
   "lights": [{"type": "point", "position": [3, 4, 5], "color": [1, 0.9, 0.8], "intensity": 0.5}],
   "clip": [{"normal": [0, 0, -1], "offset": 10}], "transferFunction": "grayscale"})",
-    R"({"volume": "v.kiln", "image": {"width": 8, "height": 8, "aov": ["value"]}, "mode": "average", "window": [60, 80],
+    R"({"kiln": 2, "volume": "v.kiln", "image": {"width": 8, "height": 8, "aov": ["value"]}, "mode": "average", "window": [60, 80],
   "camera": {"fov": 40, "view": "top"}, "region": [1, 2, 1, 15, 15, 9], "clip": [{"normal": [0, 0, -1], "offset": 10}]})",
-    R"({"volumes": [{"volume": "v.kiln", "transferFunction": "iso:50", "region": [1, 1, 1, 15, 15, 14], "window": [60, 80]},
+    R"({"kiln": 2, "volumes": [{"volume": "v.kiln", "transferFunction": "iso:50", "region": [1, 1, 1, 15, 15, 14], "window": [60, 80]},
    {"volume": "v.kiln", "clip": [{"normal": [0, 1, 1], "offset": -9}], "shading": {"model": "none"},
     "transferFunction": {"keyframes": [{"frame": 1, "function": "auto"}, {"frame": 3, "function": "fire"}]}}],
   "image": {"width": 8, "height": 8}, "camera": {"view": "left"}, "level": "auto"})",
-    R"({"volume": "v.kiln", "image": {"width": 8, "height": 8}, "camera": {"view": "right"}, "stereo": {"eye": "both",
+    R"({"kiln": 2, "volume": "v.kiln", "image": {"width": 8, "height": 8}, "camera": {"view": "right"}, "stereo": {"eye": "both",
    "keyframes": [{"frame": 1, "interocular": 3, "convergence": 40}, {"frame": 4, "interocular": 1, "convergence": 9}]}})",
-    R"({"volume": "v.kiln", "image": {"width": 8, "height": 8}, "part": "1/2", "interpolation": "cubic",
+    R"({"kiln": 2, "volume": "v.kiln", "image": {"width": 8, "height": 8}, "part": "1/2", "interpolation": "cubic",
   "exr": {"compression": "piz", "owner": "us", "comments": "none", "statistics": true}})"};
 
 class Mutator {

@@ -20,7 +20,7 @@ const JobFlag& flagNamed(const std::string& name) {
 }
 
 RenderJob jobOfFlag(const std::string& name, const std::vector<std::string>& texts) {
-  RenderJob job = parseJob(R"({"volume": "a.kiln"})", "job.json");
+  RenderJob job = parseJob(R"({"kiln": 2, "volume": "a.kiln"})", "job.json");
   flagNamed(name).apply(texts, job);
   return job;
 }
@@ -49,6 +49,11 @@ const Pair kPairs[] = {
     {"--background",
      {"0.1,0.2,0.3:1,1,1"},
      R"("image": {"background": {"top": [0.1, 0.2, 0.3, 1], "bottom": [1, 1, 1, 1]}})"},
+    {"--background", {"navy"}, R"("image": {"background": "navy"})"},
+    {"--background", {"#abc:transparent"}, R"("image": {"background": {"top": "#aabbcc", "bottom": [0, 0, 0, 0]}})"},
+    {"--background",
+     {"0.5,0.5,0.5:white"},
+     R"("image": {"background": {"top": [0.5, 0.5, 0.5, 1], "bottom": "white"}})"},
     {"--aov", {"normal", "depth", "depth"}, R"("image": {"aov": ["depth", "normal"]})"},
     {"--fov", {"33.5"}, R"("camera": {"fov": 33.5})"},
     {"--eye", {"1,-2,3e2"}, R"("camera": {"eye": [1, -2, 300]})"},
@@ -67,6 +72,10 @@ const Pair kPairs[] = {
     {"--clip",
      {"1,0,0,-8", "0,0,-1,9"},
      R"("clip": [{"normal": [1, 0, 0], "offset": -8}, {"normal": [0, 0, -1], "offset": 9}])"},
+    {"--light",
+     {"headlight:orange", "dir:0,0,1:#fff"},
+     R"("lights": [{"type": "headlight", "color": "#ffa500"},
+                   {"type": "directional", "direction": [0, 0, 1], "color": [1, 1, 1]}])"},
     {"--part", {"2/8"}, R"("part": "2/8")"},
     {"--part", {"0,1,2,3,4,5"}, R"("part": [0, 1, 2, 3, 4, 5])"},
     {"--opacity-threshold", {"0.9"}, R"("visibility": {"threshold": 0.9})"},
@@ -89,9 +98,10 @@ const Pair kPairs[] = {
 };
 
 TEST(Options, FlagAndKey_giveTheSameJob) {
-  const nlohmann::ordered_json plain = allValues(jobOptions(), parseJob(R"({"volume": "a.kiln"})", "job.json"));
+  const nlohmann::ordered_json plain =
+      allValues(jobOptions(), parseJob(R"({"kiln": 2, "volume": "a.kiln"})", "job.json"));
   for (const Pair& pair : kPairs) {
-    const RenderJob by_key = parseJob(fmt::format(R"({{"volume": "a.kiln", {}}})", pair.json), "job.json");
+    const RenderJob by_key = parseJob(fmt::format(R"({{"kiln": 2, "volume": "a.kiln", {}}})", pair.json), "job.json");
     const RenderJob by_flag = jobOfFlag(pair.flag, pair.texts);
     EXPECT_EQ(allValues(jobOptions(), by_flag), allValues(jobOptions(), by_key)) << pair.flag;
     EXPECT_EQ(by_flag.animation.any(), by_key.animation.any()) << pair.flag;
@@ -101,15 +111,19 @@ TEST(Options, FlagAndKey_giveTheSameJob) {
 }
 
 TEST(Options, Flag_withAWrongText_isRefusedByItsName) {
-  const Pair wrong[] = {
-      {"--fov", {"180"}, ""},          {"--fov", {"6o"}, ""},           {"--fov", {"nan"}, ""},
-      {"--threads", {"4097"}, ""},     {"--threads", {"010"}, ""},      {"--threads", {"1e3"}, ""},
-      {"--size", {"0x5"}, ""},         {"--size", {"5"}, ""},           {"--up", {"0,0,0"}, ""},
-      {"--up", {"0,0"}, ""},           {"--light", {"sun"}, ""},        {"--light", {"dir:0,0,0"}, ""},
-      {"--clip", {"0,0,0,1"}, ""},     {"--samples", {"8"}, ""},        {"--level", {"fine"}, ""},
-      {"--lattice", {"hex"}, ""},      {"--aov", {"depth,hue"}, ""},    {"--memory", {"lots"}, ""},
-      {"--share-reads", {"true"}, ""}, {"--background", {"0,0,2"}, ""}, {"--part", {"4/3"}, ""},
-      {"--window", {"3,0"}, ""}};
+  const Pair wrong[] = {{"--fov", {"180"}, ""},          {"--fov", {"6o"}, ""},
+                        {"--fov", {"nan"}, ""},          {"--threads", {"4097"}, ""},
+                        {"--threads", {"010"}, ""},      {"--threads", {"1e3"}, ""},
+                        {"--size", {"0x5"}, ""},         {"--size", {"5"}, ""},
+                        {"--up", {"0,0,0"}, ""},         {"--up", {"0,0"}, ""},
+                        {"--light", {"sun"}, ""},        {"--light", {"dir:0,0,0"}, ""},
+                        {"--clip", {"0,0,0,1"}, ""},     {"--samples", {"8"}, ""},
+                        {"--level", {"fine"}, ""},       {"--lattice", {"hex"}, ""},
+                        {"--aov", {"depth,hue"}, ""},    {"--memory", {"lots"}, ""},
+                        {"--share-reads", {"true"}, ""}, {"--background", {"0,0,2"}, ""},
+                        {"--part", {"4/3"}, ""},         {"--window", {"3,0"}, ""},
+                        {"--background", {"blak"}, ""},  {"--background", {"navy:"}, ""},
+                        {"--background", {"#ff"}, ""},   {"--light", {"headlight:sun"}, ""}};
   for (const Pair& pair : wrong) {
     try {
       jobOfFlag(pair.flag, pair.texts);

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "image/named_color.h"
 #include "job/job_json.h"
 
 namespace kiln {
@@ -53,13 +54,13 @@ TEST(RenderJob, ReadsEveryKey) {
   EXPECT_TRUE(job.output.exr_float);
   EXPECT_EQ(job.output.png_bits, 16);
   EXPECT_FALSE(job.picture.skip_damaged);
-  EXPECT_TRUE(parseJob(R"({"volume": "a.kiln", "skipDamaged": true})", "job.json").picture.skip_damaged);
+  EXPECT_TRUE(parseJob(R"({"kiln": 2, "volume": "a.kiln", "skipDamaged": true})", "job.json").picture.skip_damaged);
   EXPECT_TRUE(job.share_reads);
-  EXPECT_FALSE(parseJob(R"({"volume": "a.kiln", "shareReads": false})", "job.json").share_reads);
+  EXPECT_FALSE(parseJob(R"({"kiln": 2, "volume": "a.kiln", "shareReads": false})", "job.json").share_reads);
 }
 
 TEST(RenderJob, WhatIsNotSaidKeepsItsDefault) {
-  const RenderJob job = parseJob(R"({"volume": "/data/a.kiln"})", "jobs/job.json");
+  const RenderJob job = parseJob(R"({"kiln": 2, "volume": "/data/a.kiln"})", "jobs/job.json");
   EXPECT_EQ(job.volume, "/data/a.kiln");
   EXPECT_TRUE(job.output.path.empty());
   EXPECT_EQ(job.picture.size.width, 1024);
@@ -71,7 +72,7 @@ TEST(RenderJob, WhatIsNotSaidKeepsItsDefault) {
 
 TEST(RenderJob, FramingKeysAndNamedTransferFunctions) {
   RenderJob job = parseJob(
-      R"({"volume": "a", "camera": {"view": "left", "azimuth": 10, "elevation": -5, "zoom": 2, "height": 7,
+      R"({"kiln": 2, "volume": "a", "camera": {"view": "left", "azimuth": 10, "elevation": -5, "zoom": 2, "height": 7,
           "projection": "orthographic"}, "transferFunction": "ct-bone", "memory": 1000000})",
       "job.json");
   EXPECT_EQ(job.picture.camera.side, Side::kLeft);
@@ -82,13 +83,13 @@ TEST(RenderJob, FramingKeysAndNamedTransferFunctions) {
   EXPECT_EQ(job.picture.camera.projection, Projection::kOrthographic);
   EXPECT_EQ(std::get<std::string>(job.picture.transfer_function), "ct-bone");
   EXPECT_EQ(job.speed.memory_bytes, 1000000u);
-  job = parseJob(R"({"volume": "a", "transferFunction": "bone.json"})", "jobs/job.json");
+  job = parseJob(R"({"kiln": 2, "volume": "a", "transferFunction": "bone.json"})", "jobs/job.json");
   EXPECT_EQ(std::get<std::filesystem::path>(job.picture.transfer_function), "jobs/bone.json");
 }
 
 TEST(RenderJob, LightsAndClipping) {
   const RenderJob job =
-      parseJob(R"({"volume": "a", "image": {"background": {"top": [1, 0, 0, 1], "bottom": [0, 0, 0, 0]}},
+      parseJob(R"({"kiln": 2, "volume": "a", "image": {"background": {"top": [1, 0, 0, 1], "bottom": [0, 0, 0, 0]}},
       "lights": [{"type": "directional", "direction": [0, 2, 0], "color": [1, 0.5, 0], "intensity": 3}, {"type": "headlight"}],
       "region": [1, 2, 3, 4, 5, 6], "worldRegion": [0, 0, 0, 9, 9, 9], "clip": [{"normal": [0, 0, -1], "offset": 7}]})",
                "job.json");
@@ -103,7 +104,7 @@ TEST(RenderJob, LightsAndClipping) {
 
 // sRGB 0.5 is 21.4 % light.
 TEST(RenderJob, SrgbColoursAreDecoded) {
-  const RenderJob job = parseJob(R"({"volume": "a", "transferFunction": {"colorSpace": "srgb",
+  const RenderJob job = parseJob(R"({"kiln": 2, "volume": "a", "transferFunction": {"colorSpace": "srgb",
       "points": [{"value": 0, "color": [0.5, 1, 0], "opacity": 1}]}})",
                                  "job.json");
   const auto& function = std::get<TransferFunction>(job.picture.transfer_function);
@@ -182,6 +183,10 @@ const WrongJob kWrongJobs[] = {
     {R"("lights": [{"type": "directional", "direction": [0, 0, 0]}])", ErrorCode::kUsage, "lights[0].direction"},
     {R"("lights": [{"type": "point", "direction": [0, 0, 1]}])", ErrorCode::kUsage, "lights[0].direction: unknown"},
     {R"("lights": [{"type": "headlight", "color": [1, 1, -1]}])", ErrorCode::kUsage, "lights[0].color"},
+    {R"("lights": [{"type": "headlight", "color": "sun"}])", ErrorCode::kUsage, "lights[0].color: expected [red"},
+    {R"("image": {"background": "#12345"})", ErrorCode::kUsage, "image.background: expected [red, green, blue, alpha]"},
+    {R"("image": {"background": {"top": "sky", "bottom": "navy"}})", ErrorCode::kUsage,
+     "image.background.top: expected"},
     {R"("lights": [{"type": "headlight", "intensity": -1}])", ErrorCode::kUsage, "lights[0].intensity"},
     {R"("region": [0, 0, 0, 1, 1])", ErrorCode::kUsage, "region: expected six whole numbers"},
     {R"("region": [0, 0, 0, 1, 0, 1])", ErrorCode::kUsage, "region"},
@@ -224,7 +229,6 @@ const WrongJob kWrongJobs[] = {
      "outputs[0].path: expected a file name without a NUL"},
     {R"("exr": {"owner": "\u0000"})", ErrorCode::kUsage, "exr.owner: expected a name without a NUL"},
     {R"("transferFunction": "f\u0000.json")", ErrorCode::kUsage, "transferFunction: expected a preset"},
-    {R"("kiln": 2)", ErrorCode::kUsage, "kiln: expected 1"},
     {R"("threads": 1, "threads": 2)", ErrorCode::kFormat, "'threads' is given twice"},
     {"\"threads\": 1,\n\"level\" 0", ErrorCode::kFormat, "job.json: line 2, column 9"},
     {"\"memory\": 1e999", ErrorCode::kFormat, "line 1"},
@@ -235,12 +239,53 @@ const WrongJob kWrongJobs[] = {
 TEST(RenderJob, EachMistakeNamesItsKey) {
   for (const WrongJob& wrong : kWrongJobs) {
     try {
-      parseJob(std::string(R"({"volume": "a.kiln", )") + wrong.body + "}", "job.json");
+      parseJob(std::string(R"({"kiln": 2, "volume": "a.kiln", )") + wrong.body + "}", "job.json");
       ADD_FAILURE() << "not refused: " << wrong.body;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), wrong.code) << wrong.body << "\n" << error.what();
       EXPECT_NE(std::string(error.what()).find(wrong.message), std::string::npos) << wrong.body << "\n" << error.what();
     }
+  }
+}
+
+TEST(RenderJob, AJob_namesItsFormat) {
+  const auto refusal = [](const char* text) -> std::string {
+    try {
+      parseJob(text, "job.json");
+      return "";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+      return error.what();
+    }
+  };
+  EXPECT_EQ(refusal(R"({"volume": "a.kiln"})"),
+            "job.json: line 1, kiln: is missing; add \"kiln\": 2, the version of the job format");
+  EXPECT_EQ(refusal(R"({"kiln": 3, "volume": "a.kiln"})"),
+            "job.json: line 1, kiln: expected a whole number from 1 to 2, found 3");
+  for (const char* wrong :
+       {R"({"kiln": 0, "volume": "a"})", R"({"kiln": "2", "volume": "a"})", R"({"kiln": 1.5, "volume": "a"})"})
+    EXPECT_NE(refusal(wrong).find("kiln: expected "), std::string::npos) << wrong;
+  for (const char* right : {R"({"kiln": 1, "volume": "a"})", R"({"kiln": 2, "volume": "a"})"})
+    EXPECT_EQ(refusal(right), "");
+}
+
+// Colours by name are sRGB; numbers of lights and backgrounds are linear in both formats.
+TEST(RenderJob, LightsAndBackgrounds_haveColoursByName) {
+  for (const std::string format : {"1", "2"}) {
+    const auto picture = [&](const std::string& keys) {
+      return parseJob(R"({"kiln": )" + format + R"(, "volume": "a", )" + keys + "}", "job.json").picture;
+    };
+    const glm::dvec3 orange = *colorNamed("orange");
+    const std::array<double, 4> opaque = {orange.r, orange.g, orange.b, 1};
+    EXPECT_EQ(picture(R"("image": {"background": "orange"})").background, (Background{opaque, opaque}));
+    EXPECT_EQ(picture(R"("image": {"background": {"top": "#ffa500", "bottom": "transparent"}})").background,
+              (Background{opaque, {}}));
+    EXPECT_EQ(picture(R"("image": {"background": [0.5, 0.5, 0.5, 1]})").background.top[0], 0.5);
+    const auto lights = picture(R"("lights": [{"type": "headlight", "color": "Orange"},
+                                              {"type": "headlight", "color": [0.5, 2, 3]}])")
+                            .shading.lights;
+    EXPECT_EQ(lights[0].color, orange);
+    EXPECT_EQ(lights[1].color, glm::dvec3(0.5, 2, 3));
   }
 }
 
@@ -311,15 +356,15 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
 }
 
 TEST(RenderJob, ALevelIsANumberOrAuto) {
-  EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "level": 3})", "job.json").picture.level, 3);
-  EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "level": 0})", "job.json").picture.level, 0);
-  EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "level": "auto"})", "job.json").picture.level, std::nullopt);
-  EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.level, std::nullopt);
+  EXPECT_EQ(parseJob(R"({"kiln": 2, "volume": "a.kiln", "level": 3})", "job.json").picture.level, 3);
+  EXPECT_EQ(parseJob(R"({"kiln": 2, "volume": "a.kiln", "level": 0})", "job.json").picture.level, 0);
+  EXPECT_EQ(parseJob(R"({"kiln": 2, "volume": "a.kiln", "level": "auto"})", "job.json").picture.level, std::nullopt);
+  EXPECT_EQ(parseJob(R"({"kiln": 2, "volume": "a.kiln"})", "job.json").picture.level, std::nullopt);
 }
 
 TEST(RenderJob, Interpolation_inTheVoxelLattice_isRefused) {
-  EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.interpolation, Interpolation::kLinear);
-  EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "interpolation": "cubic"})", "job.json").picture.interpolation,
+  EXPECT_EQ(parseJob(R"({"kiln": 2, "volume": "a.kiln"})", "job.json").picture.interpolation, Interpolation::kLinear);
+  EXPECT_EQ(parseJob(R"({"kiln": 2, "volume": "a.kiln", "interpolation": "cubic"})", "job.json").picture.interpolation,
             Interpolation::kCubic);
   PictureOptions picture;
   picture.interpolation = Interpolation::kCatmullRom;
@@ -338,7 +383,8 @@ TEST(RenderJob, Interpolation_inTheVoxelLattice_isRefused) {
 }
 
 TEST(RenderJob, RayIsAnotherNameOfThePixelLattice) {
-  const RenderJob job = parseJob(R"({"volume": "a.kiln", "lattice": "ray", "sampleDistance": 0.75})", "job.json");
+  const RenderJob job =
+      parseJob(R"({"kiln": 2, "volume": "a.kiln", "lattice": "ray", "sampleDistance": 0.75})", "job.json");
   EXPECT_EQ(job.picture.lattice, Lattice::kPixel);
   EXPECT_EQ(job.picture.sample_distance, 0.75);
   PictureOptions picture = job.picture;
@@ -352,10 +398,11 @@ TEST(RenderJob, RayIsAnotherNameOfThePixelLattice) {
 }
 
 TEST(RenderJob, ModesPartsAndWhatAnExrHolds) {
-  const RenderJob job = parseJob(R"({"volume": "a", "mode": "minip", "image": {"aov": ["value"]}, "part": "2/8",
+  const RenderJob job =
+      parseJob(R"({"kiln": 2, "volume": "a", "mode": "minip", "image": {"aov": ["value"]}, "part": "2/8",
       "stereo": {"eye": "right", "interocular": 6.5, "convergence": 90},
       "exr": {"compression": "piz", "owner": "we", "comments": "take 3", "statistics": true}})",
-                                 "job.json");
+               "job.json");
   EXPECT_EQ(job.picture.mode, Mode::kMinip);
   EXPECT_EQ(job.picture.aovs, (Aovs{false, false, true}));
   EXPECT_EQ(job.picture.part, (PartNumber{2, 8}));
@@ -364,16 +411,17 @@ TEST(RenderJob, ModesPartsAndWhatAnExrHolds) {
   EXPECT_EQ(job.output.owner, "we");
   EXPECT_EQ(job.output.comments, "take 3");
   EXPECT_TRUE(job.output.statistics_in_header);
-  EXPECT_EQ(parseJob(R"({"volume": "a", "part": [0, 1, 2, 3, 4, 5]})", "job.json").picture.clipping.part,
+  EXPECT_EQ(parseJob(R"({"kiln": 2, "volume": "a", "part": [0, 1, 2, 3, 4, 5]})", "job.json").picture.clipping.part,
             (VoxelBox{{0, 1, 2}, {3, 4, 5}}));
 }
 
 TEST(RenderJob, ACropIsFourWholeNumbers) {
-  const RenderJob job = parseJob(R"({"volume": "a.kiln", "image": {"width": 64, "crop": [5, 6, 20, 30]}})", "job.json");
+  const RenderJob job =
+      parseJob(R"({"kiln": 2, "volume": "a.kiln", "image": {"width": 64, "crop": [5, 6, 20, 30]}})", "job.json");
   EXPECT_EQ(job.picture.crop, (PixelRect{5, 6, 25, 36}));
   for (const char* wrong : {"[5, 6, 20]", "[5, 6, 20, -1]", "[5, 6.5, 20, 1]", "\"all\""}) {
     try {
-      parseJob(std::string(R"({"volume": "a.kiln", "image": {"crop": )") + wrong + "}}", "job.json");
+      parseJob(std::string(R"({"kiln": 2, "volume": "a.kiln", "image": {"crop": )") + wrong + "}}", "job.json");
       ADD_FAILURE() << wrong;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kUsage);
@@ -384,7 +432,7 @@ TEST(RenderJob, ACropIsFourWholeNumbers) {
 
 TEST(RenderJob, AovsAreAList) {
   const auto aovs = [](const std::string& list) {
-    return parseJob(R"({"volume": "a.kiln", "image": {"aov": )" + list + "}}", "job.json").picture.aovs;
+    return parseJob(R"({"kiln": 2, "volume": "a.kiln", "image": {"aov": )" + list + "}}", "job.json").picture.aovs;
   };
   EXPECT_EQ(aovs("[]"), Aovs());
   EXPECT_EQ(aovs(R"(["normal"])"), (Aovs{false, true}));
@@ -401,9 +449,10 @@ TEST(RenderJob, AovsAreAList) {
 }
 
 TEST(RenderJob, SamplesAreOneTwoFourSixteenOrAuto) {
-  EXPECT_EQ(parseJob(R"({"volume": "a.kiln"})", "job.json").picture.samples, std::nullopt);
-  EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "samples": "auto"})", "job.json").picture.samples, std::nullopt);
-  EXPECT_EQ(parseJob(R"({"volume": "a.kiln", "samples": 16})", "job.json").picture.samples, 16);
+  EXPECT_EQ(parseJob(R"({"kiln": 2, "volume": "a.kiln"})", "job.json").picture.samples, std::nullopt);
+  EXPECT_EQ(parseJob(R"({"kiln": 2, "volume": "a.kiln", "samples": "auto"})", "job.json").picture.samples,
+            std::nullopt);
+  EXPECT_EQ(parseJob(R"({"kiln": 2, "volume": "a.kiln", "samples": 16})", "job.json").picture.samples, 16);
   EXPECT_EQ(subPixelsAlongEdge(16), 4);
   EXPECT_EQ(subPixelsAlongEdge(2), 2);
   PictureOptions picture;
@@ -417,7 +466,7 @@ TEST(RenderJob, SamplesAreOneTwoFourSixteenOrAuto) {
   EXPECT_THROW(requireEngineOptions(picture), Error);
   for (const char* wrong : {"0", "3", "9", "64", "\"4\""}) {
     try {
-      parseJob(std::string(R"({"volume": "a.kiln", "samples": )") + wrong + "}", "job.json");
+      parseJob(std::string(R"({"kiln": 2, "volume": "a.kiln", "samples": )") + wrong + "}", "job.json");
       ADD_FAILURE() << wrong;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::kUsage);

@@ -79,8 +79,7 @@ class Sampler {
 
   TransferPoint at_(double value) const { return at_(value, value); }
   TransferPoint at_(double value, double shown) const {
-    const glm::dvec3 srgb = colors_.at(value);
-    return {shown, {linearFromSrgb(srgb.r), linearFromSrgb(srgb.g), linearFromSrgb(srgb.b)}, opacity_.at(value)};
+    return {shown, linearFromSrgb(colors_.at(value)), opacity_.at(value)};
   }
 
   static bool near(const TransferPoint& a, const TransferPoint& b) {

@@ -1,0 +1,21 @@
+// Colours written as text.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace kiln {
+
+/// The names of colours, those of CSS: "black", "orange", …
+std::span<const std::string_view> colorNames();
+
+/// Describes the legal texts, for errors.
+inline constexpr std::string_view kColorForms = "a name such as orange, #rgb or #rrggbb";
+
+/// Returns the linear light of a name in any case, of #rgb or of #rrggbb, whose numbers are sRGB; nothing for other
+/// texts. In 0..1.
+std::optional<glm::dvec3> colorNamed(std::string_view text);
+
+}  // namespace kiln
