@@ -6,6 +6,7 @@
 #include "job/job_animation.h"
 #include "job/job_names.h"
 #include "job/job_parts.h"
+#include "job/points_text.h"
 #include "scene/sampling.h"
 #include "scene/scene_limits.h"
 #include "scene/transfer/presets.h"
@@ -33,11 +34,12 @@ OptionValue<RenderJob> custom(ordered_json schema, Read read) {
 OptionForm functionForm() {
   OptionForm form;
   form.schema["anyOf"] = {{{"$ref", "text"}}, {{"$ref", "transferFunction"}}, {{"$ref", "functionKeyframes"}}};
-  form.value_name = "PRESET|FILE[#NAME]";
+  form.value_name = "PRESET|POINTS|FILE[#NAME]";
   form.words.assign(presetNames().begin(), presetNames().end());
   // A text with a dot or a slash is a file.
   form.parse = [](const std::string& text) -> json {
-    return isPreset(text) || text.find_first_of("./") != std::string::npos ? text : "./" + text;
+    const bool complete = isPreset(text) || isPointsText(text) || text.find_first_of("./") != std::string::npos;
+    return complete ? text : "./" + text;
   };
   return form;
 }
@@ -61,8 +63,9 @@ constexpr std::string_view kWorldRegionHelp = "Show this box of the world only."
 constexpr std::string_view kWindowHelp =
     "Stretch the transfer function so that its first and last points lie at the ends of this window of values.";
 constexpr std::string_view kFunctionHelp =
-    "Transfer function: a preset, or a file of Kiln's, of ParaView's colour maps (FILE or FILE#NAME) or of ITK-SNAP's "
-    "labels. iso:VALUE is a preset, too: solid from VALUE on.";
+    "Transfer function: a preset, points VALUE:OPACITY[:COLOR],... in order of their values, or a file of Kiln's, of "
+    "ParaView's colour maps (FILE or FILE#NAME) or of ITK-SNAP's labels. iso:VALUE is a preset, too: solid from VALUE "
+    "on.";
 
 OptionForm sizeForm() {
   OptionForm form;

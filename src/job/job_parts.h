@@ -12,8 +12,8 @@ CameraSpec cameraFrom(const JobObject& object);
 Shading shadingFrom(const JobObject& object);
 Light lightFrom(const JobObject& object);
 
-/// Reads a transfer function from a key of `owner`: a preset, a file beside the document, or the function itself;
-/// nothing where the key is absent. throws: Error kUsage for other values.
+/// Reads a transfer function from a key of `owner`: a preset, points (job/points_text.h), a file beside the document,
+/// or the function itself; nothing where the key is absent. throws: Error kUsage for other values.
 std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject& owner,
                                                                  std::string_view key = "transferFunction");
 

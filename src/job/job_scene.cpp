@@ -1,9 +1,11 @@
 // Reads objects of a job whose keys depend on each other.
 #include <algorithm>
 
+#include "base/error.h"
 #include "job/job_names.h"
 #include "job/job_options.h"
 #include "job/job_parts.h"
+#include "job/points_text.h"
 #include "job/transfer_function_json.h"
 #include "scene/transfer/presets.h"
 
@@ -38,12 +40,26 @@ Light lightFrom(const JobObject& object) {
   return light;
 }
 
+namespace {
+
+// throws: Error kUsage naming the key.
+TransferFunction pointsFrom(const JobObject& owner, std::string_view key, const std::string& text) {
+  try {
+    return functionOfPoints(text);
+  } catch (const Error& error) {
+    owner.complain(key, error.what());
+  }
+}
+
+}  // namespace
+
 // A name without a dot or a slash that is no preset is a misspelt preset, not a file.
 std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject& owner, std::string_view key) {
   if (!owner.has(key)) return std::nullopt;
   if (!owner.isText(key)) return transferFunctionFrom(*owner.object(key));
-  const std::string name = *owner.text(key, "a preset, a file or an object");
+  const std::string name = *owner.text(key, "a preset, points, a file or an object");
   if (isPreset(name)) return name;
+  if (isPointsText(name)) return pointsFrom(owner, key, name);
   if (name.find_first_of("./") != std::string::npos) return owner.path().parent_path() / name;
   const std::vector<std::string_view> words(presetNames().begin(), presetNames().end());
   owner.complain(key, "'" + name + "' is neither a preset nor a file name with an ending; did you mean '" +

@@ -97,8 +97,8 @@ TransferFunction readTransferFunction(const fs::path& file_and_name, const Manif
   return isParaViewMap(map) ? functionOf(paraViewMapFrom(map), manifest) : transferFunctionFrom(map);
 }
 
-TransferFunction resolve(const TransferFunctionChoice& choice, const std::optional<Window>& window,
-                         const Manifest& manifest) {
+TransferFunction functionFor(const TransferFunctionChoice& choice, const std::optional<Window>& window,
+                             const Manifest& manifest) {
   TransferFunction out;
   if (const auto* name = std::get_if<std::string>(&choice)) {
     out = presetFor(*name, manifest);
@@ -107,6 +107,12 @@ TransferFunction resolve(const TransferFunctionChoice& choice, const std::option
   } else {
     out = std::get<TransferFunction>(choice);
   }
+  return out;
+}
+
+TransferFunction resolve(const TransferFunctionChoice& choice, const std::optional<Window>& window,
+                         const Manifest& manifest) {
+  TransferFunction out = functionFor(choice, window, manifest);
   requireFitting(out, window.has_value(), manifest);
   if (window) fitInto(*window, out.points);
   out.unit = out.unitIn(manifest.ownMeanSpacing());

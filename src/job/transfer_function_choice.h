@@ -30,8 +30,11 @@ std::filesystem::path fileOf(const std::filesystem::path& file_and_name);
 /// kFormat, kUsage, kUnsupported (a logarithmic scale), kNotFound, kIo.
 TransferFunction readTransferFunction(const std::filesystem::path& file_and_name, const Manifest& manifest);
 
-/// The function for this volume, its unit of length filled in. With a window, its first point lies at the window's
-/// begin and its last at the end. throws: what `presetFor` and `readTransferFunction` throw.
+/// The function for this volume. With a window, its first point lies at the window's begin and its last at the end. The
+/// unit may be 0, the volume's mean spacing. throws: what `presetFor` and `readTransferFunction` throw.
+TransferFunction functionFor(const TransferFunctionChoice& choice, const std::optional<Window>& window,
+                             const Manifest& manifest);
+/// As functionFor, its unit of length filled in.
 TransferFunction resolve(const TransferFunctionChoice& choice, const std::optional<Window>& window,
                          const Manifest& manifest);
 

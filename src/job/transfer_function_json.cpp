@@ -1,5 +1,7 @@
 #include "job/transfer_function_json.h"
 
+#include <fmt/format.h>
+
 #include <set>
 
 #include "image/srgb.h"
@@ -24,6 +26,18 @@ void decodeNumbers(const JobObject& function, std::string_view list, std::vector
   for (std::size_t i = 0; i < items.size(); ++i) {
     if (!objects[i].isText("color")) items[i].color = linearFromSrgb(items[i].color);
   }
+}
+
+// A name of a label need not be UTF-8; JSON must be.
+std::string compactJson(const nlohmann::ordered_json& value) {
+  return value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+// A list with a line for each item.
+std::string linesOfJson(const nlohmann::ordered_json& list) {
+  std::string out;
+  for (const nlohmann::ordered_json& item : list) out += (out.empty() ? "[\n    " : ",\n    ") + compactJson(item);
+  return out + "]";
 }
 
 void requireOnce(const JobObject& object, const std::vector<LabelStyle>& labels) {
@@ -53,6 +67,16 @@ TransferFunction transferFunctionFrom(const JobObject& object) {
   requireOnce(object, out.labels);
   sortLabels(out.labels);
   return out;
+}
+
+std::string transferFunctionText(const TransferFunction& function) {
+  nlohmann::ordered_json values = {{"kiln", kJobFormat}};
+  values.update(resolvedJson(transferFunctionOptions(), function));
+  std::string out;
+  for (const auto& [key, value] : values.items())
+    out += fmt::format("{}\n  \"{}\": {}", out.empty() ? "{" : ",", key,
+                       value.is_array() ? linesOfJson(value) : compactJson(value));
+  return out + "\n}\n";
 }
 
 }  // namespace kiln

@@ -6,8 +6,11 @@
 
 namespace kiln {
 
-/// {unit, colorSpace, points, gradientOpacity}. throws: Error kUsage naming the point where values are not sorted or
-/// out of range.
+/// {kiln, unit, colorSpace, points, gradientOpacity} or {kiln, unit, colorSpace, labels}. throws: Error kUsage naming
+/// the point where values are not sorted or out of range.
 TransferFunction transferFunctionFrom(const JobObject& object);
+
+/// Returns the text of a transfer function file, from which `transferFunctionFrom` reads the same function bit for bit.
+std::string transferFunctionText(const TransferFunction& function);
 
 }  // namespace kiln

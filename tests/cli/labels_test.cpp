@@ -98,6 +98,12 @@ TEST_F(LabelsCli, AFileOfItkSnapsIsAJobsList) {
                                                           {"label": 3, "color": [1, 0, 0]}]}})");
   EXPECT_TRUE(by_file == drawn({in("job.json")}));
   EXPECT_TRUE(by_file == drawn({in("again.json")}));
+  // tf prints the list, from the file alone and for the volume.
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"tf", in("l.txt"), "--json"}, {"tf", in("l.kiln"), "--tf", in("l.txt"), "--json"}}) {
+    writeText(in("tf.json"), done(command).out);
+    EXPECT_TRUE(by_file == drawn({in("l.kiln"), "--tf", in("tf.json")}));
+  }
   float red = 0, green = 0, blue = 0;
   for (std::size_t i = 0; i < by_file.size(); i += 4)
     red = std::max(red, by_file[i]), green = std::max(green, by_file[i + 1]), blue = std::max(blue, by_file[i + 2]);

@@ -65,7 +65,8 @@ TEST_F(SceneCli, TransferFunctionsOfEveryKind) {
   EXPECT_EQ(runTool({"render", in("windowed.json"), "-o", in("w.exr")}).exit_code, 0);
   EXPECT_EQ(readTextFile(in("a.exr")), readTextFile(in("w.exr")));
   expectRefused({"--tf", in("maps.json")}, "A, B");
-  expectRefused({"--tf", "viridi"}, "--tf: 'viridi' is neither a file nor one of auto, ");
+  expectRefused({"--tf", "viridi"},
+                "--tf: 'viridi' is neither a file nor points VALUE:OPACITY[:COLOR],... nor one of auto, ");
   expectRefused({"--tf", "iso:high"}, "iso:high");
   expectRefused({"--window", "3"}, "--window: expected CENTRE,WIDTH");
   expectRefused({"--window", "3,0"}, "--window");
@@ -151,6 +152,43 @@ TEST_F(SceneCli, OpacityByGradientIsInTheFunction) {
       "gradientOpacity": [{"gradient": 10, "factor": 0}, {"gradient": 300, "factor": 1}]})";
   EXPECT_NE(drawnTwice({"--tf", in("plain.json")}).rgba, drawnTwice({"--tf", in("steep.json")}).rgba);
   EXPECT_NE(runTool({"tf", in("steep.json")}).out.find("of the opacity, by gradient"), std::string::npos);
+}
+
+// Known because the header of an EXR holds the resolved function, and all digits of its numbers are printed.
+TEST_F(SceneCli, AFunctionAsJson_drawsTheSamePicture) {
+  const auto expectSame = [&](const std::vector<std::string>& command, const std::string& tf) {
+    const ToolResult json = runTool(command);
+    EXPECT_EQ(json.exit_code, 0) << json.err;
+    std::ofstream(in("my.json")) << json.out;
+    drawn({"--tf", tf});
+    const std::string expected = readTextFile(in("a.exr"));
+    drawn({"--tf", in("my.json")});
+    EXPECT_EQ(readTextFile(in("a.exr")), expected) << tf;
+  };
+  std::ofstream(in("steep.json"))
+      << R"({"kiln": 2, "unit": 0.3, "points": [{"value": 0, "color": "teal", "opacity": 0.5}],
+      "gradientOpacity": [{"gradient": 10, "factor": 0}, {"gradient": 300, "factor": 1}]})";
+  // The store holds Hounsfield units. Its voxels have no length of 1.
+  for (const std::string& tf :
+       {std::string("ct-bone"), std::string("ct-xray"), std::string("300:0,500:0.5:#f80"), in("steep.json")})
+    expectSame({"tf", tf, "--json"}, tf);
+  for (const char* tf : {"auto", "viridis", "mr-angio", "iso:300", "-300:0.01,500:0.5:navy"})
+    expectSame({"tf", store_, "--tf", tf, "--json"}, tf);
+}
+
+TEST_F(SceneCli, ColoursByName_areThoseOfNumbers) {
+  const auto sameAs = [&](const std::vector<std::string>& by_name, const std::vector<std::string>& by_number) {
+    EXPECT_EQ(drawnTwice(by_name).rgba, drawnTwice(by_number).rgba) << by_name[1];
+  };
+  sameAs({"--background", "white:#000"}, {"--background", "1,1,1:0,0,0"});
+  sameAs({"--light", "headlight:#f00", "--light", "dir:1,0,0:LIME"},
+         {"--light", "headlight:1,0,0", "--light", "dir:1,0,0:0,1,0"});
+  sameAs({"--tf", "0:0:#f00,900:0.5"}, {"--tf", "0:0,900:0.5:red"});
+  expectRefused({"--background", "blak"}, "--background: expected COLOR");
+  expectRefused({"--light", "headlight:oragne"}, "--light: expected headlight[:COLOR]");
+  expectRefused({"--tf", "1:0,0:1"}, "--tf: expected points in order of their values, found 0 after 1");
+  expectRefused({"--tf", "1:2"}, "--tf: expected points VALUE:OPACITY[:COLOR]");
+  expectRefused({"--add", store_, "--add-tf", "1:2"}, "--add-tf: expected points VALUE:OPACITY[:COLOR]");
 }
 
 TEST_F(SceneCli, ATransferFunctionIsShown) {

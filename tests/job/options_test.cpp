@@ -60,6 +60,11 @@ const Pair kPairs[] = {
     {"--view", {"left"}, R"("camera": {"view": "left"})"},
     {"--turntable", {"36"}, R"("camera": {"turntable": {"frames": 36}})"},
     {"--tf", {"ct-bone"}, R"("transferFunction": "ct-bone")"},
+    {"--tf", {"300:0,500:0.5:#f80"}, R"("transferFunction": "300:0,500:0.5:#f80")"},
+    {"--tf",
+     {"300:0,500:0.5:#f80"},
+     R"("transferFunction": {"points": [{"value": 300, "color": "#f80", "opacity": 0},
+                                        {"value": 500, "color": "#f80", "opacity": 0.5}]})"},
     {"--window", {"40,400"}, R"("window": [40, 400])"},
     {"--shading", {"none"}, R"("shading": {"model": "none"})"},
     {"--power", {"3"}, R"("shading": {"power": 3})"},
@@ -67,15 +72,15 @@ const Pair kPairs[] = {
      {"point:1,2,3:1,0.5,0", "headlight", "dir:0,0,1"},
      R"("lights": [{"type": "point", "position": [1, 2, 3], "color": [1, 0.5, 0]}, {"type": "headlight"},
         {"type": "directional", "direction": [0, 0, 1]}])"},
+    {"--light",
+     {"headlight:orange", "dir:0,0,1:#fff"},
+     R"("lights": [{"type": "headlight", "color": "#ffa500"},
+                   {"type": "directional", "direction": [0, 0, 1], "color": [1, 1, 1]}])"},
     {"--region", {"0,1,2,3,4,5"}, R"("region": [0, 1, 2, 3, 4, 5])"},
     {"--world-region", {"0,0,0,1,1,1.5"}, R"("worldRegion": [0, 0, 0, 1, 1, 1.5])"},
     {"--clip",
      {"1,0,0,-8", "0,0,-1,9"},
      R"("clip": [{"normal": [1, 0, 0], "offset": -8}, {"normal": [0, 0, -1], "offset": 9}])"},
-    {"--light",
-     {"headlight:orange", "dir:0,0,1:#fff"},
-     R"("lights": [{"type": "headlight", "color": "#ffa500"},
-                   {"type": "directional", "direction": [0, 0, 1], "color": [1, 1, 1]}])"},
     {"--part", {"2/8"}, R"("part": "2/8")"},
     {"--part", {"0,1,2,3,4,5"}, R"("part": [0, 1, 2, 3, 4, 5])"},
     {"--opacity-threshold", {"0.9"}, R"("visibility": {"threshold": 0.9})"},
@@ -131,6 +136,18 @@ TEST(Options, Flag_withAWrongText_isRefusedByItsName) {
     } catch (const Error& error) {
       EXPECT_EQ(std::string(error.what()).find(std::string(pair.flag) + ": expected "), 0u) << error.what();
       EXPECT_NE(std::string(error.what()).find("found '" + pair.texts[0] + "'"), std::string::npos) << error.what();
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+    }
+  }
+}
+
+TEST(Options, PointsThatAreWrong_areRefusedByTheFlagsName) {
+  for (const char* text : {"1:2", "1:0.5:oragne", "2:0,1:0"}) {
+    try {
+      jobOfFlag("--tf", {text});
+      ADD_FAILURE() << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(std::string(error.what()).find("--tf: expected points "), 0u) << error.what();
       EXPECT_EQ(error.code(), ErrorCode::kUsage);
     }
   }

@@ -5,6 +5,7 @@
 #include "frame/transfer_function_picture.h"
 #include "image/file/image_file.h"
 #include "image/srgb.h"
+#include "job/transfer_function_json.h"
 #include "output_files.h"
 #include "say.h"
 #include "scene/transfer/presets.h"
@@ -17,6 +18,7 @@ namespace {
 
 struct TfArguments {
   std::string input, tf, window, output;
+  bool json = false;
 };
 
 // The volume for which a function is shown: a store's, or without a store typical values: Hounsfield units from air to
@@ -29,7 +31,7 @@ struct Subject {
 
 Manifest withoutVolume(const TransferFunctionChoice& choice) {
   const auto* name = std::get_if<std::string>(&choice);
-  if (name != nullptr && (*name == "auto" || *name == "mr-head"))
+  if (name != nullptr && (*name == "auto" || name->starts_with("mr-")))
     throw Error(ErrorCode::kUsage,
                 fmt::format("'{0}' is found in a volume's histogram: run kiln tf STORE --tf {0}", *name));
   Manifest out;
@@ -99,13 +101,16 @@ void run(const TfArguments& a) {
   std::optional<Window> window;
   if (!a.window.empty()) window = parseWindow(a.window, "--window");
   const TransferFunction function = resolve(subject.choice, window, subject.manifest);
-  if (!function.labels.empty()) {
-    if (!a.output.empty()) throw Error(ErrorCode::kUsage, "-o: labels have no curve to draw; leave -o out");
-    printLabels(function);
-    return;
-  }
+  if (!function.labels.empty() && !a.output.empty())
+    throw Error(ErrorCode::kUsage, "-o: labels have no curve to draw; leave -o out");
   if (!a.output.empty()) writeImage(transferFunctionPicture(function, subject.manifest.histogram), {}, {}, a.output);
-  print(function, subject);
+  if (a.json)
+    // Without a volume, a unit that depends on the volume stays so.
+    sayJson(transferFunctionText(subject.volume ? function : functionFor(subject.choice, window, subject.manifest)));
+  else if (function.labels.empty())
+    print(function, subject);
+  else
+    printLabels(function);
 }
 
 }  // namespace
@@ -114,12 +119,16 @@ void addTf(CLI::App& app, Context& context) {
   auto a = std::make_shared<TfArguments>();
   CLI::App* command = app.add_subcommand("tf", "show a transfer function as text, and as a picture over the histogram");
   command
-      ->add_option("INPUT", a->input,
-                   fmt::format("a store, a transfer function file (FILE or FILE#NAME), or a preset: {}", presetList()))
+      ->add_option(
+          "INPUT", a->input,
+          fmt::format("a store, a transfer function file (FILE or FILE#NAME), points VALUE:OPACITY[:COLOR],..., or "
+                      "a preset: {}",
+                      presetList()))
       ->required();
-  command->add_option("--tf", a->tf, "of a store: the file or preset to show; auto if not given");
+  command->add_option("--tf", a->tf, "of a store: the file, points or preset to show; auto if not given");
   command->add_option("--window", a->window, "stretch it so that it begins and ends with this window of values")
       ->type_name("CENTRE,WIDTH");
+  command->add_flag("--json", a->json, "print it as a transfer function file: the object transferFunction of a job");
   command->add_option("-o,--output", a->output, "the picture, .png or .exr");
   command->callback([a, &context] { context.action = [a] { run(*a); }; });
 }

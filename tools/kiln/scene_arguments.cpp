@@ -5,18 +5,33 @@
 #include "base/error.h"
 #include "base/path_status.h"
 #include "job/option_kinds.h"
+#include "job/points_text.h"
 #include "scene/transfer/presets.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {
+namespace {
+
+TransferFunction pointsOfOption(const std::string& text, const char* option) {
+  try {
+    return functionOfPoints(text);
+  } catch (const Error& error) {
+    throw Error(ErrorCode::kUsage, fmt::format("{}: {}", option, error.what()));
+  }
+}
+
+}  // namespace
 
 TransferFunctionChoice transferFunctionNamed(const std::string& text, const char* option) {
   if (isPreset(text)) return text;
+  if (isPointsText(text)) return pointsOfOption(text, option);
   if (isThere(fileOf(text))) {
     refuseVolumeFile(fileOf(text), "a transfer function");
     return std::filesystem::path(text);
   }
-  throw Error(ErrorCode::kUsage, fmt::format("{}: '{}' is neither a file nor one of {}", option, text, presetList()));
+  throw Error(ErrorCode::kUsage,
+              fmt::format("{}: '{}' is neither a file nor points VALUE:OPACITY[:COLOR],... nor one of {}", option, text,
+                          presetList()));
 }
 
 Window parseWindow(const std::string& text, const char* option) {

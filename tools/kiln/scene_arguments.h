@@ -7,7 +7,7 @@
 
 namespace kiln::tool {
 
-/// A preset or a file that exists. throws: Error kUsage naming `option` and the presets.
+/// A preset, points, or a file that exists. throws: Error kUsage naming `option` and the presets.
 TransferFunctionChoice transferFunctionNamed(const std::string& text, const char* option);
 /// "CENTRE,WIDTH". throws: Error kUsage naming `option`.
 Window parseWindow(const std::string& text, const char* option);
