@@ -54,15 +54,13 @@ const JobObject& chosen(const std::vector<JobObject>& maps, const FileAndName& f
 }
 
 TransferFunction functionOf(ParaViewMap map, const Manifest& manifest) {
-  const bool stretched = map.normalised();
-  if (!map.opacity) {
-    const double full = grayscaleOpacity(manifest);
-    map.opacity = OpacityCurve{{{map.colors.nodes.front().value, 0}, {map.colors.nodes.back().value, full}}};
+  if (map.normalised()) {
+    const ValueRange range = map.opacity ? usableRange(manifest) : colorMapRange(manifest);
+    stretch(map.colors, {0, 1}, range);
+    if (map.opacity) stretch(*map.opacity, {0, 1}, range);
   }
-  if (stretched) {
-    stretch(map.colors, {0, 1}, usableRange(manifest));
-    stretch(*map.opacity, {0, 1}, usableRange(manifest));
-  }
+  if (!map.opacity)
+    map.opacity = risingOpacity({map.colors.nodes.front().value, map.colors.nodes.back().value}, manifest);
   return {0, sampled(map.colors, *map.opacity)};
 }
 
@@ -107,14 +105,14 @@ TransferFunction functionFor(const TransferFunctionChoice& choice, const std::op
   } else {
     out = std::get<TransferFunction>(choice);
   }
+  requireFitting(out, window.has_value(), manifest);
+  if (window) fitInto(*window, out.points);
   return out;
 }
 
 TransferFunction resolve(const TransferFunctionChoice& choice, const std::optional<Window>& window,
                          const Manifest& manifest) {
   TransferFunction out = functionFor(choice, window, manifest);
-  requireFitting(out, window.has_value(), manifest);
-  if (window) fitInto(*window, out.points);
   out.unit = out.unitIn(manifest.ownMeanSpacing());
   return out;
 }

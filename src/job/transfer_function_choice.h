@@ -25,9 +25,9 @@ struct Window {
 std::filesystem::path fileOf(const std::filesystem::path& file_and_name);
 
 /// Reads the `transferFunction` object of a job, or ParaView's colour maps; which, the content says. A map of
-/// ParaView's whose colours run from 0 to 1 is stretched over the volume's range of values; one without opacity rises
-/// from nothing to what the preset grayscale has. throws: Error naming file, key, what was found and what was expected:
-/// kFormat, kUsage, kUnsupported (a logarithmic scale), kNotFound, kIo.
+/// ParaView's whose colours run from 0 to 1 is stretched over the volume's range of values. A map without opacity has
+/// the range and the opacity of the presets that are colour maps. throws: Error naming file, key, what was found and
+/// what was expected: kFormat, kUsage, kUnsupported (a logarithmic scale), kNotFound, kIo.
 TransferFunction readTransferFunction(const std::filesystem::path& file_and_name, const Manifest& manifest);
 
 /// The function for this volume. With a window, its first point lies at the window's begin and its last at the end. The

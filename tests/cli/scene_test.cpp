@@ -198,7 +198,7 @@ TEST_F(SceneCli, ATransferFunctionIsShown) {
   EXPECT_NE(preset.out.find("#f1e7d1"), std::string::npos) << preset.out;
   const ToolResult store = runTool({"tf", store_, "--tf", "grayscale", "--window", "100,50", "-o", in("tf.png")});
   EXPECT_EQ(store.exit_code, 0) << store.err;
-  for (const char* says : {"75   0.00000", "2 points", "volume       values "})
+  for (const char* says : {"75   0.00000", "3 points", "volume       values "})
     EXPECT_NE(store.out.find(says), std::string::npos) << store.out;
   const Image picture = readImage(in("tf.png"));
   EXPECT_EQ(picture.width, 960);

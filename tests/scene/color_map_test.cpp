@@ -156,7 +156,7 @@ const char* const kMaps = R"([
   {"ColorSpace": "RGB", "Name": "Bone", "Creator": "A. Person", "RGBPoints": [200, 1, 1, 1, -200, 0, 0, 0, 1200, 1, 0, 0],
    "Points": [200, 0, 0.5, 1, 400, 0.5, 0.5, 0, 1200, 1, 0.5, 0]}])";
 
-// A normalised map is stretched over the range and rises in opacity as the grey preset does; a map with absolute values
+// A normalised map is stretched over the range and rises in opacity as the presets do; a map with absolute values
 // keeps them. A step halfway from 200 to 400 is at 300.
 TEST_F(TransferFunctionFile, ParaViewMapsAreToldByTheirContent) {
   const TransferFunction cold = read(kMaps, "#Cold");
@@ -164,7 +164,7 @@ TEST_F(TransferFunctionFile, ParaViewMapsAreToldByTheirContent) {
   EXPECT_EQ(cold.points.back().value, 3000);
   EXPECT_NEAR(srgbFromLinear(cold.at(1000).color.g), 0.8654, 0.004);
   EXPECT_EQ(cold.at(-1000).opacity, 0);
-  EXPECT_NEAR(cold.at(3000).opacity, grayscaleOpacity(manifest_), 1e-12);
+  EXPECT_NEAR(cold.at(3000).opacity, risingOpacity(manifest_.range, manifest_).at(3000), 1e-12);
   const TransferFunction bone = read(kMaps, "#Bone");
   EXPECT_EQ(bone.points.front().value, -200);
   EXPECT_NEAR(srgbFromLinear(bone.at(0).color.r), 0.5, 0.004);

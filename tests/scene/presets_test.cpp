@@ -80,6 +80,81 @@ TEST(Presets, CtFollowsTheDescriptionOfTheUncHead) {
   EXPECT_NEAR(presetFor("ct-bone", head).points.front().value, 1150, 50);
 }
 
+// Values of tissues in Hounsfield units; each preset shows some and hides the others.
+TEST(Presets, CtPresets_showTheTissueOfTheirName) {
+  constexpr double kAir = -1000, kLung = -750, kFat = -90, kMuscle = 60, kContrast = 300, kBone = 1000, kEnamel = 2300;
+  struct Shown {
+    const char* name;
+    std::vector<double> visible, hidden;
+  };
+  const Shown presets[] = {
+      {"ct-skin", {kMuscle, kBone}, {kAir, kLung}},
+      {"ct-bone", {kBone, kEnamel}, {kAir, kLung, kFat, kMuscle}},
+      {"ct-bone-and-skin", {kBone, -300}, {kAir, kMuscle}},
+      {"ct-muscle", {kMuscle, kBone}, {kAir, kLung, kFat}},
+      {"ct-fat", {kFat, kBone}, {kAir, kLung, kMuscle}},
+      {"ct-lung", {kLung}, {kAir, kFat, kMuscle, kBone}},
+      {"ct-vessels", {kContrast, kBone}, {kAir, kLung, kFat, kMuscle}},
+      {"ct-teeth", {kEnamel}, {kAir, kLung, kFat, kMuscle}},
+      {"ct-xray", {kFat, kMuscle, kBone}, {kAir, kLung}},
+  };
+  std::size_t of_list = 0;
+  for (const std::string& name : presetNames()) of_list += name.starts_with("ct-") ? 1 : 0;
+  EXPECT_EQ(of_list, std::size(presets));
+  for (const double shift : {0.0, 1024.0}) {
+    const Manifest head = ctHead(shift, shift == 0 ? VoxelType::i16 : VoxelType::u16);
+    for (const Shown& preset : presets) {
+      const TransferFunction f = presetFor(preset.name, head);
+      for (const double value : preset.visible)
+        EXPECT_TRUE(f.interesting(shift + value)) << preset.name << ' ' << value;
+      for (const double value : preset.hidden)
+        EXPECT_FALSE(f.interesting(shift + value)) << preset.name << ' ' << value;
+    }
+    for (const char* name : {"ct-bone", "ct-skin", "ct-muscle", "ct-bone-and-skin"})
+      EXPECT_GE(presetFor(name, head).at(shift + kBone).opacity, 0.9) << name;
+    // A radiograph absorbs more where there is more matter.
+    const TransferFunction film = presetFor("ct-xray", head);
+    EXPECT_LT(film.at(shift + kFat).opacity, film.at(shift + kMuscle).opacity);
+    EXPECT_LT(film.at(shift + kMuscle).opacity, film.at(shift + kBone).opacity);
+  }
+}
+
+// Otsu's threshold is between the peaks of air and tissue; the head's box has a diagonal of 173 voxels.
+TEST(Presets, ColourMaps_beginAboveEmptySpaceAndRise) {
+  const Manifest head = ctHead(0, VoxelType::i16);
+  for (const char* name : {"grayscale", "viridis", "plasma", "inferno", "cool-to-warm", "fire"}) {
+    const TransferFunction f = presetFor(name, head);
+    EXPECT_FALSE(f.interesting(-1000)) << name;
+    EXPECT_GT(f.points.front().value, -1000) << name;
+    EXPECT_LT(f.points.front().value, 50) << name;
+    EXPECT_GT(f.at(50).opacity, 0) << name;
+    EXPECT_GT(f.at(700).opacity, 2 * f.at(50).opacity) << name;
+    EXPECT_NEAR(extinctionOf(f.points.back().opacity, 1) * 100 * std::sqrt(3.0), 300, 1e-9) << name;
+  }
+  // A fog has no empty space but 0.
+  Manifest cloud = volumeOf(VoxelType::f32, 0, 4, {{0, 900000}, {1, 90000}, {3.99, 10000}});
+  cloud.volume_class = VolumeClass::kFog;
+  EXPECT_EQ(presetFor("fire", cloud).points.front().value, 0);
+  EXPECT_NEAR(presetFor("fire", cloud).at(2).opacity, 0.5 * presetFor("fire", cloud).at(4).opacity, 2e-3);
+}
+
+// Empty space, brain and one hundredth of bright blood.
+TEST(Presets, MrAngiogram_showsTheBrightestHundredth) {
+  const Manifest head = volumeOf(VoxelType::u16, 0, 2560, {{5, 600000}, {500, 390000}, {1500, 6000}, {2500, 4000}});
+  const TransferFunction f = presetFor("mr-angio", head);
+  for (const double value : {5.0, 500.0}) EXPECT_FALSE(f.interesting(value)) << value;
+  EXPECT_GT(f.at(1500).opacity, 0.1);
+  EXPECT_GT(f.at(2559).opacity, 0.4);
+}
+
+TEST(Presets, MrBrain_isSolidAboveFluid) {
+  const Manifest brain = volumeOf(VoxelType::u16, 0, 2560, {{5, 700000}, {800, 150000}, {1400, 150000}});
+  const TransferFunction f = presetFor("mr-brain", brain);
+  EXPECT_FALSE(f.interesting(100));
+  EXPECT_GT(f.at(800).opacity, 0.7);
+  EXPECT_GT(f.at(1400).color.g, f.at(800).color.g);  // white matter
+}
+
 // Bone is solid, skin is translucent, and values between them are transparent.
 TEST(Presets, BoneShowsThroughTranslucentSkin) {
   const TransferFunction f = presetFor("ct-bone-and-skin", ctHead(0, VoxelType::i16));

@@ -1,7 +1,5 @@
 // Presets are written in commonly quoted values (Hounsfield units for CT) and mapped to the volume's values.
-// "auto" splits the histogram in two by Otsu's method (Otsu 1979: the threshold with the greatest variance between the
-// classes) and draws the surface of the upper class. If that class is nearly empty (a few bright voxels raise the
-// threshold) or nearly everything, the other class is split again.
+// "auto" draws the surface between empty space and the object, which the histogram shows (value_bins.h).
 #include "scene/transfer/presets.h"
 
 #include <algorithm>
@@ -14,98 +12,19 @@
 
 #include "base/error.h"
 #include "scene/transfer/color_map.h"
+#include "scene/transfer/ct_presets.h"
 #include "scene/transfer/label_styles.h"
 #include "scene/transfer/named_color_maps.h"
+#include "scene/transfer/tissue_colors.h"
+#include "scene/transfer/value_bins.h"
 
 namespace kiln {
 namespace {
 
 // Linear light.
-const glm::dvec3 kSkin{0.78, 0.50, 0.36}, kSkinLight{0.90, 0.66, 0.50}, kBone{0.88, 0.80, 0.64},
-    kWhite{0.95, 0.94, 0.92};
 const glm::dvec3 kFogGrey{0.62, 0.66, 0.72}, kFogWarm{1.0, 0.93, 0.82}, kSolid{0.45, 0.62, 0.80},
     kIvory{0.86, 0.82, 0.74};
 constexpr double kSurfaceOpacity = 0.9;
-
-// Voxel counts by value; bin b covers [edge(b), edge(b + 1)).
-struct Bins {
-  ValueHistogram histogram;
-
-  std::size_t size() const { return histogram.counts.size(); }
-  double edge(std::size_t bin) const {
-    const double t = static_cast<double>(bin) / static_cast<double>(size());
-    return (1 - t) * histogram.lo + t * histogram.hi;
-  }
-  // In doubles: 10 000³ voxels times bin numbers and squares stay far from overflow.
-  double count(std::size_t first, std::size_t last) const {
-    double sum = 0;
-    for (std::size_t bin = first; bin < last; ++bin) sum += static_cast<double>(histogram.counts[bin]);
-    return sum;
-  }
-};
-
-// Returns the bin in (first, last) where Otsu's upper class begins; nothing if the bins have fewer than two distinct
-// values.
-std::optional<std::size_t> otsuSplit(const Bins& bins, std::size_t first, std::size_t last) {
-  const double total = bins.count(first, last);
-  double moment = 0;
-  for (std::size_t bin = first; bin < last; ++bin) {
-    moment += static_cast<double>(bin) * static_cast<double>(bins.histogram.counts[bin]);
-  }
-  double below = 0, below_moment = 0, best = 0;
-  std::size_t lowest = 0, highest = 0;
-  for (std::size_t bin = first; bin + 1 < last; ++bin) {
-    below += static_cast<double>(bins.histogram.counts[bin]);
-    below_moment += static_cast<double>(bin) * static_cast<double>(bins.histogram.counts[bin]);
-    const double above = total - below;
-    if (!(below > 0) || !(above > 0)) continue;
-    const double distance = below_moment / below - (moment - below_moment) / above;
-    const double between = below * above * distance * distance;
-    if (between > best) lowest = bin + 1;
-    if (between >= best) highest = bin + 1;
-    best = std::max(best, between);
-  }
-  // Empty bins between the classes are equally good: takes the middle bin.
-  return best > 0 ? std::optional((lowest + highest) / 2) : std::nullopt;
-}
-
-// Returns the value that separates empty space from the object.
-std::optional<double> surfaceValue(const Bins& bins) {
-  constexpr double kFewest = 0.02, kMost = 0.70;  // share of all voxels in the upper class
-  std::size_t first = 0, last = bins.size();
-  std::optional<std::size_t> split = otsuSplit(bins, first, last);
-  for (int again = 0; split && again < 4; ++again) {
-    const double share = bins.count(*split, bins.size()) / bins.count(0, bins.size());
-    if (share < kFewest)
-      last = *split;
-    else if (share > kMost)
-      first = *split;
-    else
-      break;
-    const std::optional<std::size_t> next = otsuSplit(bins, first, last);
-    if (!next) break;
-    split = next;
-  }
-  return split ? std::optional(bins.edge(*split)) : std::nullopt;
-}
-
-// Returns the value that a `fraction` of the voxels outside the lowest bin (empty space) do not exceed.
-double highValue(const Bins& bins, double fraction, double otherwise) {
-  const double total = bins.size() > 1 ? bins.count(1, bins.size()) : 0;
-  double below = 0;
-  for (std::size_t bin = 1; bin < bins.size() && total > 0; ++bin) {
-    below += static_cast<double>(bins.histogram.counts[bin]);
-    if (below >= fraction * total) return bins.edge(bin + 1);
-  }
-  return otherwise;
-}
-
-Bins usableBins(const Manifest& manifest) {
-  const ValueHistogram& histogram = manifest.histogram;
-  const bool usable = histogram.counts.size() > 1 && std::isfinite(histogram.lo) && histogram.lo < histogram.hi &&
-                      std::isfinite(histogram.hi);
-  return {usable ? histogram : ValueHistogram{}};
-}
 
 // Returns the opacity per mean spacing that gives the box's mean diagonal this optical depth.
 double opacityForDepth(const Manifest& manifest, double optical_depth) {
@@ -124,7 +43,7 @@ ValueRange fogRange(const Manifest& manifest) {
   const ValueRange range = usableRange(manifest);
   // Empty space is 0 in a fog; in another volume, the least value.
   const double lo = manifest.volume_class == VolumeClass::kFog && range.hi > 0 ? 0 : range.lo;
-  const double high = highValue(usableBins(manifest), 0.995, range.hi);
+  const double high = ValueBins(manifest).highValue(0.995, range.hi);
   return {lo, high > lo ? high : range.hi};
 }
 
@@ -140,55 +59,92 @@ TransferFunction levelSet(const Manifest& manifest) {
   return {0, {{0, kSolid, 1}, {0.5 * spacing, kSolid, 0}}};
 }
 
+// In linear light, as black and white are the only colours.
 TransferFunction grayscale(const Manifest& manifest) {
-  const ValueRange range = usableRange(manifest);
-  return {0, {{range.lo, glm::dvec3(0), 0}, {range.hi, glm::dvec3(1), grayscaleOpacity(manifest)}}};
+  const ValueRange range = colorMapRange(manifest);
+  const OpacityCurve opacity = risingOpacity(range, manifest);
+  TransferFunction out;
+  for (const OpacityNode& node : opacity.nodes) {
+    const auto before = static_cast<double>(out.points.size());  // the nodes are evenly spaced
+    out.points.push_back(
+        {node.value, glm::dvec3(before / static_cast<double>(opacity.nodes.size() - 1)), node.opacity});
+  }
+  return out;
 }
 
 // Returns a named colour map over the values, with rising opacity.
-TransferFunction colored(std::string_view name, const ValueRange& range, double opacity) {
+TransferFunction colored(std::string_view name, const Manifest& manifest) {
+  const ValueRange range = colorMapRange(manifest);
   ColorMap colors = namedColorMap(name);
   stretch(colors, {0, 1}, range);
-  return {0, sampled(colors, {{{range.lo, 0}, {range.hi, opacity}}})};
+  return {0, sampled(colors, risingOpacity(range, manifest))};
+}
+
+// Returns a value not below `high` and clearly above `surface`, for values of any size in `range`, whose width may
+// overflow a double.
+double clearlyAbove(double surface, double high, const ValueRange& range) {
+  return std::max(high, surface + std::max(1e-6 * std::abs(surface), 1e-12 * range.hi - 1e-12 * range.lo));
 }
 
 // Opaque from slightly above `surface`, brightening to `high`; for values in `range`.
 TransferFunction surfaceRamp(double surface, double high, const ValueRange& range) {
-  // Keeps the rise above 0 for values of any size; the width of the range itself may overflow a double.
-  high = std::max(high, surface + std::max(1e-6 * std::abs(surface), 1e-12 * range.hi - 1e-12 * range.lo));
-  const double rise = high - surface;
+  const double top = clearlyAbove(surface, high, range), rise = top - surface;
   return {0,
-          {{surface, kSkin, 0},
-           {surface + 0.1 * rise, kSkin, kSurfaceOpacity},
-           {surface + 0.4 * rise, kSkinLight, kSurfaceOpacity},
-           {high, kWhite, 0.97}}};
+          {{surface, tint::kSkin, 0},
+           {surface + 0.1 * rise, tint::kSkin, kSurfaceOpacity},
+           {surface + 0.4 * rise, tint::kSkinLight, kSurfaceOpacity},
+           {top, tint::kWhite, 0.97}}};
 }
 
 TransferFunction surfaceOf(const Manifest& manifest) {
-  const Bins bins = usableBins(manifest);
+  const ValueBins bins(manifest);
   const ValueRange range = usableRange(manifest);
-  const std::optional<double> surface = surfaceValue(bins);
+  const std::optional<double> surface = bins.surface();
   // A constant volume, or no histogram: a solid block is more useful than an empty picture.
   if (!surface)
     return surfaceRamp(manifest.range.lo < manifest.range.hi ? std::midpoint(range.lo, range.hi) : range.lo - 1,
                        range.hi, range);
-  return surfaceRamp(*surface, highValue(bins, 0.995, range.hi), range);
+  return surfaceRamp(*surface, bins.highValue(0.995, range.hi), range);
 }
 
 // T1 and T2 heads: skin is darker than Otsu's threshold between air and brain. So the surface is three quarters of the
 // way from the mean of the air to the threshold.
 TransferFunction mrHead(const Manifest& manifest) {
-  const Bins bins = usableBins(manifest);
-  const std::optional<double> surface = surfaceValue(bins);
+  const ValueBins bins(manifest);
+  const std::optional<double> surface = bins.surface();
   if (!surface) return surfaceOf(manifest);
   double count = 0, sum = 0;
   for (std::size_t bin = 0; bin < bins.size() && bins.edge(bin + 1) <= *surface; ++bin) {
-    count += static_cast<double>(bins.histogram.counts[bin]);
-    sum += bins.edge(bin) * static_cast<double>(bins.histogram.counts[bin]);
+    count += bins.count(bin);
+    sum += bins.edge(bin) * bins.count(bin);
   }
-  const double air = count > 0 ? sum / count : bins.histogram.lo;
+  const double air = count > 0 ? sum / count : bins.edge(0);
   const ValueRange range = usableRange(manifest);
-  return surfaceRamp(air + 0.75 * (*surface - air), highValue(bins, 0.995, range.hi), range);
+  return surfaceRamp(air + 0.75 * (*surface - air), bins.highValue(0.995, range.hi), range);
+}
+
+// The surface of a brain without its skull: grey matter is between fluid and the brighter white matter.
+TransferFunction mrBrain(const Manifest& manifest) {
+  const ValueBins bins(manifest);
+  const std::optional<double> surface = bins.surface();
+  if (!surface) return surfaceOf(manifest);
+  const ValueRange range = usableRange(manifest);
+  const double top = clearlyAbove(*surface, bins.highValue(0.995, range.hi), range), rise = top - *surface;
+  return {0,
+          {{*surface, tint::kCortex, 0},
+           {*surface + 0.1 * rise, tint::kCortex, 0.7},
+           {*surface + 0.4 * rise, tint::kWhiteMatter, 0.9},
+           {top, tint::kWhite, 0.95}}};
+}
+
+// Blood that flows is the brightest in an angiogram; vessels are about a hundredth of the volume.
+TransferFunction mrAngiogram(const Manifest& manifest) {
+  const ValueBins bins(manifest);
+  const ValueRange range = usableRange(manifest);
+  const double first = bins.valueExceededBy(0.015, range.lo);
+  const double solid = std::max(first, bins.valueExceededBy(0.005, range.hi));
+  const double high = clearlyAbove(solid, bins.valueExceededBy(0.0005, range.hi), range);
+  return {0, {{first, tint::kBlood, 0}, {solid, tint::kBlood, 0.5}, {high, tint::kBloodLight, 0.95}}};
 }
 
 // Maps Hounsfield units to the volume's values. Unchanged if the range goes far below water; shifted by 1024 if the
@@ -200,10 +156,18 @@ double valueOfHounsfield(const ValueRange& range, double hounsfield) {
   return range.lo + (hounsfield + 1024) / 3272 * (range.hi - range.lo);
 }
 
-TransferFunction computedTomography(const Manifest& manifest, std::vector<TransferPoint> points_hounsfield) {
+TransferFunction computedTomography(const CtPreset& preset, const Manifest& manifest) {
   const ValueRange range = usableRange(manifest);
-  for (TransferPoint& point : points_hounsfield) point.value = valueOfHounsfield(range, point.value);
-  return {0, std::move(points_hounsfield)};
+  TransferFunction out{0, preset.points};
+  for (TransferPoint& point : out.points) point.value = valueOfHounsfield(range, point.value);
+  return out;
+}
+
+const CtPreset* ctPresetNamed(std::string_view name) {
+  for (const CtPreset& preset : ctPresets()) {
+    if (preset.name == name) return &preset;
+  }
+  return nullptr;
 }
 
 TransferFunction automatic(const Manifest& manifest) {
@@ -244,7 +208,23 @@ ValueRange usableRange(const Manifest& manifest) {
   return range;
 }
 
-double grayscaleOpacity(const Manifest& manifest) { return opacityForDepth(manifest, 10); }
+ValueRange colorMapRange(const Manifest& manifest) {
+  if (manifest.volume_class == VolumeClass::kFog) return fogRange(manifest);
+  const ValueBins bins(manifest);
+  const ValueRange range = usableRange(manifest);
+  const std::optional<double> surface = bins.surface();
+  if (!surface) return range;
+  return {*surface, clearlyAbove(*surface, bins.highValue(0.995, range.hi), range)};
+}
+
+OpacityCurve risingOpacity(const ValueRange& range, const Manifest& manifest) {
+  if (manifest.volume_class == VolumeClass::kFog) return {{{range.lo, 0}, {range.hi, fogOpacity(manifest)}}};
+  // Optical depths of the whole box: a head's soft tissue is a veil, its bone a surface.
+  constexpr double kMiddle = 60, kEnd = 300;
+  return {{{range.lo, 0},
+           {std::midpoint(range.lo, range.hi), opacityForDepth(manifest, kMiddle)},
+           {range.hi, opacityForDepth(manifest, kEnd)}}};
+}
 
 TransferFunction displayGrey(const Manifest& manifest) {
   const ValueRange range = usableRange(manifest);
@@ -254,8 +234,9 @@ TransferFunction displayGrey(const Manifest& manifest) {
 
 const std::vector<std::string>& presetNames() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> out = {"auto",    "ct-skin", "ct-bone",  "ct-bone-and-skin",
-                                    "mr-head", "fog",     "levelset", "grayscale"};
+    std::vector<std::string> out = {"auto"};
+    for (const CtPreset& preset : ctPresets()) out.emplace_back(preset.name);
+    out.insert(out.end(), {"mr-head", "mr-brain", "mr-angio", "fog", "levelset", "grayscale"});
     out.insert(out.end(), colorMapNames().begin(), colorMapNames().end());
     return out;
   }();
@@ -274,30 +255,15 @@ bool isPreset(std::string_view name) {
 
 TransferFunction presetFor(std::string_view name, const Manifest& manifest) {
   if (name == "auto") return automatic(manifest);
-  if (name == "ct-skin") {
-    return computedTomography(manifest,
-                              {{-550, kSkin, 0}, {-350, kSkin, 0.9}, {100, kSkinLight, 0.9}, {300, kBone, 0.95}});
-  }
-  if (name == "ct-bone") {
-    return computedTomography(manifest, {{130, kBone, 0}, {330, kBone, 0.9}, {1000, kWhite, 0.97}});
-  }
-  // Skin is the border to air; tissue between skin and bone would hide the bone and is left out.
-  if (name == "ct-bone-and-skin") {
-    return computedTomography(manifest, {{-700, kSkin, 0},
-                                         {-400, kSkin, 0.1},
-                                         {-200, kSkin, 0.1},
-                                         {-50, kSkinLight, 0},
-                                         {130, kBone, 0},
-                                         {330, kBone, 0.9},
-                                         {1000, kWhite, 0.97}});
-  }
+  if (const CtPreset* const preset = ctPresetNamed(name)) return computedTomography(*preset, manifest);
   if (name == "mr-head") return mrHead(manifest);
+  if (name == "mr-brain") return mrBrain(manifest);
+  if (name == "mr-angio") return mrAngiogram(manifest);
   if (name == "fog") return fog(manifest);
   if (name == "levelset") return levelSet(manifest);
   if (name == "grayscale") return grayscale(manifest);
-  if (name == "fire") return colored(name, fogRange(manifest), fogOpacity(manifest));
   if (name.starts_with(kIso)) return isoSurface(name.substr(kIso.size()), manifest);
-  if (isPreset(name)) return colored(name, usableRange(manifest), grayscaleOpacity(manifest));
+  if (isPreset(name)) return colored(name, manifest);
   throw Error(ErrorCode::kUsage,
               "'" + std::string(name) + "' is not a transfer function preset; there are " + presetList());
 }

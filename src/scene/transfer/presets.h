@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scene/transfer/color_map.h"
 #include "scene/transfer/transfer_function.h"
 #include "store/manifest/manifest.h"
 
@@ -23,7 +24,8 @@ bool isPreset(std::string_view name);
 ///   labels, else the surface between empty space (the lower Otsu class) and the object.
 /// - ct- presets are in Hounsfield units.
 /// - "iso:VALUE" is solid from VALUE on.
-/// - colour maps (viridis, …) rise in opacity over the range of values.
+/// - mr- presets are found in the histogram.
+/// - colour maps (grayscale, viridis, …) begin above empty space and rise in opacity.
 /// throws: Error kUsage naming the presets, or the fault in VALUE.
 TransferFunction presetFor(std::string_view name, const Manifest& manifest);
 
@@ -35,7 +37,12 @@ TransferFunction displayGrey(const Manifest& manifest);
 /// without values (all NaN) or with a single value. Never empty, lo < hi.
 ValueRange usableRange(const Manifest& manifest);
 
-/// Returns the opacity per mean voxel spacing at which the volume's box is nearly opaque along its mean diagonal.
-double grayscaleOpacity(const Manifest& manifest);
+/// Returns the values over which a colour map is stretched: of a fog from 0 on, else from the surface between empty
+/// space and the object on, as in "auto"; to the value that few voxels exceed. Never empty, lo < hi.
+ValueRange colorMapRange(const Manifest& manifest);
+
+/// Returns the opacity of a colour map over these values, per mean voxel spacing: nothing at their begin, translucent
+/// in the middle, opaque within a fraction of the volume at their end.
+OpacityCurve risingOpacity(const ValueRange& range, const Manifest& manifest);
 
 }  // namespace kiln
