@@ -32,6 +32,11 @@ struct RankStatistics {
   void setReads(const SharedReadCounts& shared);
 };
 
+/// Brick files that were read to fit a camera to what is visible.
+struct FitReads {
+  std::uint64_t files = 0, bytes = 0;
+};
+
 struct RenderStatistics {
   std::vector<FrameStatistics> frames;
   std::uint64_t budget_bytes = 0;  // memory: cache_bytes for bricks, the rest for image, visibility, index and slabs
@@ -42,6 +47,7 @@ struct RenderStatistics {
   std::uint64_t slabs_bytes = 0,
                 peak_slabs_bytes = 0;  // memory to draw with (slabs, tiles of voxels): planned, and peak
   std::uint64_t peak_rss_bytes = 0;
+  FitReads fit;
   double load_s = 0, render_s = 0, output_s = 0;
   std::vector<RankStatistics> ranks;  // empty for one process
   std::string shared_by;              // the unit that ranks share: "tiles", "frames", "bricks"

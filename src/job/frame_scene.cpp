@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "base/error.h"
+#include "engine/shown_box.h"
 #include "job/auto_samples.h"
 #include "job/series_look.h"
 #include "scene/camera/framing.h"
@@ -51,8 +52,12 @@ std::vector<const Manifest*> looksOf(const RenderJob& job, const std::vector<con
 
 }  // namespace
 
-SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests)
-    : job_(job), manifests_(std::move(manifests)), looks_(looksOf(job, manifests_)), geometry_(boxOfAll(looks_)) {
+SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const ShownBoxOf& shown_box)
+    : job_(job),
+      manifests_(std::move(manifests)),
+      looks_(looksOf(job, manifests_)),
+      geometry_(boxOfAll(looks_)),
+      framed_(geometry_) {
   requireWorldBox(job.picture.clipping, geometry_);
   for (std::size_t i = 0; i < job.volumes.size(); ++i) requireWorldBox(job.volumes[i].clipping, looks_[i]->geometry());
   PictureOptions still = job.picture;
@@ -69,6 +74,31 @@ SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manife
     still.window = volume.window;
     add(volume.functions, volume.transfer_function, *looks_[i]);
   }
+  framed_ = framedBox(shown_box);
+}
+
+// Planes that move are left out: the box is the same in all frames.
+Clipping SceneOfJob::clippingOf(std::size_t volume) const {
+  if (job_.volumes.empty()) return job_.picture.clipping;
+  Clipping out = job_.volumes[volume].clipping;
+  const std::vector<ClipPlane>& common = job_.picture.clipping.planes;
+  out.planes.insert(out.planes.end(), common.begin(), common.end());
+  return out;
+}
+
+FramedBox SceneOfJob::framedBox(const ShownBoxOf& shown_box) const {
+  const Fit fit = job_.picture.fit;
+  if (fit == Fit::kBox || job_.series || !isFramed(job_.animation.camera, job_.picture.camera)) return geometry_;
+  const bool visible = fit == Fit::kVisible && shown_box && engineOf(job_).capabilities().composites;
+  std::vector<VolumeGeometry> boxes;
+  for (std::size_t i = 0; i < manifests_.size(); ++i) {
+    const VolumeGeometry volume = manifests_[i]->geometry();
+    const Clipping clipping = clippingOf(i);
+    const VolumeGeometry box =
+        visible ? shown_box(i, functions_[i].values, clipping) : partOf(volume, boxOfClip(volume, clipping));
+    if (box.dims.count() > 0) boxes.push_back(box);
+  }
+  return boxes.empty() ? FramedBox(geometry_) : FramedBox(boxAround(boxes), fit);
 }
 
 TransferFunction SceneOfJob::Functions::at(int frame) const {
@@ -78,12 +108,12 @@ TransferFunction SceneOfJob::Functions::at(int frame) const {
 }
 
 Camera SceneOfJob::cameraOf(int frame) const {
-  return cameraAt(job_.animation.camera, job_.picture.camera, frame, geometry_, job_.picture.size);
+  return cameraAt(job_.animation.camera, job_.picture.camera, frame, framed_, job_.picture.size);
 }
 
 int SceneOfJob::samplesOf(const Camera& camera) const {
   if (job_.picture.samples) return *job_.picture.samples;
-  return automaticSamples(job_, camera, centreOf(geometry_), manifests_);
+  return automaticSamples(job_, camera, centreOf(framed_.volume), manifests_);
 }
 
 int SceneOfJob::mostSamples() const {

@@ -1,6 +1,7 @@
 // The scene of a job at one frame, with every choice made for its volumes.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "job/render_job.h"
@@ -30,14 +31,19 @@ struct FrameScene {
 TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
                              const Manifest& manifest);
 
+/// Returns the box, in the picture's world, that one of the volumes fills: what its functions show inside its clipping.
+using ShownBoxOf = std::function<VolumeGeometry(std::size_t volume, const std::vector<TransferFunction>& functions,
+                                                const Clipping& clipping)>;
+
 /// The job's scenes over one volume. Files are read once.
 class SceneOfJob {
  public:
   /// requires: both outlive this. throws: Error where a transfer function cannot be read or used.
   SceneOfJob(const RenderJob& job, const Manifest& manifest) : SceneOfJob(job, std::vector{&manifest}) {}
   /// Takes the manifests of all volumes; a framing fits the box around all. In a time series (RenderJob::series),
-  /// framing and transfer functions are those of all frames.
-  SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests);
+  /// framing and transfer functions are those of all frames, and a framing fits whole volumes. Without `shown_box`,
+  /// Fit::kVisible is Fit::kRegion.
+  SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const ShownBoxOf& shown_box = {});
   /// throws: Error kUsage where the camera cannot be used.
   FrameScene at(int frame) const;
   /// Returns the largest number of samples of all frames; frames whose camera cannot be used are left out.
@@ -53,6 +59,8 @@ class SceneOfJob {
     TransferFunction at(int frame) const;
   };
   const Manifest& manifest() const { return *manifests_.front(); }
+  Clipping clippingOf(std::size_t volume) const;
+  FramedBox framedBox(const ShownBoxOf& shown_box) const;
   Camera cameraOf(int frame) const;
   int samplesOf(const Camera& camera) const;
 
@@ -61,6 +69,7 @@ class SceneOfJob {
   std::vector<const Manifest*> looks_;  // the manifests that decide framing and colours: a volume's own, or its series'
   const VolumeGeometry geometry_;       // geometry of the box around all of them
   std::vector<Functions> functions_;    // one for each volume
+  FramedBox framed_;                    // the box that cameras fit
 };
 
 }  // namespace kiln

@@ -345,6 +345,25 @@ glm::dvec3 WorldVector::readVector(const JobObject& object, std::string_view key
   return out;
 }
 
+OptionForm PictureShift::form() const {
+  OptionForm out;
+  out.schema = {{"$ref", "pair"}};
+  out.value_name = "X,Y";
+  out.expected = "two numbers X,Y from -100 to 100";
+  out.parse = [](const std::string& text) { return numbersOfText(text); };
+  return out;
+}
+
+void PictureShift::read(const JobObject& object, std::string_view key, std::optional<glm::dvec2>& out) const {
+  constexpr NumberRange kRange{-100, 100};
+  const auto shift = *object.numbers<2>(key, "[x, y] from -100 to 100 widths and heights of the picture", kRange);
+  out = glm::dvec2(shift[0], shift[1]);
+}
+
+ordered_json PictureShift::write(const std::optional<glm::dvec2>& shift) const {
+  return shift ? ordered_json{shift->x, shift->y} : ordered_json();
+}
+
 OptionForm ColorValue::form() const {
   OptionForm out;
   const ordered_json numbers = {{"type", "array"}, {"items", {{"$ref", ref}}}, {"minItems", 3}, {"maxItems", 3}};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "image/pixel_rect.h"
@@ -164,6 +165,13 @@ struct WorldVector {
     const glm::dvec3* const v = option_detail::ifThere(value);
     return v ? nlohmann::ordered_json{v->x, v->y, v->z} : nlohmann::ordered_json();
   }
+};
+
+/// A movement of the picture.
+struct PictureShift {
+  OptionForm form() const;
+  void read(const JobObject& object, std::string_view key, std::optional<glm::dvec2>& out) const;
+  nlohmann::ordered_json write(const std::optional<glm::dvec2>& shift) const;
 };
 
 /// A colour: numbers, in linear light where their object has no other space, or a text (image/named_color.h).

@@ -37,6 +37,7 @@ struct PictureOptions {
   Mode mode{};
   Aovs aovs;
   CameraSpec camera;
+  Fit fit = Fit::kVisible;       // the box that a camera without an eye fits into the picture
   std::optional<Stereo> stereo;  // draw one eye of a pair, or both, of which the camera is the middle
   /// "auto" is grey from black to white over the range of values where a value is projected.
   TransferFunctionChoice transfer_function = std::string("auto");

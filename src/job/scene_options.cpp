@@ -96,13 +96,15 @@ const Options<CameraSpec>& cameraOptions() {
           "Point in the world that the camera looks at. Default: the centre of the volume."),
       Row("up", "--up", kCamera, {KILN_MEMBER(up), WorldVector{true}, kAlways}, "Up direction in the world."),
       Row("view", "--view", kCamera, {KILN_MEMBER(side), Word{kSideNames}},
-          "Look at this side of the volume; the picture fits the volume."),
+          "Look at this side of the volume; the picture fits the box of --fit."),
       Row("azimuth", "--azimuth", kCamera, {KILN_MEMBER(azimuth_deg), Number{{-3600, 3600}, "degrees"}},
           "Turn the eye around the up axis."),
       Row("elevation", "--elevation", kCamera, {KILN_MEMBER(elevation_deg), Number{{-90, 90}, "degrees"}},
           "Raise the eye."),
       Row("zoom", "--zoom", kCamera, {KILN_MEMBER(zoom), Number{{1e-3, 1e6}}},
           "Enlarge the picture; 2 is twice as large."),
+      Row("pan", "--pan", kCamera, {KILN_MEMBER(pan), PictureShift{}},
+          "Move the picture's content by X widths to the right and Y heights up."),
   };
   return kOptions;
 }

@@ -23,7 +23,8 @@ DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
   unbounded.speed.memory_bytes = UINT64_MAX;
   const std::vector<std::unique_ptr<StoreReader>> opened = storesOf(unbounded);
   const std::vector<const StoreReader*> stores = readersOf(opened);
-  const SceneOfJob scenes(job, manifestsOf(opened));
+  FitReads fit;
+  const SceneOfJob scenes(job, manifestsOf(opened), shownBoxesOf(job, stores, fit));
   DryRun out;
   out.memory = memoryOf(job, stores, scenes, beside);
   if (writesBehind(given)) out.memory.behind = writeBehindBytes(out.memory, job);

@@ -9,6 +9,7 @@
 #include "base/memory/spare_pages.h"
 #include "base/thread/parallel.h"
 #include "base/thread/profile_scope.h"
+#include "engine/shown_box.h"
 #include "frame/empty_frame.h"
 #include "frame/pass/frame_progress.h"
 #include "grid/shared_world.h"
@@ -134,12 +135,27 @@ FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& store
   return out;
 }
 
+ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const StoreReader*> stores, FitReads& reads) {
+  return [&job, &reads, stores = std::move(stores)](std::size_t volume, const std::vector<TransferFunction>& functions,
+                                                    const Clipping& clipping) {
+    const StoreReader& store = *stores[volume];
+    std::vector<TransferFunction> in_world;
+    for (const TransferFunction& function : functions)
+      in_world.push_back(inWorld(function, store.manifest().world_per_own));
+    // A damaged brick changes no camera.
+    const ShownBox shown = shownBox(store, in_world, clipping, !job.picture.skip_damaged);
+    reads.files += shown.files;
+    reads.bytes += shown.file_bytes;
+    return shown.box.empty() ? VolumeGeometry() : partOf(store.manifest().geometry(), shown.box);
+  };
+}
+
 OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, const MemoryBeside& beside, SharedReads* shared,
                      bool writes_behind)
     : job_(job),
       drawn_job_(withDrawnAovs(job)),
       stores_(storesOf(job_)),
-      scenes_(drawn_job_, manifestsOf(stores_)),
+      scenes_(drawn_job_, manifestsOf(stores_), shownBoxesOf(drawn_job_, readersOf(stores_), fit_)),
       memory_(
           withShared(withBehind(memoryOf(drawn_job_, readersOf(stores_), scenes_, beside), writes_behind, drawn_job_),
                      shared != nullptr ? job_.speed.memory_bytes : 0, readersOf(stores_))),
@@ -244,6 +260,7 @@ void OpenedJob::describeMemory(RenderStatistics& statistics) const {
   statistics.slabs_bytes = memory_.slabs;
   statistics.trace_bytes = memory_.trace;
   statistics.shared_reads_bytes = memory_.shared;
+  statistics.fit = fit_;
 }
 
 }  // namespace kiln

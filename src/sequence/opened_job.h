@@ -82,6 +82,7 @@ class OpenedJob {
   const RenderJob job_;
   const RenderJob drawn_job_;  // with the AOVs of all files
   const std::vector<std::unique_ptr<StoreReader>> stores_;
+  FitReads fit_;
   SceneOfJob scenes_;
   FrameMemory memory_;
   const OpenedForRanks for_ranks_;
@@ -92,6 +93,10 @@ class OpenedJob {
 std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job);
 std::vector<const StoreReader*> readersOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
 std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
+
+/// Returns the function that finds boxes by index and bricks of the stores; the function adds what it reads to `reads`.
+/// requires: all outlive the function.
+ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const StoreReader*> stores, FitReads& reads);
 
 /// Returns the geometry whose frame of reference and unit the picture has: the series', else the first known of the
 /// volumes.

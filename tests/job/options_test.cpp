@@ -58,6 +58,8 @@ const Pair kPairs[] = {
     {"--fov", {"33.5"}, R"("camera": {"fov": 33.5})"},
     {"--eye", {"1,-2,3e2"}, R"("camera": {"eye": [1, -2, 300]})"},
     {"--view", {"left"}, R"("camera": {"view": "left"})"},
+    {"--fit", {"box"}, R"("camera": {"fit": "box"})"},
+    {"--pan", {"0.25,-0.5"}, R"("camera": {"pan": [0.25, -0.5]})"},
     {"--turntable", {"36"}, R"("camera": {"turntable": {"frames": 36}})"},
     {"--tf", {"ct-bone"}, R"("transferFunction": "ct-bone")"},
     {"--tf", {"300:0,500:0.5:#f80"}, R"("transferFunction": "300:0,500:0.5:#f80")"},

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "job/render_job.h"
+#include "scene/camera/camera_path.h"
 
 namespace kiln {
 namespace {
@@ -76,6 +77,52 @@ TEST(Framing, FitsTightlyFromEverySideForAnyAffine) {
 }
 
 // Known because an origin only moves a box: map coordinates, or nanometres a tenth of a metre away, change no extent.
+TEST(Framing, VisibleBoxes_haveMoreMargin) {
+  const VolumeGeometry volume = boxOfSize(30, 40, 50);
+  const ImageSize size{200, 100};
+  for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+    Framing framing;
+    framing.projection = projection;
+    EXPECT_NEAR(reach(volume, frameVolume(volume, framing, size), size), 1 / 1.02, 1e-9);
+    EXPECT_NEAR(reach(volume, frameVolume({volume, Fit::kVisible}, framing, size), size), 1 / 1.06, 1e-9);
+  }
+}
+
+// The middle of the picture moves with the target, by the shift in pixels.
+TEST(Framing, Pan_movesThePicture) {
+  const VolumeGeometry volume = boxOfSize(30, 40, 50);
+  const ImageSize size{200, 100};
+  for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+    CameraSpec spec;
+    spec.projection = projection;
+    const Camera still = spec.resolve(volume, size);
+    spec.pan = glm::dvec2(0.25, 0.1);
+    const Camera moved = spec.resolve(volume, size);
+    const glm::dvec2 shift = pixelOf(moved, size, still.target) - pixelOf(still, size, still.target);
+    EXPECT_NEAR(shift.x, 50, 1e-9);
+    EXPECT_NEAR(shift.y, -10, 1e-9);  // rows count downwards
+    EXPECT_NEAR(glm::distance(moved.eye - still.eye, moved.target - still.target), 0, 1e-9);
+  }
+}
+
+// The first frame of a turn of a flat box is narrow; the widest frame decides.
+TEST(Framing, Turntable_fitsAllFramesOfAVisibleBox) {
+  const VolumeGeometry volume = boxOfSize(10, 100, 20);
+  const ImageSize size{100, 100};
+  for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+    CameraSpec still;
+    still.projection = projection;
+    still.side = Side::kFront;
+    const Turntable turn{36, 360, std::nullopt};
+    double most = 0;
+    for (int frame = 1; frame <= turn.frames; ++frame)
+      most = std::max(most, reach(volume, cameraAt(turn, still, frame, {volume, Fit::kVisible}, size), size));
+    EXPECT_NEAR(most, 1 / 1.06, 1e-9);
+    // Earlier versions fitted the first frame: such jobs stay as they are.
+    EXPECT_NEAR(reach(volume, cameraAt(turn, still, 1, {volume, Fit::kBox}, size), size), 1 / 1.02, 1e-9);
+  }
+}
+
 TEST(Framing, LargeOrigins_haveTheBoxesOfSmallOnes) {
   for (const auto& [spacing, origin] : {std::pair{0.1, 4.6e6}, {1e-9, 0.1}, {1.0, -1e12}}) {
     const auto volumeAt = [&](double first_voxel) {

@@ -29,17 +29,45 @@ CameraSpec overlaid(CameraSpec spec, const CameraSpec& key) {
   take(spec.azimuth_deg, key.azimuth_deg);
   take(spec.elevation_deg, key.elevation_deg);
   take(spec.zoom, key.zoom);
+  take(spec.pan, key.pan);
   return spec;
 }
 
-Camera turnedAt(const Turntable& turntable, Camera camera, double frame) {
-  const double angle = glm::radians(turntable.degrees) * (frame - 1) / turntable.frames;
-  const glm::dvec3 axis = turntable.axis.value_or(camera.up);
+double angleAt(const Turntable& turntable, double frame) {
+  return glm::radians(turntable.degrees) * (frame - 1) / turntable.frames;
+}
+
+Camera turned(Camera camera, const glm::dvec3& axis, double angle) {
   if (angle == 0) return camera;
   const glm::dquat turn = glm::angleAxis(angle, glm::normalize(axis));
   camera.eye = camera.target + turn * (camera.eye - camera.target);
   camera.up = turn * camera.up;
   return camera;
+}
+
+// Returns the turns of the volume that the still camera sees as a turning camera sees the volume. A box between two
+// turns of 1° reaches 0.004 % further.
+std::vector<glm::dmat3> turnsOf(const Turntable& turntable, const glm::dvec3& axis) {
+  constexpr int kMostTurns = 360;
+  const int turns = std::min(turntable.frames, kMostTurns);
+  std::vector<glm::dmat3> out;
+  for (int i = 1; i < turns; ++i) {
+    const double angle = -glm::radians(turntable.degrees) * i / turns;
+    out.push_back(glm::mat3_cast(glm::angleAxis(angle, glm::normalize(axis))));
+  }
+  return out;
+}
+
+Camera turnedAt(const Turntable& turntable, const CameraSpec& still, double frame, const FramedBox& box,
+                const ImageSize& size) {
+  // The picture is moved after the turn: the axis goes through the volume's centre.
+  CameraSpec unmoved = still;
+  unmoved.pan.reset();
+  Camera camera = unmoved.resolve(box, size);
+  const glm::dvec3 axis = turntable.axis.value_or(camera.up);
+  if (box.fit != Fit::kBox && still.framed()) camera = unmoved.resolve(box, size, turnsOf(turntable, axis));
+  camera = turned(camera, axis, angleAt(turntable, frame));
+  return still.pan ? panned(camera, *still.pan, size) : camera;
 }
 
 // Returns the rotation with the camera's axes in the world as columns: right, down, along the view.
@@ -84,10 +112,10 @@ void requireTogether(const CameraKeyframes& path, const std::vector<Camera>& cam
   }
 }
 
-Camera betweenKeys(const CameraKeyframes& path, const CameraSpec& still, double frame, const VolumeGeometry& volume,
+Camera betweenKeys(const CameraKeyframes& path, const CameraSpec& still, double frame, const FramedBox& box,
                    const ImageSize& size) {
   std::vector<Camera> cameras;
-  for (const Key<CameraSpec>& key : path.keys) cameras.push_back(overlaid(still, key.value).resolve(volume, size));
+  for (const Key<CameraSpec>& key : path.keys) cameras.push_back(overlaid(still, key.value).resolve(box, size));
   requireTogether(path, cameras);
   const KeyTimes times(path.keys);
   const KeySpan span = spanAt(times, frame);
@@ -121,7 +149,7 @@ Camera betweenKeys(const CameraKeyframes& path, const CameraSpec& still, double 
   return out;
 }
 
-Camera ofMatrix(const CameraMatrices& matrices, const CameraSpec& still, double frame, const VolumeGeometry& volume,
+Camera ofMatrix(const CameraMatrices& matrices, const CameraSpec& still, double frame, const FramedBox& box,
                 const ImageSize& size) {
   const double place = frame - 1;
   if (!(place >= 0 && place < static_cast<double>(matrices.size())))
@@ -132,22 +160,28 @@ Camera ofMatrix(const CameraMatrices& matrices, const CameraSpec& still, double 
   CameraSpec spec = still;
   spec.eye = glm::dvec3(matrix[3]);
   // Puts the target as far ahead as the volume's centre: here a target only gives a direction.
-  const double distance = glm::distance(*spec.eye, centreOf(volume));
+  const double distance = glm::distance(*spec.eye, centreOf(box.volume));
   spec.target = *spec.eye - (distance > 0 ? distance : 1.0) * glm::normalize(glm::dvec3(matrix[2]));
   spec.up = glm::dvec3(matrix[1]);
-  return spec.resolve(volume, size);
+  return spec.resolve(box, size);
 }
 
 }  // namespace
 
-Camera cameraAt(const CameraPath& path, const CameraSpec& still, double frame, const VolumeGeometry& volume,
+Camera cameraAt(const CameraPath& path, const CameraSpec& still, double frame, const FramedBox& box,
                 const ImageSize& size) {
-  if (const auto* turntable = std::get_if<Turntable>(&path))
-    return turnedAt(*turntable, still.resolve(volume, size), frame);
+  if (const auto* turntable = std::get_if<Turntable>(&path)) return turnedAt(*turntable, still, frame, box, size);
   if (const auto* keyframes = std::get_if<CameraKeyframes>(&path))
-    return betweenKeys(*keyframes, still, frame, volume, size);
-  if (const auto* matrices = std::get_if<CameraMatrices>(&path)) return ofMatrix(*matrices, still, frame, volume, size);
-  return still.resolve(volume, size);
+    return betweenKeys(*keyframes, still, frame, box, size);
+  if (const auto* matrices = std::get_if<CameraMatrices>(&path)) return ofMatrix(*matrices, still, frame, box, size);
+  return still.resolve(box, size);
+}
+
+bool isFramed(const CameraPath& path, const CameraSpec& still) {
+  if (std::holds_alternative<CameraMatrices>(path) || !still.framed()) return false;
+  const auto* const keyframes = std::get_if<CameraKeyframes>(&path);
+  return keyframes == nullptr || std::all_of(keyframes->keys.begin(), keyframes->keys.end(),
+                                             [](const Key<CameraSpec>& key) { return key.value.framed(); });
 }
 
 bool isRigid(const glm::dmat4& m) {

@@ -40,8 +40,11 @@ using CameraPath = std::variant<std::monostate, Turntable, CameraKeyframes, Came
 
 /// throws: Error kUsage if a key's camera cannot be used, keys have different projections or are half a turn apart, or
 /// the frame has no matrix.
-Camera cameraAt(const CameraPath& path, const CameraSpec& still, double frame, const VolumeGeometry& volume,
+Camera cameraAt(const CameraPath& path, const CameraSpec& still, double frame, const FramedBox& box,
                 const ImageSize& size);
+
+/// Returns whether the path fits the volume into the picture in all its cameras: none has an eye.
+bool isFramed(const CameraPath& path, const CameraSpec& still);
 
 /// True if the matrix consists of a rotation and a translation only.
 bool isRigid(const glm::dmat4& world_from_camera);

@@ -16,7 +16,11 @@ void refuseContradictions(const CameraSpec& spec) {
     refuse("height is of an orthographic camera; give projection orthographic too, or fov instead");
   }
   if (spec.projection == Projection::kEquirectangular) {
-    const char* const of_others = spec.fov_deg ? "fov" : spec.height ? "height" : spec.zoom ? "zoom" : nullptr;
+    const char* const of_others = spec.fov_deg  ? "fov"
+                                  : spec.height ? "height"
+                                  : spec.zoom   ? "zoom"
+                                  : spec.pan    ? "pan"
+                                                : nullptr;
     if (of_others)
       refuse(std::string(of_others) + " is not of an equirectangular camera, which sees all round; leave it out");
   }
@@ -29,7 +33,8 @@ void refuseContradictions(const CameraSpec& spec) {
   if (framing) refuse(std::string("eye and ") + framing + " contradict each other; give one of them");
 }
 
-Camera fromEye(const CameraSpec& spec, const VolumeGeometry& volume, const ImageSize& size) {
+Camera fromEye(const CameraSpec& spec, const FramedBox& box, const ImageSize& size) {
+  const VolumeGeometry& volume = box.volume;
   Camera camera;
   camera.projection = spec.projection.value_or(Projection::kPerspective);
   camera.eye = *spec.eye;
@@ -40,12 +45,12 @@ Camera fromEye(const CameraSpec& spec, const VolumeGeometry& volume, const Image
   const glm::dvec3 along = camera.target - camera.eye;
   if (!spec.up && glm::length(glm::cross(along, camera.up)) <= 1e-6 * glm::length(along)) camera.up = axes.anterior;
   if (camera.projection == Projection::kOrthographic) {
-    camera.height = spec.height ? *spec.height : fittingHeight(volume, camera, size);
+    camera.height = spec.height ? *spec.height : fittingHeight(box, camera, size);
   }
   return camera;
 }
 
-Camera fromFraming(const CameraSpec& spec, const VolumeGeometry& volume, const ImageSize& size) {
+Camera fromFraming(const CameraSpec& spec, const FramedBox& box, const ImageSize& size, Turns turns) {
   const bool turned = spec.side || spec.azimuth_deg || spec.elevation_deg;
   Framing framing = turned ? Framing{} : defaultFraming();
   framing.side = spec.side.value_or(framing.side);
@@ -56,7 +61,7 @@ Camera fromFraming(const CameraSpec& spec, const VolumeGeometry& volume, const I
   framing.fov_deg = spec.fov_deg.value_or(framing.fov_deg);
   const bool panorama = framing.projection == Projection::kEquirectangular;
   if (panorama) framing.projection = Projection::kPerspective;
-  Camera camera = frameVolume(volume, framing, size);
+  Camera camera = frameVolume(box, framing, size, turns);
   if (panorama) {
     // A panorama is taken from the middle of the volume, with the volume all around.
     camera.projection = Projection::kEquirectangular;
@@ -77,9 +82,10 @@ Camera fromFraming(const CameraSpec& spec, const VolumeGeometry& volume, const I
 
 }  // namespace
 
-Camera CameraSpec::resolve(const VolumeGeometry& volume, const ImageSize& size) const {
+Camera CameraSpec::resolve(const FramedBox& box, const ImageSize& size, Turns turns) const {
   refuseContradictions(*this);
-  const Camera camera = eye ? fromEye(*this, volume, size) : fromFraming(*this, volume, size);
+  Camera camera = eye ? fromEye(*this, box, size) : fromFraming(*this, box, size, turns);
+  if (pan) camera = panned(camera, *pan, size);
   kiln::resolve(camera, size);  // refuses an unusable camera before long work
   return camera;
 }

@@ -1,6 +1,7 @@
 // The user's camera settings; any of them may be missing.
 #pragma once
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 
@@ -19,10 +20,13 @@ struct CameraSpec {
   std::optional<double> fov_deg, height;
   std::optional<Side> side;
   std::optional<double> azimuth_deg, elevation_deg, zoom;
+  std::optional<glm::dvec2> pan;  // of the picture, right and up. unit: widths and heights of the picture
 
-  /// throws: Error kUsage if settings contradict each other (an eye and a side; a height without a projection) or the
-  /// camera cannot be used.
-  Camera resolve(const VolumeGeometry& volume, const ImageSize& size) const;
+  /// Returns whether the camera fits the volume into the picture: it has no eye.
+  bool framed() const { return !eye; }
+  /// `turns` are the rotations of a turntable (frameVolume). throws: Error kUsage if settings contradict each other (an
+  /// eye and a side; a height without a projection) or the camera cannot be used.
+  Camera resolve(const FramedBox& box, const ImageSize& size, Turns turns = {}) const;
 };
 
 }  // namespace kiln

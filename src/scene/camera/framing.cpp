@@ -1,4 +1,5 @@
-// Fits exactly, not by a bounding sphere. The eight corners of [-1/2, N-1/2)³ are transformed to the camera's axes.
+// Fits exactly, not by a bounding sphere. The eight corners of [-1/2, N-1/2)³, and the turned corners of a turntable,
+// are transformed to the camera's axes.
 // Each corner requires a least distance (perspective) or height (orthographic) to be inside the image; the greatest
 // decides. The margin is applied in the image, so it is equal for every field of view.
 #include "scene/camera/framing.h"
@@ -16,8 +17,6 @@
 
 namespace kiln {
 namespace {
-
-constexpr double kMargin = 1.02;
 
 struct Direction {
   glm::dvec3 towards_eye, up;
@@ -58,19 +57,29 @@ Direction directionOf(PatientFrame frame, const Framing& framing) {
 }
 
 // Half the image's extent at depth 1 in x and y, without the margin.
-glm::dvec2 usableTangents(double fov_deg, const ImageSize& size) {
-  const double tangent = std::tan(0.5 * glm::radians(fov_deg)) / kMargin;
+glm::dvec2 usableTangents(double fov_deg, double margin, const ImageSize& size) {
+  const double tangent = std::tan(0.5 * glm::radians(fov_deg)) / margin;
   return {tangent * size.width / size.height, tangent};
 }
 
-double fittingDistance(const VolumeGeometry& volume, const Camera& camera, const ImageSize& size) {
-  const View view = resolve(camera, size);
-  const glm::dvec2 tangents = usableTangents(camera.fov_deg, size);
-  double distance = 0;
+// Returns the corners of the box, turned and not turned, in the camera's axes, relative to the target.
+std::vector<glm::dvec3> cornersSeen(const VolumeGeometry& volume, const Camera& camera, const ImageSize& size,
+                                    Turns turns) {
+  const glm::dmat3 seen(resolve(camera, size).view_from_world);
+  const glm::dvec3 centre = centreOf(volume);
+  std::vector<glm::dvec3> out;
   for (const glm::dvec3& corner : volume.corners()) {
-    // Relative to the target: at distance d the corner's depth is d + offset.z, and |offset.x| <= tangent · depth must
-    // hold.
-    const glm::dvec3 offset = glm::dmat3(view.view_from_world) * (corner - camera.target);
+    out.push_back(seen * (corner - camera.target));
+    for (const glm::dmat3& turn : turns) out.push_back(seen * (centre - camera.target + turn * (corner - centre)));
+  }
+  return out;
+}
+
+double fittingDistance(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns) {
+  const glm::dvec2 tangents = usableTangents(camera.fov_deg, box.margin(), size);
+  double distance = 0;
+  for (const glm::dvec3& offset : cornersSeen(box.volume, camera, size, turns)) {
+    // At distance d the corner's depth is d + offset.z, and |offset.x| <= tangent · depth must hold.
     distance = std::max(distance, std::abs(offset.x) / tangents.x - offset.z);
     distance = std::max(distance, std::abs(offset.y) / tangents.y - offset.z);
   }
@@ -129,25 +138,45 @@ VolumeGeometry boxAround(const std::vector<VolumeGeometry>& volumes) {
   return out;
 }
 
+VolumeGeometry partOf(const VolumeGeometry& volume, const VoxelBox& box) {
+  VolumeGeometry out = volume;
+  out.dims = box.extent();
+  const glm::dvec3 first(box.lo.x, box.lo.y, box.lo.z);
+  out.world_from_index[3] = volume.world_from_index * glm::dvec4(first, 1);
+  return out;
+}
+
 glm::dvec3 centreOf(const VolumeGeometry& volume) {
   return volume.worldOf(0.5 * glm::dvec3(volume.dims.x - 1, volume.dims.y - 1, volume.dims.z - 1));
 }
 
-double fittingHeight(const VolumeGeometry& volume, const Camera& camera, const ImageSize& size) {
+double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns) {
   Camera plain = camera;
   plain.projection = Projection::kPerspective;  // only the axes are needed, and the height is not known yet
   plain.fov_deg = 90;
-  const View view = resolve(plain, size);
   double half = 0;
-  for (const glm::dvec3& corner : volume.corners()) {
-    const glm::dvec3 offset = glm::dmat3(view.view_from_world) * (corner - camera.target);
+  for (const glm::dvec3& offset : cornersSeen(box.volume, plain, size, turns))
     half = std::max({half, std::abs(offset.y), std::abs(offset.x) * size.height / size.width});
-  }
-  return 2 * half * kMargin;
+  return 2 * half * box.margin();
 }
 
-Camera frameVolume(const VolumeGeometry& volume, const Framing& framing, const ImageSize& size) {
+Camera panned(const Camera& camera, const glm::dvec2& pan, const ImageSize& size) {
+  const bool parallel = camera.projection == Projection::kOrthographic;
+  const double height =
+      parallel ? camera.height
+               : 2 * std::tan(0.5 * glm::radians(camera.fov_deg)) * glm::distance(camera.eye, camera.target);
+  // Rows of the rotation: right, down and along the view, in the world.
+  const glm::dmat3 axes = glm::transpose(glm::dmat3(resolve(camera, size).view_from_world));
+  const glm::dvec3 by = height * (pan.y * axes[1] - pan.x * size.width / size.height * axes[0]);
+  Camera out = camera;
+  out.eye += by;
+  out.target += by;
+  return out;
+}
+
+Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize& size, Turns turns) {
   requireLegal(framing);
+  const VolumeGeometry& volume = box.volume;
   const Direction seen = directionOf(volume.frame, framing);
   const glm::dvec3 centre = centreOf(volume);
   double radius = 0;
@@ -161,10 +190,10 @@ Camera frameVolume(const VolumeGeometry& volume, const Framing& framing, const I
   // A parallel view is equal from everywhere along its axis; two radii keep the whole box in front of the eye.
   camera.eye = centre + 2 * radius * seen.towards_eye;
   if (framing.projection == Projection::kOrthographic) {
-    camera.height = fittingHeight(volume, camera, size) / framing.zoom;
+    camera.height = fittingHeight(box, camera, size, turns) / framing.zoom;
     return camera;
   }
-  camera.eye = centre + fittingDistance(volume, camera, size) * seen.towards_eye;
+  camera.eye = centre + fittingDistance(box, camera, size, turns) * seen.towards_eye;
   camera.fov_deg = glm::degrees(2 * std::atan(std::tan(0.5 * glm::radians(framing.fov_deg)) / framing.zoom));
   return camera;
 }

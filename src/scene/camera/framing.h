@@ -1,7 +1,11 @@
 // Default cameras: from a side, turned, and fitted to the volume.
 #pragma once
 
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "grid/geometry.h"
@@ -10,6 +14,25 @@
 namespace kiln {
 
 enum class Side { kFront, kBack, kLeft, kRight, kTop, kBottom };
+
+/// Box that a framing fits into the picture.
+/// - kVisible: the box of what the transfer functions show after clipping.
+/// - kRegion: the box of the clip region.
+/// - kBox: the box of the whole volume.
+enum class Fit { kVisible, kRegion, kBox };
+
+/// A box, and how a framing fits it. A box of kBox has a margin of 1 % on each side and fits the first frame of a
+/// turntable, as earlier versions did; other boxes have 3 % and fit all frames.
+struct FramedBox {
+  VolumeGeometry volume;
+  Fit fit = Fit::kBox;
+  FramedBox(VolumeGeometry box, Fit how = Fit::kBox) : volume(std::move(box)), fit(how) {}
+  /// Ratio of the picture's extent to the box's.
+  double margin() const { return fit == Fit::kBox ? 1.02 : 1.06; }
+};
+
+/// Rotations of the world that leave the box in the picture.
+using Turns = std::span<const glm::dmat3>;
 
 struct Framing {
   /// Front is the patient's face; in a volume without a frame, the side towards -y with +z up (as in LPS).
@@ -32,18 +55,25 @@ struct PatientAxes {
 };
 PatientAxes patientAxes(PatientFrame frame);
 
-/// Returns a camera whose image of size `size` contains the volume's box; the eye is always outside the box. Zoom
-/// narrows the field of view (or height) and leaves the eye, so the perspective is unchanged.
-/// throws: Error kUsage if zoom is not positive, or an angle is out of range.
-Camera frameVolume(const VolumeGeometry& volume, const Framing& framing, const ImageSize& size);
+/// Returns a camera whose image of size `size` contains the box, also where the box is turned about its centre by one
+/// of `turns`; the eye is always outside the box. Zoom narrows the field of view (or height) and leaves the eye, so the
+/// perspective is unchanged. throws: Error kUsage if zoom is not positive, or an angle is out of range.
+Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize& size, Turns turns = {});
 
-/// Returns the orthographic height at which the image of `camera` (eye, target and up) contains the volume's box, with
-/// the margin of `frameVolume`. unit: world.
-double fittingHeight(const VolumeGeometry& volume, const Camera& camera, const ImageSize& size);
+/// Returns the orthographic height at which the image of `camera` (eye, target and up) contains the box, with the
+/// margin of `frameVolume`. unit: world.
+double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns = {});
+
+/// Moves the camera so that what is in the picture moves by `pan.x` widths of the picture to the right and `pan.y`
+/// heights up, at the depth of the target. requires: no equirectangular camera.
+Camera panned(const Camera& camera, const glm::dvec2& pan, const ImageSize& size);
 
 /// Returns a box in the axes of the first volume that contains the boxes of all volumes; the first volume's own box if
 /// that is enough. shape: whole voxels of the first volume. requires: at least one volume.
 VolumeGeometry boxAround(const std::vector<VolumeGeometry>& volumes);
+
+/// Returns a box of the volume's voxels as a volume. requires: a box that is not empty.
+VolumeGeometry partOf(const VolumeGeometry& volume, const VoxelBox& box);
 
 /// Returns the middle of the volume's box. unit: world.
 glm::dvec3 centreOf(const VolumeGeometry& volume);
