@@ -67,9 +67,9 @@ void include(VoxelBox& box, const VoxelBox& more) {
 }
 
 // Returns `box` without the outer layers that lie outside the region.
-VoxelBox cutBy(const ClipRegion& region, const VoxelBox& box) {
-  VoxelBox out = box;
-  if (region.showsAll() || box.empty()) return out;
+VoxelBox cutBy(const Clipping& clipping, const ClipRegion& region, const VoxelBox& box) {
+  VoxelBox out = clipping.region ? intersection(box, *clipping.region) : box;
+  if (region.showsAll() || out.empty()) return out;
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool low : {true, false}) {
       // A layer that contains a layer outside is not outside: the deepest outside layer is found by bisection.
@@ -130,7 +130,7 @@ VoxelBox boxOfVoxels(const BrickBlock& block, const ShownValues& shown, const Vo
         ValueRange range;
         for (const std::int64_t step : steps)
           range.include(static_cast<double>(values[block.offsetOf(cell.lo) + step]));
-        if (shown.in(range)) include(out, intersection(dilated(cell, 1), within));
+        if (shown.in(range)) include(out, intersection({{x, y, z}, {x + 2, y + 2, z + 2}}, within));
       }
     }
   }
@@ -163,8 +163,8 @@ void refine(const StoreReader& store, const ShownValues& shown, ShownBox& box) {
   const VoxelBox found =
       withVoxelType(block.type, [&]<class T>(std::type_identity<T>) { return boxOfVoxels<T>(block, shown, within); });
   if (found.empty()) return;
-  // A coarse voxel is a mean: thin layers may be missing. Their cubes stay in the box.
-  const std::int64_t most = manifest.brick_size / subBricksOf(manifest.brick_size) + kSubBrickReach;
+  // A coarse voxel is a mean, in which a thin layer is lost: a face that would move further stays.
+  const std::int64_t most = manifest.brick_size / subBricksOf(manifest.brick_size) + manifest.apron;
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t span = fine.hi[axis];
     const std::int64_t lo = found.lo[axis] * span, hi = found.hi[axis] * span;
@@ -177,7 +177,7 @@ void refine(const StoreReader& store, const ShownValues& shown, ShownBox& box) {
 
 VoxelBox boxOfClip(const VolumeGeometry& volume, Clipping clipping) {
   clipping.part.reset();
-  return cutBy(ClipRegion(clipping, volume), boxOf(volume.dims));
+  return cutBy(clipping, ClipRegion(clipping, volume), boxOf(volume.dims));
 }
 
 ShownBox shownBox(const StoreReader& store, std::span<const TransferFunction> functions, const Clipping& clipping,
@@ -190,7 +190,7 @@ ShownBox shownBox(const StoreReader& store, std::span<const TransferFunction> fu
   const ShownValues shown(manifest, functions, cube * manifest.geometry().meanSpacing());
   ShownBox out{boxOfIndex(store, shown, region)};
   if (read_brick && !out.box.empty()) refine(store, shown, out);
-  out.box = cutBy(region, out.box);
+  out.box = cutBy(whole, region, out.box);
   return out;
 }
 

@@ -1,11 +1,12 @@
 // Box around the part of a volume that transfer functions show: a camera fits its picture to the box.
-// Problem. A scan is often mostly air; a picture of its whole box shows the subject small. The box must be known before
-// a brick is drawn, in time that a user does not notice. Method. (1) The sub-ranges of the index bound the values in
-// cubes of 1/8 brick: the box around all cubes that may show something. (2) The box is cut by the clip region. (3) The
-// voxels of the finest level that is one brick move each face inward, by at most the size of a cube. Invariant. The box
-// contains every voxel that a function shows with an opacity that changes an 8-bit pixel visibly (kLeastAlpha). It
-// depends on the store, the functions and the clip region alone. Cost. The index once, from outside in: cubes inside
-// the box found so far are skipped. One brick file.
+// Problem. A scan is often mostly air; a picture of its whole box shows the subject small. The box must be known
+// before a brick is drawn, in time that a user does not notice.
+// Method. (1) The sub-ranges of the index bound the values in cubes of 1/8 brick: the box around all cubes that may
+// show something. (2) The box is cut by the clip region. (3) The voxels of the finest level that is one brick move
+// each face inward, by at most the size of a cube and the apron.
+// Invariant. The box contains every voxel that a function shows with an opacity that changes an 8-bit pixel visibly
+// (kLeastAlpha), but for layers too thin for the level of step 3. It depends on store, functions and region alone.
+// Cost. The index once: cubes inside the box found so far are skipped. One brick file.
 #pragma once
 
 #include <cstdint>

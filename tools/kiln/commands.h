@@ -27,6 +27,7 @@ void addInfo(CLI::App& app, Context& context);
 void addVerify(CLI::App& app, Context& context);
 void addExport(CLI::App& app, Context& context);
 void addSlice(CLI::App& app, Context& context);
+void addGallery(CLI::App& app, Context& context);
 void addTf(CLI::App& app, Context& context);
 void addRender(CLI::App& app, Context& context);
 void addSplit(CLI::App& app, Context& context);

@@ -178,6 +178,7 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
   addVerify(app, context);
   addExport(app, context);
   addSlice(app, context);
+  addGallery(app, context);
   addTf(app, context);
   addRender(app, context);
   addSplit(app, context);

@@ -1,0 +1,162 @@
+#include "sequence/gallery.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <utility>
+
+#include "base/error.h"
+#include "base/thread/parallel.h"
+#include "frame/empty_frame.h"
+#include "image/plot_image.h"
+#include "job/frame_scene.h"
+#include "scene/transfer/presets.h"
+#include "sequence/opened_job.h"
+#include "sequence/render_job_run.h"
+
+namespace kiln {
+namespace {
+
+// The sheet, unit: pixels.
+constexpr int kGap = 8, kCaption = 16, kTitle = 24;
+constexpr int kSamples = 4;  // a thumbnail has small voxels
+
+const glm::dvec3 kPaper{0.11, 0.12, 0.14}, kFrame{0.16, 0.17, 0.20}, kInk{0.92, 0.92, 0.90}, kPale{0.60, 0.62, 0.66};
+
+// One camera for each column.
+CameraKeyframes viewsOfRow() {
+  CameraKeyframes out;
+  const auto add = [&](CameraSpec camera) {
+    out.keys.push_back({static_cast<double>(out.keys.size() + 1), {}, std::move(camera)});
+  };
+  add({});
+  for (const Side side : {Side::kFront, Side::kLeft, Side::kTop}) {
+    CameraSpec camera;
+    camera.side = side;
+    add(camera);
+  }
+  return out;
+}
+
+struct Thumbnails {
+  std::string preset;
+  std::vector<Image> pictures;
+  int shown = 0;
+};
+
+class GalleryPainter {
+ public:
+  GalleryPainter(const GalleryRequest& request, std::size_t presets, Progress& progress)
+      : progress_(progress), job_(jobOf(request)), stores_(storesOf(job_)), total_(presets * galleryViews().size()) {
+    const SceneOfJob scenes(job_, manifestsOf(stores_));
+    const FrameMemory memory = memoryOf(job_, readersOf(stores_), scenes, sheetBytes(presets, request.thumbnail_px));
+    bricks_together_ = memory.bricks_together;
+    band_px_ = memory.band_px;
+    cache_ = std::make_unique<BrickCache>(readersOf(stores_), cacheBytes(memory, job_.speed.memory_bytes, job_.volume),
+                                          ThreadLimit::active() > 1 ? ThreadLimit::active() : 0);
+  }
+
+  const Manifest& manifest() const { return stores_.front()->manifest(); }
+  CacheCounts counts() const { return cache_->counts(); }
+  const FitReads& fit() const { return fit_; }
+
+  Thumbnails draw(const std::string& preset) {
+    Thumbnails out{preset, {}, 0};
+    job_.picture.transfer_function = preset;
+    const SceneOfJob scenes(job_, manifestsOf(stores_), shownBoxesOf(job_, readersOf(stores_), fit_));
+    for (int view = 1; view <= static_cast<int>(galleryViews().size()); ++view) {
+      progress_.throwIfCancelled("drawing a gallery");
+      const FrameScene scene = scenes.at(view);
+      FrameRequest request = requestOf(scene, job_.speed);
+      request.bricks_together = bricks_together_;
+      request.band_px = band_px_;
+      FrameStatistics statistics;
+      Progress silent;
+      out.pictures.push_back(renderFrame(*cache_, request, silent, statistics));
+      if (isVisible(out.pictures.back())) ++out.shown;
+      progress_.advance("drawing", "thumbnails", ++done_, total_);
+    }
+    return out;
+  }
+
+  static std::uint64_t sheetBytes(std::size_t rows, int thumbnail_px) {
+    const std::uint64_t width = static_cast<std::uint64_t>(thumbnail_px + kGap) * galleryViews().size() + kGap;
+    const std::uint64_t height = static_cast<std::uint64_t>(thumbnail_px + kGap + kCaption) * rows + kTitle;
+    return 2 * 4 * sizeof(float) * width * height;  // the thumbnails, and the sheet
+  }
+
+ private:
+  static RenderJob jobOf(const GalleryRequest& request) {
+    RenderJob out;
+    out.volume = request.store;
+    out.speed = request.speed;
+    out.picture.size = {request.thumbnail_px, request.thumbnail_px};
+    out.picture.samples = kSamples;
+    out.animation.camera = viewsOfRow();
+    return out;
+  }
+
+  Progress& progress_;
+  RenderJob job_;
+  const std::vector<std::unique_ptr<StoreReader>> stores_;
+  const std::uint64_t total_;
+  std::uint64_t done_ = 0;
+  FitReads fit_;
+  int bricks_together_ = 1, band_px_ = 64;
+  std::unique_ptr<BrickCache> cache_;
+};
+
+Image sheetOf(const std::vector<Thumbnails>& rows, const std::filesystem::path& store, int thumbnail_px) {
+  const int columns = static_cast<int>(galleryViews().size());
+  const int row_height = kCaption + thumbnail_px + kGap;
+  PlotImage sheet(columns * (thumbnail_px + kGap) + kGap, kTitle + static_cast<int>(rows.size()) * row_height, kPaper);
+  sheet.text(kGap, kGap, "kiln render " + store.filename().string() + " -o PICTURE.png", kPale);
+  int y = kTitle;
+  for (const Thumbnails& row : rows) {
+    for (int column = 0; column < columns; ++column) {
+      const int x = kGap + column * (thumbnail_px + kGap);
+      const std::string& view = galleryViews()[static_cast<std::size_t>(column)];
+      sheet.text(x, y + 4, column == 0 ? "--tf " + row.preset : view, column == 0 ? kInk : kPale);
+      sheet.fill({x, y + kCaption, x + thumbnail_px, y + kCaption + thumbnail_px}, kFrame);
+      sheet.draw(row.pictures[static_cast<std::size_t>(column)], x, y + kCaption);
+    }
+    y += row_height;
+  }
+  return std::move(sheet).take();
+}
+
+}  // namespace
+
+const std::vector<std::string>& galleryViews() {
+  static const std::vector<std::string> views = {"", "--view front", "--view left", "--view top"};
+  return views;
+}
+
+Gallery drawGallery(const GalleryRequest& request, Progress& progress) {
+  const ThreadLimit threads(request.speed.threads);
+  const bool all = request.presets.empty();
+  const std::vector<std::string>& presets = all ? presetNames() : request.presets;
+  GalleryPainter painter(request, presets.size(), progress);
+  std::vector<Thumbnails> rows;
+  for (const std::string& preset : presets) {
+    try {
+      Thumbnails row = painter.draw(preset);
+      if (row.shown > 0) rows.push_back(std::move(row));
+    } catch (const Error& error) {
+      // A preset of another kind of volume.
+      if (!all || error.code() != ErrorCode::kUsage) throw;
+    }
+  }
+  if (rows.empty())
+    throw Error(ErrorCode::kUsage, request.store, "",
+                "no preset shows anything of the volume (kiln info prints its values); draw with --tf of your own");
+  Gallery out;
+  out.sheet = sheetOf(rows, request.store, request.thumbnail_px);
+  for (const Thumbnails& row : rows) out.rows.push_back({row.preset, row.shown});
+  const CacheCounts counts = painter.counts();
+  out.bricks_read = counts.reads + painter.fit().files;
+  out.read_bytes = counts.read_bytes + painter.fit().bytes;
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,61 @@
+#include <fmt/format.h>
+
+#include "base/memory/memory.h"
+#include "base/process.h"
+#include "commands.h"
+#include "image/file/image_file.h"
+#include "output_files.h"
+#include "say.h"
+#include "sequence/gallery.h"
+#include "source_arguments.h"
+#include "store/store_reader.h"
+
+namespace kiln::tool {
+namespace {
+
+struct GalleryArguments {
+  std::string store, output, memory = kDefaultMemory;
+  GalleryRequest request;
+};
+
+void run(const GalleryArguments& a, Context& context) {
+  requireImagePath(a.output);
+  FileSystem::real().requirePlaceFor(a.output);
+  OutputFiles outputs;
+  outputs.add(a.output);
+  outputs.requireNone(a.store);
+  refuseVolumeFile(a.store, "a store");
+  GalleryRequest request = a.request;
+  request.store = a.store;
+  request.speed.memory_bytes = parseBytes(a.memory, "--memory");
+  const Gallery gallery = drawGallery(request, context.progress);
+  ImageFileOptions file;
+  file.writer_bytes = request.speed.memory_bytes - std::min(request.speed.memory_bytes, gallery.sheet.bytes());
+  writeImage(gallery.sheet, {}, file, a.output);
+  context.progress.clear();
+  for (const GalleryRow& row : gallery.rows) say("kiln render {} --tf {} -o {}.png\n", a.store, row.preset, row.preset);
+  say("{}: {} x {} pixels, {} presets from {} sides; {} bricks read ({})\n", a.output, gallery.sheet.width,
+      gallery.sheet.height, gallery.rows.size(), galleryViews().size(), gallery.bricks_read,
+      formatBytes(gallery.read_bytes));
+}
+
+}  // namespace
+
+void addGallery(CLI::App& app, Context& context) {
+  auto a = std::make_shared<GalleryArguments>();
+  CLI::App* command = app.add_subcommand("gallery", "draw a sheet of thumbnails: every preset from four sides");
+  command->add_option("STORE", a->store, "the store")->required();
+  command->add_option("-o,--output", a->output, "the sheet, .png or .exr")->required();
+  command->add_option("--tf", a->request.presets, "draw these presets only")->type_name("PRESET");
+  command->add_option("--thumbnail", a->request.thumbnail_px, "edge of a thumbnail")
+      ->type_name("PIXELS")
+      ->check(wholeNumberFrom(32, 1024))
+      ->capture_default_str();
+  addMemory(*command, a->memory, "the sheet, the index and bricks")->capture_default_str();
+  command->add_option("--threads", a->request.speed.threads, "threads; 0 uses all processors")
+      ->check(wholeNumberFrom(0, kMostThreads))
+      ->capture_default_str();
+  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
+}
+
+}  // namespace kiln::tool
