@@ -1,7 +1,11 @@
-// Draws one slice of the volume as a grey picture, from the bricks that the slice crosses.
+// Draws one slice of the volume in grey or in the colours of a map, from the bricks that the slice crosses.
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/progress.h"
 #include "image/image.h"
@@ -14,13 +18,21 @@ struct SliceRequest {
   int axis = 2;                       // 0 x, 1 y, 2 z
   int level = 0;                      // 0 is finest
   std::optional<std::int64_t> index;  // in voxels of the level; else the middle
-  std::optional<Window> window;       // from black to white; else the middle 99 % of the values
+  std::optional<Window> window;       // from the first to the last colour; else the middle 99 % of the values
+  std::string colormap = "gray";      // one of sliceColorMaps()
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
 };
 
+/// "gray", and the colour maps of scene/transfer/named_color_maps.h.
+std::vector<std::string> sliceColorMaps();
+/// Returns the window of the middle 99 % of the values.
+Window defaultWindow(const ValueHistogram& histogram);
+/// Returns the size of a slice along `axis` on a level. shape: columns and rows. unit: pixels.
+std::pair<std::int64_t, std::int64_t> sliceSize(const VolumeGeometry& level, int axis);
+
 /// Draws a slice. A pixel is as wide as the smaller of the two spacings, so the picture has the world's proportions. A
 /// slice along z has y down, other slices have z up. NaN is transparent. memory: 16 bytes a pixel and one brick.
-/// throws: Error kUsage (axis, level, index, window), kBudget; as StoreReader::read.
+/// throws: Error kUsage (axis, level, index, window, colour map), kBudget; as StoreReader::read.
 Image renderSlice(const StoreReader& store, const SliceRequest& request, Progress& progress);
 
 }  // namespace kiln

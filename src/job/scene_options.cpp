@@ -101,7 +101,7 @@ const Options<CameraSpec>& cameraOptions() {
           "Turn the eye around the up axis."),
       Row("elevation", "--elevation", kCamera, {KILN_MEMBER(elevation_deg), Number{{-90, 90}, "degrees"}},
           "Raise the eye."),
-      Row("zoom", "--zoom", kCamera, {KILN_MEMBER(zoom), Number{{1e-3, 1e6}}},
+      Row("zoom", "--zoom", kCamera, {KILN_MEMBER(zoom), Number{{1e-6, 1e6}}},
           "Enlarge the picture; 2 is twice as large."),
       Row("pan", "--pan", kCamera, {KILN_MEMBER(pan), PictureShift{}},
           "Move the picture's content by X widths to the right and Y heights up."),

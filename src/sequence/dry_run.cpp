@@ -24,7 +24,8 @@ DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
   const std::vector<std::unique_ptr<StoreReader>> opened = storesOf(unbounded);
   const std::vector<const StoreReader*> stores = readersOf(opened);
   FitReads fit;
-  const SceneOfJob scenes(job, manifestsOf(opened), shownBoxesOf(job, stores, fit));
+  Progress silent;
+  const SceneOfJob scenes(job, manifestsOf(opened), shownBoxesOf(job, stores, fit, silent));
   DryRun out;
   out.memory = memoryOf(job, stores, scenes, beside);
   if (writesBehind(given)) out.memory.behind = writeBehindBytes(out.memory, job);

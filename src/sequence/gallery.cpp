@@ -13,13 +13,14 @@
 #include "scene/transfer/presets.h"
 #include "sequence/opened_job.h"
 #include "sequence/render_job_run.h"
+#include "store/manifest/read_manifest.h"
 
 namespace kiln {
 namespace {
 
 // The sheet, unit: pixels.
 constexpr int kGap = 8, kCaption = 16, kTitle = 24;
-constexpr int kSamples = 4;  // a thumbnail has small voxels
+constexpr int kSamples = 1;
 
 const glm::dvec3 kPaper{0.11, 0.12, 0.14}, kFrame{0.16, 0.17, 0.20}, kInk{0.92, 0.92, 0.90}, kPale{0.60, 0.62, 0.66};
 
@@ -56,14 +57,13 @@ class GalleryPainter {
                                           ThreadLimit::active() > 1 ? ThreadLimit::active() : 0);
   }
 
-  const Manifest& manifest() const { return stores_.front()->manifest(); }
   CacheCounts counts() const { return cache_->counts(); }
   const FitReads& fit() const { return fit_; }
 
   Thumbnails draw(const std::string& preset) {
     Thumbnails out{preset, {}, 0};
     job_.picture.transfer_function = preset;
-    const SceneOfJob scenes(job_, manifestsOf(stores_), shownBoxesOf(job_, readersOf(stores_), fit_));
+    const SceneOfJob scenes(job_, manifestsOf(stores_), shownBoxesOf(job_, readersOf(stores_), fit_, progress_));
     for (int view = 1; view <= static_cast<int>(galleryViews().size()); ++view) {
       progress_.throwIfCancelled("drawing a gallery");
       const FrameScene scene = scenes.at(view);
@@ -135,7 +135,9 @@ const std::vector<std::string>& galleryViews() {
 Gallery drawGallery(const GalleryRequest& request, Progress& progress) {
   const ThreadLimit threads(request.speed.threads);
   const bool all = request.presets.empty();
-  const std::vector<std::string>& presets = all ? presetNames() : request.presets;
+  std::vector<std::string> presets = all ? presetNames() : request.presets;
+  // On other volumes the preset is a solid box.
+  if (all && readManifest(request.store).volume_class != VolumeClass::kLevelSet) std::erase(presets, "levelset");
   GalleryPainter painter(request, presets.size(), progress);
   std::vector<Thumbnails> rows;
   for (const std::string& preset : presets) {

@@ -135,15 +135,22 @@ FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& store
   return out;
 }
 
-ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const StoreReader*> stores, FitReads& reads) {
-  return [&job, &reads, stores = std::move(stores)](std::size_t volume, const std::vector<TransferFunction>& functions,
-                                                    const Clipping& clipping) {
+ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const StoreReader*> stores, FitReads& reads,
+                        Progress& progress) {
+  return [&job, &reads, &progress, stores = std::move(stores)](
+             std::size_t volume, const std::vector<TransferFunction>& functions, const Clipping& clipping) {
     const StoreReader& store = *stores[volume];
     std::vector<TransferFunction> in_world;
     for (const TransferFunction& function : functions)
       in_world.push_back(inWorld(function, store.manifest().world_per_own));
-    // A damaged brick changes no camera.
-    const ShownBox shown = shownBox(store, in_world, clipping, !job.picture.skip_damaged);
+    ShownBox shown;
+    try {
+      shown = shownBox(store, in_world, clipping);
+    } catch (const Error& damage) {
+      if (!job.picture.skip_damaged || damage.code() == ErrorCode::kUsage) throw;
+      progress.warn(fmt::format("the camera shows more than is visible: {}", damage.what()));
+      shown = shownBox(store, in_world, clipping, false);
+    }
     reads.files += shown.files;
     reads.bytes += shown.file_bytes;
     return shown.box.empty() ? VolumeGeometry() : partOf(store.manifest().geometry(), shown.box);
@@ -155,7 +162,7 @@ OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, const MemoryBesid
     : job_(job),
       drawn_job_(withDrawnAovs(job)),
       stores_(storesOf(job_)),
-      scenes_(drawn_job_, manifestsOf(stores_), shownBoxesOf(drawn_job_, readersOf(stores_), fit_)),
+      scenes_(drawn_job_, manifestsOf(stores_), shownBoxesOf(drawn_job_, readersOf(stores_), fit_, progress)),
       memory_(
           withShared(withBehind(memoryOf(drawn_job_, readersOf(stores_), scenes_, beside), writes_behind, drawn_job_),
                      shared != nullptr ? job_.speed.memory_bytes : 0, readersOf(stores_))),

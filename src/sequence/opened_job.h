@@ -95,8 +95,10 @@ std::vector<const StoreReader*> readersOf(const std::vector<std::unique_ptr<Stor
 std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
 
 /// Returns the function that finds boxes by index and bricks of the stores; the function adds what it reads to `reads`.
-/// requires: all outlive the function.
-ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const StoreReader*> stores, FitReads& reads);
+/// If the job skips damaged bricks, a damaged brick makes the box larger, with a warning. requires: all outlive the
+/// function.
+ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const StoreReader*> stores, FitReads& reads,
+                        Progress& progress);
 
 /// Returns the geometry whose frame of reference and unit the picture has: the series', else the first known of the
 /// volumes.

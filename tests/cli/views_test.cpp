@@ -62,8 +62,8 @@ TEST_F(ViewsCli, ADeepPictureIsTheFlatOneToOiiotool) {
     EXPECT_NE(done({"compare", in("deep.exr"), in("flat.exr")}).out.find("PSNR"), std::string::npos);
   }
   // Two deep images, one behind the other, and a merge without loss.
-  drawn("far.exr", {"--deep", "--region", "0,20,0,40,40,40", "--view", "front"});
-  drawn("near.exr", {"--deep", "--region", "0,0,0,40,19,40", "--view", "front"});
+  drawn("far.exr", {"--deep", "--region", "0,20,0,40,40,40", "--view", "front", "--fit", "box"});
+  drawn("near.exr", {"--deep", "--region", "0,0,0,40,19,40", "--view", "front", "--fit", "box"});
   ASSERT_EQ(
       std::system(
           ("oiiotool " + in("far.exr") + " " + in("near.exr") + " --deepmerge --flatten -o " + in("both.exr")).c_str()),

@@ -103,7 +103,7 @@ TEST_F(VolumesCli, AVolumeMayBeATimeSeries) {
         "1-2", "--size", "30x30"});
   EXPECT_NE(readImage(in("t_1.png")).rgba, readImage(in("t_2.png")).rgba);
   done({"render", in("h.kiln"), "--add", in("t_2.kiln"), "--add-tf", in("tf.json"), "-o", in("one.png"), "--size",
-        "30x30"});
+        "30x30", "--fit", "box"});
   EXPECT_EQ(readImage(in("one.png")).rgba, readImage(in("t_2.png")).rgba);
 }
 

@@ -1,0 +1,176 @@
+#include "frame/slice_sheet.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "image/plot_image.h"
+
+namespace kiln {
+namespace {
+
+// unit: pixels.
+constexpr int kGap = 8, kCaption = 14, kLine = 12, kHistogramHeight = 140, kLeastWidth = 420;
+
+const glm::dvec3 kPaper{0.11, 0.12, 0.14}, kInk{0.92, 0.92, 0.90}, kPale{0.60, 0.62, 0.66}, kBar{0.45, 0.50, 0.58},
+    kCross{0.95, 0.60, 0.20};
+constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
+
+struct Panel {
+  Image image;
+  std::string caption;
+  int cross_x, cross_y;
+};
+
+int levelOfSheet(const StoreReader& store) {
+  const int levels = store.index().levels();
+  for (int level = 0; level < levels; ++level) {
+    std::int64_t longest = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto [width, height] = sliceSize(store.level(level).geometry, axis);
+      longest = std::max({longest, width, height});
+    }
+    if (longest <= kSheetSlice_px) return level;
+  }
+  return levels - 1;
+}
+
+// Returns the memory of the sheet and of its three slices. unit: bytes.
+std::uint64_t sheetBytes(const StoreReader& store, int level) {
+  std::uint64_t pixels = static_cast<std::uint64_t>(kLeastWidth) * kLeastWidth;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [width, height] = sliceSize(store.level(level).geometry, axis);
+    pixels += 2 * static_cast<std::uint64_t>(width * height);
+  }
+  return 4 * sizeof(float) * pixels;
+}
+
+std::int64_t onLevel(std::int64_t voxel, std::int64_t finest, std::int64_t coarse) {
+  return std::min(coarse - 1, voxel * coarse / finest);
+}
+
+double valueOf(const StoreReader& store, const VoxelCoord& v) {
+  const std::int64_t size = store.manifest().brick_size;
+  const BrickBlock block = store.read({0,
+                                       {static_cast<std::int32_t>(v.x / size), static_cast<std::int32_t>(v.y / size),
+                                        static_cast<std::int32_t>(v.z / size)}});
+  return withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
+    return static_cast<double>(block.data<T>()[block.offsetOf(v)]);
+  });
+}
+
+Panel panelOf(const StoreReader& store, const SliceSheetRequest& request, const SliceSheet& sheet, int axis,
+              Progress& progress) {
+  const Extent3 finest = store.manifest().geometry().dims, dims = store.level(sheet.level).geometry.dims;
+  SliceRequest slice;
+  slice.axis = axis;
+  slice.level = sheet.level;
+  slice.index = onLevel(sheet.at[axis], finest[axis], dims[axis]);
+  slice.window = request.window;
+  slice.colormap = request.colormap;
+  slice.memory_bytes = request.memory_bytes - std::min(request.memory_bytes, sheetBytes(store, sheet.level));
+  Panel out{renderSlice(store, slice, progress),
+            fmt::format("{} = {}", kAxes[static_cast<std::size_t>(axis)], sheet.at[axis]), 0, 0};
+  const int right = axis == 0 ? 1 : 0, down = axis == 2 ? 1 : 2;
+  const auto place = [&](int along, int pixels) {
+    return static_cast<int>((static_cast<double>(sheet.at[along]) + 0.5) / static_cast<double>(finest[along]) * pixels);
+  };
+  out.cross_x = place(right, out.image.width);
+  // Rows count downwards; z is up.
+  out.cross_y = axis == 2 ? place(down, out.image.height) : out.image.height - 1 - place(down, out.image.height);
+  return out;
+}
+
+// Draws a panel, with a crosshair that leaves its middle free.
+void draw(PlotImage& sheet, const Panel& panel, int x, int y) {
+  constexpr int kFree = 6;
+  sheet.text(x, y + 3, panel.caption, kPale);
+  y += kCaption;
+  sheet.draw(panel.image, x, y);
+  const int cx = x + panel.cross_x, cy = y + panel.cross_y;
+  sheet.fill({x, cy, cx - kFree, cy + 1}, kCross);
+  sheet.fill({cx + kFree, cy, x + panel.image.width, cy + 1}, kCross);
+  sheet.fill({cx, y, cx + 1, cy - kFree}, kCross);
+  sheet.fill({cx, cy + kFree, cx + 1, y + panel.image.height}, kCross);
+}
+
+// Bars of the logarithm of counts, and the ends of the window.
+void drawHistogram(PlotImage& sheet, const ValueHistogram& histogram, const Window& window, const PixelRect& rect) {
+  if (histogram.counts.empty() || !(histogram.hi > histogram.lo)) return;
+  const double most = std::log1p(static_cast<double>(std::ranges::max(histogram.counts)));
+  const auto bins = static_cast<double>(histogram.counts.size());
+  const double width = rect.width();
+  for (int x = rect.x0; x < rect.x1; ++x) {
+    const auto bin = static_cast<std::size_t>((x - rect.x0 + 0.5) / width * bins);
+    const double count = static_cast<double>(histogram.counts[bin]);
+    const int height = most > 0 ? static_cast<int>(std::log1p(count) / most * rect.height()) : 0;
+    sheet.fill({x, rect.y1 - height, x + 1, rect.y1}, kBar);
+  }
+  for (const double end : {window.centre - 0.5 * window.width, window.centre + 0.5 * window.width}) {
+    const int x = rect.x0 + static_cast<int>((end - histogram.lo) / (histogram.hi - histogram.lo) * width);
+    if (x >= rect.x0 && x < rect.x1) sheet.fill({x, rect.y0, x + 1, rect.y1}, kCross);
+  }
+  const std::string lo = fmt::format("{:.6g}", histogram.lo), hi = fmt::format("{:.6g}", histogram.hi);
+  sheet.text(rect.x0, rect.y1 + 4, lo, kPale);
+  sheet.text(rect.x1 - PlotImage::textWidth(hi), rect.y1 + 4, hi, kPale);
+}
+
+std::vector<std::string> linesOf(const StoreReader& store, const SliceSheet& sheet, const Window& window) {
+  const Manifest& manifest = store.manifest();
+  const VolumeGeometry& volume = manifest.geometry();
+  const glm::dvec3 spacing = volume.spacing();
+  const glm::dvec3 world = volume.worldOf(glm::dvec3(sheet.at.x, sheet.at.y, sheet.at.z));
+  const std::string unit = volume.unit.empty() ? "world units" : volume.unit;
+  return {store.path().filename().string(),
+          fmt::format("{} x {} x {} voxels, {}", volume.dims.x, volume.dims.y, volume.dims.z, nameOf(manifest.type)),
+          fmt::format("spacing {:.6g} x {:.6g} x {:.6g} {}", spacing.x, spacing.y, spacing.z, unit),
+          fmt::format("values {:.6g} to {:.6g}, window {:.6g},{:.6g}", manifest.range.lo, manifest.range.hi,
+                      window.centre, window.width),
+          fmt::format("voxel {},{},{}: {:.9g}", sheet.at.x, sheet.at.y, sheet.at.z, sheet.value),
+          fmt::format("world {:.6g},{:.6g},{:.6g}", world.x, world.y, world.z)};
+}
+
+}  // namespace
+
+SliceSheet renderSliceSheet(const StoreReader& store, const SliceSheetRequest& request, Progress& progress) {
+  const Manifest& manifest = store.manifest();
+  const Extent3 dims = manifest.geometry().dims;
+  SliceSheet out;
+  out.at = request.at.value_or(VoxelCoord{dims.x / 2, dims.y / 2, dims.z / 2});
+  if (!boxOf(dims).contains(out.at))
+    throw Error(ErrorCode::kUsage, fmt::format("--at: expected a voxel from 0,0,0 to {},{},{} (found {},{},{})",
+                                               dims.x - 1, dims.y - 1, dims.z - 1, out.at.x, out.at.y, out.at.z));
+  out.level = levelOfSheet(store);
+  out.value = valueOf(store, out.at);
+  const Window window = request.window.value_or(defaultWindow(manifest.histogram));
+  std::array<Panel, 3> panels = {panelOf(store, request, out, 2, progress), panelOf(store, request, out, 1, progress),
+                                 panelOf(store, request, out, 0, progress)};
+  const std::vector<std::string> lines = linesOf(store, out, window);
+  // Two rows: the slices along z and x, the slice along y and the texts. Slices of a column have the same width.
+  const int left = std::max(panels[0].image.width, panels[1].image.width);
+  const int right = std::max(panels[2].image.width, kLeastWidth);
+  const int text_height = static_cast<int>(lines.size()) * kLine + kHistogramHeight + 2 * kLine;
+  const int upper = kCaption + std::max(panels[0].image.height, panels[2].image.height);
+  const int lower = std::max(kCaption + panels[1].image.height, text_height);
+  PlotImage sheet(left + right + 3 * kGap, upper + lower + 3 * kGap, kPaper);
+  const int second_x = 2 * kGap + left, second_y = 2 * kGap + upper;
+  draw(sheet, panels[0], kGap, kGap);
+  draw(sheet, panels[1], kGap, second_y);
+  draw(sheet, panels[2], second_x, kGap);
+  int y = second_y;
+  for (const std::string& line : lines) {
+    sheet.text(second_x, y, line, kInk);
+    y += kLine;
+  }
+  drawHistogram(sheet, manifest.histogram, window,
+                {second_x, y + kLine, second_x + right, y + kLine + kHistogramHeight - kLine});
+  out.image = std::move(sheet).take();
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,73 @@
+// Slices: numbered files, colours, and the sheet of three. Known: voxels have the value 2x + 3y + 5z.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "image/file/image_file.h"
+#include "image/srgb.h"
+#include "scene/transfer/named_color_maps.h"
+#include "support/system/tool_test.h"
+#include "support/volumes/procedural.h"
+
+namespace kiln::test {
+namespace {
+
+class SlicesCli : public ToolTest {
+ protected:
+  SlicesCli() : ToolTest("slices_") {}
+  void SetUp() override {
+    const DenseVolume volume = fill({{20, 15, 10}}, [](std::int64_t i, std::int64_t j, std::int64_t k) {
+      return static_cast<double>(2 * i + 3 * j + 5 * k);
+    });
+    std::filesystem::rename(makeStore(volume, "slices_source"), in("v.kiln"));
+  }
+  bool there(const std::string& name) const { return std::filesystem::exists(directory_ / name); }
+};
+
+TEST_F(SlicesCli, NameWithANumber_drawsEverySlice) {
+  done({"slice", in("v.kiln"), "-o", in("all_##.png")});
+  for (int z = 0; z < 10; ++z) EXPECT_TRUE(there("all_0" + std::to_string(z) + ".png")) << z;
+  EXPECT_FALSE(there("all_10.png"));
+  done({"slice", in("v.kiln"), "-o", in("some_#.exr"), "--axis", "x", "--index", "4-12x4", "--window", "50,100"});
+  for (const int x : {4, 8, 12}) {
+    const Image slice = readImage(in("some_" + std::to_string(x) + ".exr"));
+    ASSERT_EQ(slice.width, 15);
+    ASSERT_EQ(slice.height, 10);
+    // Column 2 is y = 2, the lowest row z = 0: the grey is the value over 100.
+    EXPECT_NEAR(slice.pixel(2, 9)[0], linearFromSrgb((2 * x + 6) / 100.0), 2e-3) << x;
+  }
+  EXPECT_FALSE(there("some_5.exr"));
+}
+
+TEST_F(SlicesCli, ColourMap_coloursTheWindow) {
+  done({"slice", in("v.kiln"), "-o", in("c.exr"), "--index", "0", "--window", "50,100", "--colormap", "viridis"});
+  const Image slice = readImage(in("c.exr"));
+  const glm::dvec3 color = namedColorMap("viridis").at((2 * 7 + 3 * 4) / 100.0);
+  for (int channel = 0; channel < 3; ++channel)
+    EXPECT_NEAR(slice.pixel(7, 4)[channel], linearFromSrgb(color[channel]), 2e-3) << channel;
+}
+
+// The first panel is the slice along z, 8 pixels from the left, below a caption of 14 pixels.
+TEST_F(SlicesCli, Sheet_showsTheSlicesThroughAVoxel) {
+  const ToolResult result =
+      done({"slice", in("v.kiln"), "-o", in("s.exr"), "--sheet", "--at", "12,3,4", "--window", "50,100"});
+  EXPECT_NE(result.out.find("through voxel 12,3,4 with the value 53"), std::string::npos) << result.out;
+  const Image sheet = readImage(in("s.exr"));
+  EXPECT_NEAR(sheet.pixel(8 + 5, 8 + 14 + 9)[0], linearFromSrgb((2 * 5 + 3 * 9 + 5 * 4) / 100.0), 2e-3);
+  // The crosshair runs through row 3, but for its middle.
+  EXPECT_NEAR(sheet.pixel(8 + 1, 8 + 14 + 3)[0], linearFromSrgb(0.95), 2e-3);
+  EXPECT_NEAR(sheet.pixel(8 + 12, 8 + 14 + 3)[0], linearFromSrgb(0.53), 2e-3);
+}
+
+TEST_F(SlicesCli, WrongRequests_areOneLine) {
+  refused({"slice", in("v.kiln"), "-o", in("p.png"), "--index", "0-3"}, 2, "slice_###.png");
+  refused({"slice", in("v.kiln"), "-o", in("p_#.png"), "--index", "0-10"}, 2, "10 is not between 0 and 9");
+  refused({"slice", in("v.kiln"), "-o", in("p.png"), "--colormap", "rainbow"}, 2, "viridis");
+  refused({"slice", in("v.kiln"), "-o", in("p.png"), "--at", "1,1,1"}, 2, "--sheet");
+  refused({"slice", in("v.kiln"), "-o", in("p.png"), "--sheet", "--at", "20,1,1"}, 2, "19,14,9");
+  refused({"slice", in("v.kiln"), "-o", in("p.png"), "--sheet", "--index", "1"}, 2, "--index");
+  refused({"slice", in("v.kiln"), "-o", in("p.png"), "--sheet", "--memory", "64K"}, 1, "--memory");
+}
+
+}  // namespace
+}  // namespace kiln::test
