@@ -22,6 +22,7 @@ constexpr CapabilityRow kCapabilityRows[] = {
     {&EngineCapabilities::gradient_opacity, "opacity by gradient"},
     {&EngineCapabilities::cubic, "`--interpolation cubic`, `catmull-rom`"},
     {&EngineCapabilities::sample_distance, "`--sample-distance`"},
+    {&EngineCapabilities::coarser_levels, "`--level auto+N`"},
     {&EngineCapabilities::two_samples, "`--samples 2`"},
     {&EngineCapabilities::filters_rays, "pixel filter, automatic `--samples`"},
     {&EngineCapabilities::depth_and_normal, "`--aov depth,normal`"},
@@ -56,6 +57,7 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .gradient_opacity = true,
        .cubic = true,
        .sample_distance = true,
+       .coarser_levels = true,
        .two_samples = true,
        .filters_rays = true,
        .depth_and_normal = true,
@@ -70,6 +72,7 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .gradient_opacity = true,
        .cubic = false,
        .sample_distance = false,
+       .coarser_levels = false,
        .two_samples = false,
        .filters_rays = false,
        .depth_and_normal = true,
@@ -84,6 +87,7 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .gradient_opacity = false,
        .cubic = false,
        .sample_distance = false,
+       .coarser_levels = true,
        .two_samples = true,
        .filters_rays = false,
        .depth_and_normal = false,
@@ -98,6 +102,7 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .gradient_opacity = true,
        .cubic = true,
        .sample_distance = true,
+       .coarser_levels = true,
        .two_samples = true,
        .filters_rays = true,
        .depth_and_normal = true,
@@ -161,6 +166,9 @@ void requireOptions(const EngineChoice& engine, const EngineOptions& options) {
   if (distance != kSampleDistance)
     requireCapability(engine, &EngineCapabilities::sample_distance, "--sample-distance: needs",
                       "leave --sample-distance out");
+  if (options.coarser > 0)
+    requireCapability(engine, &EngineCapabilities::coarser_levels,
+                      fmt::format("--level auto+{}: needs", options.coarser), "choose a level by its number");
   if (options.aovs.depth || options.aovs.normal)
     requireCapability(engine, &EngineCapabilities::depth_and_normal, "--aov: depth and normal need",
                       "choose --aov value");

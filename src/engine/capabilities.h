@@ -25,6 +25,7 @@ struct EngineCapabilities {
   bool gradient_opacity;       // opacity can depend on the gradient
   bool cubic;                  // interpolates by cubics, besides linearly
   bool sample_distance;        // the distance of samples along a ray can be chosen
+  bool coarser_levels;         // the automatic level can be made coarser
   bool two_samples;            // a pixel can have two samples, on a diagonal
   bool filters_rays;           // samples of a pixel are rays of light: automatic number, pixel filter
   bool depth_and_normal;       // has planes of depth and normals
@@ -62,6 +63,7 @@ struct EngineOptions {
   int samples = 1;                           // per pixel
   double sample_distance = kSampleDistance;  // unit: voxels
   Aovs aovs;
+  int coarser = 0;  // unit: levels
 };
 /// throws: Error kUsage if the engine lacks an option, if the choice of the engine contradicts itself, or if the
 /// distance of samples is out of range.

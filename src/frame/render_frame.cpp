@@ -29,7 +29,8 @@ void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRe
   for (const StoreReader* const store : stores) {
     if (request.level) store->requireLevel(*request.level);
   }
-  requireOptions(request.engine(), {request.interpolation, request.samples, request.sample_distance, request.aovs});
+  requireOptions(request.engine(),
+                 {request.interpolation, request.samples, request.sample_distance, request.aovs, request.coarser});
   const int tile_px = request.tile_px;
   if (tile_px != 0 && (tile_px < kVisibilityTile || !std::has_single_bit(static_cast<unsigned>(tile_px)))) {
     throw Error(ErrorCode::kUsage, fmt::format("a tile of {} pixels: expected a power of two from {} on, or 0 for the "

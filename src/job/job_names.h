@@ -17,6 +17,7 @@ inline constexpr std::array<std::string_view, 2> kShadingNames = {"none", "phong
 inline constexpr std::array<std::string_view, 3> kLightNames = {"headlight", "directional", "point"};
 inline constexpr std::array<std::string_view, 3> kEaseNames = {"smooth", "linear", "stop"};
 inline constexpr std::array<std::string_view, 3> kFitNames = {"visible", "region", "box"};
+inline constexpr std::array<std::string_view, 3> kQualityNames = {"draft", "good", "best"};
 inline constexpr std::array<std::string_view, 2> kPivotNames = {"eye", "target"};
 inline constexpr std::array<std::string_view, 3> kAovNames = {"depth", "normal", "value"};
 inline constexpr std::array<std::string_view, 6> kContentNames = {"picture", "color", "depth",

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+
 #include "job/job_animation.h"
 #include "job/job_names.h"
 #include "job/job_parts.h"
@@ -165,6 +167,60 @@ Option<RenderJob> objectRow(std::string_view name, const Options<RenderJob>& ins
   return out;
 }
 
+// "auto", "auto+N" or the number of a level.
+constexpr std::int64_t kMostLevel = 64;
+
+OptionForm levelForm() {
+  OptionForm out;
+  out.schema = {
+      {"anyOf", {{{"type", "string"}, {"pattern", "^auto(\\+[0-9]{1,2})?$"}}, Whole{0, kMostLevel}.form().schema}}};
+  out.value_name = "auto|auto+N|N";
+  out.expected = fmt::format("auto, auto+N or a whole number from 0 to {}", kMostLevel);
+  out.words = {"auto", "auto+1"};
+  out.parse = [](const std::string& text) -> json {
+    return text.starts_with("auto") ? json(text) : Whole{0, kMostLevel}.form().parse(text);
+  };
+  return out;
+}
+
+void readLevel(const JobObject& root, std::string_view key, PictureOptions& picture) {
+  picture.level.reset();
+  picture.coarser = 0;
+  if (!root.isText(key)) {
+    picture.level = static_cast<int>(*root.integer(key, 0, kMostLevel));
+    return;
+  }
+  const std::string expected = levelForm().expected;
+  const std::string text = *root.text(key, expected);
+  if (text == "auto") return;
+  int levels = -1;
+  constexpr std::string_view kCoarser = "auto+";
+  const char* const end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data() + std::min(kCoarser.size(), text.size()), end, levels);
+  if (!text.starts_with(kCoarser) || error != std::errc() || last != end || levels < 0 || levels > kMostLevel)
+    root.refuse(key, expected);
+  picture.coarser = levels;
+}
+
+ordered_json levelJson(const PictureOptions& picture) {
+  if (picture.level) return *picture.level;
+  return picture.coarser == 0 ? "auto" : fmt::format("auto+{}", picture.coarser);
+}
+
+// Sets the options that a quality stands for. An engine without an option keeps its default.
+void readQuality(const JobObject& root, std::string_view key, RenderJob& job) {
+  PictureOptions& picture = job.picture;
+  const PictureOptions defaults;
+  const std::size_t quality = *root.choice(key, kQualityNames);
+  const bool draft = quality == 0, best = quality == 2;
+  picture.samples = draft ? std::optional(1) : best ? std::optional(16) : defaults.samples;
+  picture.level = defaults.level;
+  picture.coarser = draft && picture.lattice == Lattice::kPixel ? 1 : 0;
+  picture.sample_distance = defaults.sample_distance;
+  if (engineOf(picture).capabilities().sample_distance && quality != 1)
+    picture.sample_distance = draft ? kMostSampleDistance : kLeastSampleDistance;
+}
+
 Options<RenderJob> rootOptions() {
   using Row = Option<RenderJob>;
   Options<RenderJob> out;
@@ -267,12 +323,23 @@ Options<RenderJob> rootOptions() {
            [](const RenderJob& job) { return job.picture.lattice == Lattice::kPixel; }},
           "Interpolation between voxels. cubic (B-spline) is smooth and blurs a little; catmull-rom is smooth and "
           "keeps the values of voxels."));
+  OptionValue<RenderJob> quality = OptionValue<RenderJob>::custom(Word{kQualityNames}.form(), readQuality);
+  add(Row(
+      "quality", "--quality", kQuality, std::move(quality),
+      "Several options in one word; options beside it win. draft: a preview, of one ray a pixel, samples one voxel "
+      "apart and a level coarser. good: the defaults. best: 16 rays a pixel and samples a quarter of a voxel apart."));
   add(Row("sampleDistance", "--sample-distance", kQuality,
           {KILN_MEMBER(picture.sample_distance), Number{{kLeastSampleDistance, kMostSampleDistance}, "voxels"},
            [](const RenderJob& job) { return job.picture.lattice != Lattice::kVoxel; }},
           "Distance between samples along a ray, at least half a pixel. More is faster, less is more faithful."));
-  add(Row("level", "--level", kQuality, {KILN_MEMBER(picture.level), WholeOrAuto{0, 64}, kAlways},
-          "Level of the pyramid; 0 is the finest. auto draws each region with voxels of about a pixel."));
+  add(Row("level", "--level", kQuality,
+          OptionValue<RenderJob>::custom(
+              levelForm(),
+              [](const JobObject& root, std::string_view key, RenderJob& job) { readLevel(root, key, job.picture); },
+              [](const RenderJob& job) { return levelJson(job.picture); })
+              .resolvedIf(kAlways),
+          "Level of the pyramid; 0 is the finest. auto draws each region with voxels of about a pixel, auto+1 a level "
+          "coarser."));
   add(Row("samples", "--samples", kQuality,
           {KILN_MEMBER(picture.samples), WholeChoice{.numbers = {1, 2, 4, 16}, .or_auto = true}, kAlways},
           "Rays of a pixel (sub-pixels with --lattice voxel). auto takes more than one where voxels are small or the "

@@ -54,8 +54,8 @@ EngineChoice engineOf(const PictureOptions& picture) { return {picture.mode, pic
 EngineChoice engineOf(const RenderJob& job) { return {job.picture.mode, job.picture.lattice, !job.volumes.empty()}; }
 
 void requireEngineOptions(const PictureOptions& picture) {
-  requireOptions(engineOf(picture),
-                 {picture.interpolation, picture.samples.value_or(1), picture.sample_distance, picture.aovs});
+  requireOptions(engineOf(picture), {picture.interpolation, picture.samples.value_or(1), picture.sample_distance,
+                                     picture.aovs, picture.coarser});
 }
 
 bool drawsPart(const PictureOptions& picture) { return picture.part || picture.clipping.part; }

@@ -23,6 +23,8 @@ struct Sampling {
   /// For the most rays per pixel (16): uses a finer level if it has few voxels, and samples as near as in larger
   /// pictures. With so many rays, voxels are much smaller than pixels, and coarser levels lose thin layers.
   bool finest = false;
+  /// Levels by which regions are drawn coarser than by default, for previews. Ignored if `level` is given.
+  int coarser = 0;
 };
 
 /// Returns the level to draw if a world length of 1 is `scale` pixels: the coarsest level whose voxels are at most

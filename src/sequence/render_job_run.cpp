@@ -50,6 +50,7 @@ FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& spe
   request.samples = picture.samples.value_or(1);
   request.aovs = picture.aovs;
   request.level = picture.level;
+  request.coarser = picture.coarser;
   request.visibility = speed.visibility;
   request.tile_px = speed.tile_px;
   return request;

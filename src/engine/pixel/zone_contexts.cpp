@@ -3,8 +3,9 @@
 namespace kiln {
 
 ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const Sampling& sampling) {
-  return {&volume, levels.projector(levels.finest()).nearDepth(), sampling.distance, sampling.quincunx,
-          sampling.finest};
+  return {&volume,           levels.projector(levels.finest()).nearDepth(),
+          sampling.distance, sampling.quincunx,
+          sampling.finest,   sampling.coarser};
 }
 
 std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,

@@ -14,8 +14,11 @@ namespace kiln {
 namespace {
 
 // Returns the zones of the pixel engine, with slabs divided so that samples are at most half a voxel apart.
-std::vector<SlabZone> rayZones(const Manifest& volume, const View& view, std::optional<int> level, double near_depth) {
-  std::vector<SlabZone> out = slabZones({&volume, near_depth}, view, level);
+std::vector<SlabZone> rayZones(const Manifest& volume, const View& view, const ProjectionOptions& options,
+                               double near_depth) {
+  ZonedVolume zoned{&volume, near_depth};
+  zoned.coarser = options.coarser;
+  std::vector<SlabZone> out = slabZones(zoned, view, options.level);
   for (SlabZone& zone : out) {
     const glm::dvec3 edges = volume.levels[static_cast<std::size_t>(zone.level)].geometry.spacing();
     const double most = 0.5 * std::min({edges.x, edges.y, edges.z});
@@ -47,7 +50,7 @@ ValueProjection::ValueProjection(const StoreReader& store, const FrameLevels& le
       levels_(levels),
       held_(options.held),
       culls_(options.culls && options.held != PixelValue::kMean),
-      zones_(levels, rayZones(store.manifest(), view, options.level, levels.projector(levels.finest()).nearDepth())) {
+      zones_(levels, rayZones(store.manifest(), view, options, levels.projector(levels.finest()).nearDepth())) {
   for (int l = levels.finest(); l <= levels.coarsest(); ++l) {
     RayFrame frame{{}, &levels.projector(l), &levels.clipRegion(l), levels.dims(l), endOf(l)};
     std::copy_if(zones_.zones().begin(), zones_.zones().end(), std::back_inserter(frame.zones),

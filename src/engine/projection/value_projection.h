@@ -18,6 +18,7 @@ namespace kiln {
 struct ProjectionOptions {
   PixelValue held = PixelValue::kGreatest;
   std::optional<int> level;
+  int coarser = 0;  // Sampling::coarser
   bool culls = true;
 };
 

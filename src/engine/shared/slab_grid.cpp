@@ -54,7 +54,8 @@ ParallelSlabs parallelSlabs(double nearest, double farthest, double thickness) {
 SlabZone slabsAt(double scale, const ZonedVolume& zoned, std::optional<int> level) {
   const Manifest& volume = *zoned.manifest;
   SlabZone out;
-  out.level = level ? *level : levelAtScale(volume, scale, zoned.finest);
+  const int coarsest = static_cast<int>(volume.levels.size()) - 1;
+  out.level = level ? *level : std::min(levelAtScale(volume, scale, zoned.finest) + zoned.coarser, coarsest);
   const double edge = volume.levels[static_cast<std::size_t>(out.level)].geometry.shortestEdge();
   const double of_picture = zoned.quincunx ? 0.5 * scale : scale;
   out.intervals = out.level > 0 && edge * scale < kPointEdge - 1e-9;

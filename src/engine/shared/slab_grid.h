@@ -44,6 +44,7 @@ struct ZonedVolume {
   double near_depth = 0;                     // nearest depth that is drawn
   double sample_distance = kSampleDistance;  // from Sampling
   bool quincunx = false, finest = false;     // from Sampling
+  int coarser = 0;                           // from Sampling
 };
 
 /// Zones from the nearest to the farthest; levels never decrease along the way. requires: `level`, if given, is a level

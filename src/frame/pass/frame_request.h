@@ -48,8 +48,9 @@ struct FrameRequest {
   bool filters_rays = true;       // rays: pixels are made by PixelFilter; else pixels are means of sub-pixels
   Aovs aovs;                      // planes of the image
   std::optional<DeepBound> deep;  // the image has deep samples, too; of light in slabs, samples == 1, unfiltered
-  std::optional<int> level;  // one level for the frame; if absent, levels with voxels of about a pixel
-  Sampling sampling() const { return {level, interpolation, sample_distance, samples == 2, samples == 16}; }
+  std::optional<int> level;       // one level for the frame; if absent, levels with voxels of about a pixel
+  int coarser = 0;                // levels by which the picture is coarser (Sampling); not of the voxel engine
+  Sampling sampling() const { return {level, interpolation, sample_distance, samples == 2, samples == 16, coarser}; }
   VisibilityOptions visibility;
   int tile_px = 64;                           // as in SpeedOptions
   int bricks_together = kMostBricksTogether;  // bricks in memory drawn together; no bit depends on the number

@@ -71,7 +71,7 @@ std::unique_ptr<FramePass> makePass(const std::vector<const StoreReader*>& store
   if (kind == EngineKind::kProjection) {
     auto projection =
         std::make_unique<ValueProjection>(store, *levels, request.view,
-                                          ProjectionOptions{projectedBy(request.mode), request.level,
+                                          ProjectionOptions{projectedBy(request.mode), request.level, request.coarser,
                                                             request.visibility.method != VisibilityMethod::kNone});
     return std::make_unique<ValuePass>(store, request, std::move(levels), std::move(projection));
   }

@@ -74,17 +74,17 @@ class Reader {
 
   template <class T>
   T value(const char* key) {
-    const Json& json = get(key);
+    const Json& found = get(key);
     try {
-      return json.get<T>();
+      return found.get<T>();
     } catch (const nlohmann::json::exception&) {
       fail(key, std::is_same_v<T, std::string> ? "expected a text" : "expected a list of texts");
     }
   }
   std::int64_t integer(const char* key, std::int64_t lo, std::int64_t hi) {
-    const Json& json = get(key);
-    const std::int64_t n = json.is_number_integer() ? json.get<std::int64_t>() : 0;
-    if (!json.is_number_integer() || n < lo || n > hi)
+    const Json& found = get(key);
+    const std::int64_t n = found.is_number_integer() ? found.get<std::int64_t>() : 0;
+    if (!found.is_number_integer() || n < lo || n > hi)
       fail(key, fmt::format("expected a whole number from {} to {}", lo, hi));
     return n;
   }
@@ -92,31 +92,31 @@ class Reader {
     return static_cast<std::uint64_t>(integer(key, 0, std::numeric_limits<std::int64_t>::max()));
   }
   double number(const char* key) {
-    const Json& json = get(key);
-    if (json.is_number()) return json.get<double>();
-    if (json == "nan") return std::numeric_limits<double>::quiet_NaN();
-    if (json == "inf" || json == "-inf") return (json == "inf" ? 1 : -1) * std::numeric_limits<double>::infinity();
+    const Json& found = get(key);
+    if (found.is_number()) return found.get<double>();
+    if (found == "nan") return std::numeric_limits<double>::quiet_NaN();
+    if (found == "inf" || found == "-inf") return (found == "inf" ? 1 : -1) * std::numeric_limits<double>::infinity();
     fail(key, "expected a number");
   }
   Extent3 extent(const char* key) {
-    const Json& json = get(key);
+    const Json& found = get(key);
     Extent3 out;
     std::int64_t* const into[3] = {&out.x, &out.y, &out.z};
-    if (!json.is_array() || json.size() != 3) fail(key, "expected three whole numbers");
+    if (!found.is_array() || found.size() != 3) fail(key, "expected three whole numbers");
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (!json[axis].is_number_integer()) fail(key, "expected three whole numbers");
-      *into[axis] = json[axis].get<std::int64_t>();
+      if (!found[axis].is_number_integer()) fail(key, "expected three whole numbers");
+      *into[axis] = found[axis].get<std::int64_t>();
       if (*into[axis] < 1 || *into[axis] > kLargestDimension)
         fail(key, fmt::format("expected three whole numbers from 1 to {}", kLargestDimension));
     }
     return out;
   }
   glm::dmat4 matrix(const char* key) {
-    const Json& json = get(key);
+    const Json& found = get(key);
     glm::dmat4 out(1.0);
-    if (!json.is_array() || json.size() != 16) fail(key, "expected 16 numbers");
+    if (!found.is_array() || found.size() != 16) fail(key, "expected 16 numbers");
     for (int i = 0; i < 16; ++i) {
-      const Json& entry = json[static_cast<std::size_t>(i)];
+      const Json& entry = found[static_cast<std::size_t>(i)];
       if (!entry.is_number()) fail(key, "expected 16 numbers");
       out[i % 4][i / 4] = entry.get<double>();
     }
@@ -132,16 +132,16 @@ class Reader {
   }
   template <class T>
   std::vector<T> wholeNumbers(const char* key, std::optional<std::size_t> count = {}) {
-    const Json& json = get(key);
+    const Json& found = get(key);
     const auto legal = [](const Json& n) {
       return std::is_signed_v<T>
                  ? n.is_number_integer() && (!n.is_number_unsigned() || n.get<std::uint64_t>() <= INT64_MAX)
                  : n.is_number_unsigned();
     };
-    if (!json.is_array() || !std::all_of(json.begin(), json.end(), legal) || json.size() != count.value_or(json.size()))
+    if (!found.is_array() || !std::all_of(found.begin(), found.end(), legal) || found.size() != count.value_or(found.size()))
       fail(key,
            count ? fmt::format("expected {} whole numbers", *count) : "expected a list of whole numbers from 0 on");
-    return json.get<std::vector<T>>();
+    return found.get<std::vector<T>>();
   }
   void same(const char* key, std::string_view expected) {
     if (value<std::string>(key) != expected) fail(key, fmt::format("expected \"{}\"", expected));
@@ -328,7 +328,7 @@ void requireValuesOf(VoxelType type, const ValueRange& range, const Reader& root
 Manifest parseManifest(const std::string& text, const std::filesystem::path& path) {
   requireChecksum(text, path);
   const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (json.is_discarded())
+  if (found.is_discarded())
     throw Error(ErrorCode::kFormat, path, "",
                 "is not JSON; restore this file of the store, or convert the source again");
   Reader root(json, "", path);
