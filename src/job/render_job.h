@@ -50,7 +50,7 @@ struct PictureOptions {
   Interpolation interpolation = Interpolation::kLinear;  // pixel lattice only
   double sample_distance = kSampleDistance;              // all but the voxel lattice (Sampling). unit: voxels
   std::optional<int>
-      level;  // one level for the whole picture; else "auto": for each region the level with voxels of a pixel
+      level;        // one level for the whole picture; else "auto": for each region the level with voxels of a pixel
   int coarser = 0;  // levels by which "auto" is coarser, for previews
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };

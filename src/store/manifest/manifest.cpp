@@ -328,7 +328,7 @@ void requireValuesOf(VoxelType type, const ValueRange& range, const Reader& root
 Manifest parseManifest(const std::string& text, const std::filesystem::path& path) {
   requireChecksum(text, path);
   const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (found.is_discarded())
+  if (json.is_discarded())
     throw Error(ErrorCode::kFormat, path, "",
                 "is not JSON; restore this file of the store, or convert the source again");
   Reader root(json, "", path);
