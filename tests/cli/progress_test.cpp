@@ -84,7 +84,7 @@ TEST_F(ProgressCli, OnATerminalALineIsDrawnOver) {
     last = percent;
   }
   EXPECT_GE(seen, 2) << result.err;
-  EXPECT_NE(result.err.find(" s left"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find(" left"), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("\r\033[Kkiln: interrupted"), std::string::npos)
       << "the line is taken away: " << result.err;
 }

@@ -11,6 +11,7 @@
 #include "convert/conversion_cost.h"
 #include "convert/convert.h"
 #include "convert/stream/half_source.h"
+#include "duration_text.h"
 #include "ingest/open_source.h"
 #include "say.h"
 #include "scene/transfer/label_styles.h"
@@ -62,7 +63,7 @@ void printCost(const ConvertArguments& a, VolumeSource& source, const ConvertOpt
   if (options.ranks->count() > 1)
     say("ranks        {}, each with that memory{}\n", options.ranks->count(),
         cost.order == ReadOrder::kForward ? "; each reads all of the input, which comes in one order only" : "");
-  say("time         about {:.2g} s, by those bricks: {:.3g} million voxels/s\n", cost.seconds,
+  say("time         about {}, by those bricks: {:.3g} million voxels/s\n", durationText(cost.seconds),
       static_cast<double>(source.info().geometry.dims.count()) / 1e6 / cost.seconds);
   say("nothing was written\n");
 }
@@ -89,9 +90,10 @@ void printReport(const ConvertArguments& a, const SourceInfo& info, const Conver
   say("{}: {}\n", a.output, firstLine(info));
   // The rate counts the bricks that this run of a resumed conversion made.
   const double rate = static_cast<double>(report.voxels) / 1e6 / report.seconds;
-  const std::string work = report.voxels > 0 ? fmt::format("{:.1f} s, {:.1f} million voxels/s, buffers up to {}",
-                                                           report.seconds, rate, formatBytes(report.buffer_bytes))
-                                             : "nothing was left to do";
+  const std::string work = report.voxels > 0
+                               ? fmt::format("{}, {:.1f} million voxels/s, buffers up to {}",
+                                             durationText(report.seconds), rate, formatBytes(report.buffer_bytes))
+                               : "nothing was left to do";
   say("{} of {} bricks stored, {} on disk; {}\n", report.stored_bricks, report.bricks, formatBytes(report.stored_bytes),
       work);
   if (report.ranks.size() > 1) printRanks(report);

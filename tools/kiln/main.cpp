@@ -26,6 +26,7 @@
 #include "commands.h"
 #include "say.h"
 #include "source_arguments.h"
+#include "unknown_option.h"
 
 namespace {
 
@@ -46,8 +47,22 @@ int refuseCommandLine(const CLI::App& app, const CLI::ParseError& error, const k
     complain("kiln: there is no command or option '{}'; run 'kiln --help'\n", app.remaining().front());
     return 2;
   }
-  complain("kiln: {}; run 'kiln --help' or 'kiln COMMAND --help'\n", error.what());
+  if (const std::string unknown = kiln::tool::unknownOptionText(app); !unknown.empty())
+    complain("kiln: {}\n", unknown);
+  else
+    complain("kiln: {}; run 'kiln --help' or 'kiln COMMAND --help'\n", error.what());
   return 2;
+}
+
+// Returns the arguments from the last to the first, as CLI11 takes them. "help COMMAND" becomes "COMMAND --help".
+std::vector<std::string> reversedArguments(int argc, char** argv) {
+  std::vector<std::string> out(argv + 1, argv + argc);
+  if (!out.empty() && out.front() == "help") {
+    out.erase(out.begin());
+    out.push_back("--help");
+  }
+  std::reverse(out.begin(), out.end());
+  return out;
 }
 
 // Returns the name of an option of the command with an empty argument, as a script with an unset variable gives.
@@ -190,7 +205,7 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
   std::optional<CLI::Success> answered;
   std::optional<CLI::ParseError> refused;
   try {
-    app.parse(argc, argv);
+    app.parse(reversedArguments(argc, argv));
     if (const std::string empty = emptyArgument(app); !empty.empty())
       refused = CLI::ValidationError(empty, "is empty; write its value");
   } catch (const CLI::Success& asked) {

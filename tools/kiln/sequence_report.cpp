@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/memory/memory.h"
+#include "duration_text.h"
 #include "frame/empty_frame.h"
 #include "job/frame_list.h"
 #include "say.h"
@@ -49,7 +50,7 @@ Json emptyJson(const FrameStatistics& frame) {
 std::string rateText(double frames, double seconds) {
   if (!(frames > 0) || !(seconds > 0)) return "";
   return frames >= seconds ? fmt::format("{:.1f} frames/s", frames / seconds)
-                           : fmt::format("{:.1f} s a frame", seconds / frames);
+                           : fmt::format("{} a frame", durationText(seconds / frames));
 }
 
 }  // namespace
@@ -152,7 +153,7 @@ void SequenceReport::showOverall(std::size_t done) {
   const std::string rate = rateText(static_cast<double>(drawn_), seconds());
   const std::string count = fmt::format("{} of {} frames", done, frames_);
   const std::string kept = kept_ > 0 ? fmt::format(", {} kept", kept_) : "";
-  const std::string left = rate.empty() ? "" : fmt::format(", {:.0f} s left", secondsLeft(done));
+  const std::string left = rate.empty() ? "" : fmt::format(", {} left", roughDurationText(secondsLeft(done)));
   progress_.show(count + kept + (rate.empty() ? "" : ", " + rate) + left, count + left);
 }
 
@@ -170,7 +171,7 @@ void SequenceReport::finished(const RenderJob& job, const SequenceResult& result
   if (!only_line_.empty()) say("{}\n", only_line_);
   if (frames_ > 1) {
     const std::string rate = rateText(static_cast<double>(drawn_), seconds());
-    say("{} frames in {:.1f} s{}: {} drawn, {} kept, {} failed\n", frames_, seconds(),
+    say("{} frames in {}{}: {} drawn, {} kept, {} failed\n", frames_, durationText(seconds()),
         rate.empty() ? "" : fmt::format(" ({})", rate), s.frames.size(), s.kept.size(), s.failed.size());
   }
   if (!video.empty() && s.failed.empty())

@@ -9,6 +9,7 @@
 #include <csignal>
 #include <limits>
 
+#include "duration_text.h"
 #include "say.h"
 
 namespace kiln::tool {
@@ -76,8 +77,8 @@ void TerminalProgress::advance(const char* step, const char* unit, std::uint64_t
                                  std::floor(100.0 * static_cast<double>(done) / static_cast<double>(total)),
                                  scaled(static_cast<double>(total)), unit);
   if (left)
-    line +=
-        fmt::format(", {}{}/s, {:.0f} s left", rate < 100 ? fmt::format("{:.1f} ", rate) : scaled(rate), unit, *left);
+    line += fmt::format(", {}{}/s, {} left", rate < 100 ? fmt::format("{:.1f} ", rate) : scaled(rate), unit,
+                        roughDurationText(*left));
   print(overall_.empty() ? line : overall_ + "; " + line);
 }
 
