@@ -100,16 +100,21 @@ TEST_F(SequenceCli, InterruptedAndResumedIsTheSame) {
 
 // Known because a frame of a sequence equals the picture of a still job with equal settings.
 TEST_F(SequenceCli, AFrameIsTheStillPicture) {
-  done({"render", in("h.kiln"), "-o", in("t_##.exr"), "--size", "40x40", "--turntable", "8", "--view", "front",
-        "--frames", "1-8x2", "--stats", in("s.json")});
+  // A turntable fits all its frames, a still picture itself; --fit box fits the first frame.
+  const std::vector<std::string> camera = {"--size", "40x40", "--view", "front", "--fit", "box"};
+  const auto drawn = [&](const std::string& name, std::vector<std::string> options) {
+    options.insert(options.begin(), {"render", in("h.kiln"), "-o", in(name)});
+    options.insert(options.end(), camera.begin(), camera.end());
+    return done(options);
+  };
+  drawn("t_##.exr", {"--turntable", "8", "--frames", "1-8x2", "--stats", in("s.json")});
   EXPECT_EQ(Json::parse(readTextFile(in("s.json")))["frames"].size(), 4u);
   writeText(in("still.json"), readImageText(in("t_03.exr")).at("kiln:job"));
   done({"render", in("still.json"), "-o", in("still.exr")});
   EXPECT_EQ(readImage(in("still.exr")).rgba, readImage(in("t_03.exr")).rgba);
-  done({"render", in("h.kiln"), "-o", in("one.exr"), "--size", "40x40", "--view", "front"});
+  drawn("one.exr", {});
   EXPECT_TRUE(readFile(in("one.exr")) == readFile(in("t_01.exr")));
-  const auto again =
-      done({"render", in("h.kiln"), "-o", in("one.exr"), "--size", "40x40", "--view", "front", "--resume"});
+  const ToolResult again = drawn("one.exr", {"--resume"});
   EXPECT_EQ(again.out, in("one.exr") + ": kept; it is there and whole\n");
   done({"render", in("h.kiln"), "-o", in("d_##/p.png"), "--size", "9x9", "--turntable", "2"});
   EXPECT_TRUE(fs::exists(in("d_02/p.png")));
@@ -126,8 +131,9 @@ TEST_F(SequenceCli, OptionsAreTheJobsKeys) {
   const auto drawn = [&](std::vector<std::string> options, const std::string& keys) {
     options.insert(options.begin(), {"render", in("h.kiln"), "-o", in("o.exr"), "--size", "24x20"});
     done(options);
-    writeText(in("job.json"),
-              R"({"kiln": 2, "volume": "h.kiln", "output": "j.exr", "image": {"width": 24, "height": 20}, )" + keys + "}");
+    writeText(
+        in("job.json"),
+        R"({"kiln": 2, "volume": "h.kiln", "output": "j.exr", "image": {"width": 24, "height": 20}, )" + keys + "}");
     done({"render", in("job.json")});
     EXPECT_TRUE(readFile(in("o.exr")) == readFile(in("j.exr"))) << keys;
   };
@@ -160,7 +166,7 @@ TEST_F(SequenceCli, WhatIsNotThisJobsIsNotTouched) {
   refused({"render", in("h.kiln"), "-o", in("none/a.png")}, 1, in("none/a.png") + ": cannot be made");
   refused({"render", in("h.kiln"), "-o", in("none/a.png"), "--repeat", "2"}, 1, in("none/a.png"));
   refused({"render", in("h.kiln"), "-o", in("a.png"), "--stats", in("none/s.json")}, 1, in("none/s.json"));
-  refused({"render", in("h.kiln"), "-o", "/proc/a.png"}, 1, "/proc: making a scratch file");
+  refused({"render", in("h.kiln"), "-o", "/proc/a.png"}, 1, "/proc/a.png: making a scratch file");
   refused({"render", in("job.json"), "--frames", "3-1"}, 2, "--frames: expected frames");
   refused({"render", in("job.json"), "--repeat", "2"}, 2, "--repeat");
   refused({"render", in("h.kiln"), "-o", in("a.png"), "--turntable", "0"}, 2, "--turntable");
@@ -217,8 +223,9 @@ TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
   // A job that also writes pictures encodes the frames of these pictures.
   writeTurn(3, R"("outputs": [{"path": "w_#.png"}], "video": {"rate": 12.5},)");
   done({"render", in("job.json"), "--resume"});
-  writeText(in("job2.json"), R"({"kiln": 2, "volume": "h.kiln", "output": "w.webm", "outputs": [{"path": "w_#.png"}],)" +
-                                 readTextFile(in("job.json")).substr(readTextFile(in("job.json")).find("\"image\"")));
+  writeText(in("job2.json"),
+            R"({"kiln": 2, "volume": "h.kiln", "output": "w.webm", "outputs": [{"path": "w_#.png"}],)" +
+                readTextFile(in("job.json")).substr(readTextFile(in("job.json")).find("\"image\"")));
   const ToolResult again = done({"render", in("job2.json"), "--resume"});
   EXPECT_NE(again.out.find("3 kept"), std::string::npos) << again.out << again.err;
   EXPECT_TRUE(readFile(in("w.webm")) == video);
@@ -322,15 +329,16 @@ TEST_F(SequenceCli, OptionsDoNotMoveACameraThatHasKeyframes) {
 TEST_F(SequenceCli, EyesMoveApartAndAreBesideEachOtherInAVideo) {
   const PathOf stand_in(pathWithFfmpeg());
   const std::string image = R"("image": {"width": 40, "height": 36}, "stereo": {"eye": "both", )";
-  writeText(in("pair.json"), R"({"kiln": 2, "volume": "h.kiln", "output": "p.mp4", "outputs": [{"path": "p_#.exr"}], )" + image +
-                                 R"("keyframes": [{"frame": 1, "interocular": 10, "convergence": 200},
+  writeText(in("pair.json"),
+            R"({"kiln": 2, "volume": "h.kiln", "output": "p.mp4", "outputs": [{"path": "p_#.exr"}], )" + image +
+                R"("keyframes": [{"frame": 1, "interocular": 10, "convergence": 200},
                                                   {"frame": 3, "interocular": 30, "convergence": 300}]}})");
   done({"render", in("pair.json")});
   EXPECT_NE(readTextFile(in("arguments")).find(" -s 80x36 "), std::string::npos) << readTextFile(in("arguments"));
   EXPECT_EQ(fs::file_size(in("p.mp4")), 3u * 80 * 36 * 3);
   EXPECT_FALSE(fs::exists(in("p.mp4.frames")));
-  writeText(in("still.json"),
-            R"({"kiln": 2, "volume": "h.kiln", "output": "s.exr", )" + image + R"("interocular": 20, "convergence": 250}})");
+  writeText(in("still.json"), R"({"kiln": 2, "volume": "h.kiln", "output": "s.exr", )" + image +
+                                  R"("interocular": 20, "convergence": 250}})");
   done({"render", in("still.json")});
   EXPECT_TRUE(readFile(in("s.exr")) == readFile(in("p_2.exr")));
   EXPECT_FALSE(readFile(in("s.exr")) == readFile(in("p_1.exr")));
