@@ -1,7 +1,11 @@
 // Words of the command line for people: help by command, proposals for options of other programs, durations.
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <regex>
+
 #include "support/system/run_tool.h"
+#include "support/volumes/test_store.h"
 
 namespace kiln::test {
 namespace {
@@ -27,6 +31,28 @@ TEST(Words, UnknownOption_proposesAnOptionOfTheCommand) {
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_EQ(result.err, expected + "\n");
   }
+}
+
+// The user's bounds, bytes read and memory, stand in every report but the quiet one.
+TEST(Words, ALineForAFrame_isShortUnlessAskedFor) {
+  const std::filesystem::path directory = freshDirectory("words_lines");
+  const std::string store = (directory / "h.kiln").string(), picture = (directory / "p.png").string();
+  ASSERT_EQ(runTool({"convert", "phantom:head:24x24x24", store}).exit_code, 0);
+  const std::vector<std::string> draw = {"render", store, "-o", picture, "--size", "32x32", "--samples", "1"};
+  const auto printed = [&](const char* option) {
+    std::vector<std::string> arguments = draw;
+    if (option != nullptr) arguments.emplace_back(option);
+    const ToolResult result = runTool(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    return result.out;
+  };
+  const std::regex brief(".*p\\.png: 32 x 32 pixels, [0-9.]+ s, [0-9.]+ [KM]iB read, peak [0-9.]+ MiB\n");
+  EXPECT_TRUE(std::regex_match(printed(nullptr), brief)) << printed(nullptr);
+  EXPECT_EQ(printed("--quiet"), "");
+  const std::string verbose = printed("--verbose");
+  EXPECT_NE(verbose.find("1 of 1 bricks read"), std::string::npos) << verbose;
+  EXPECT_NE(verbose.find("voxels visited"), std::string::npos) << verbose;
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ struct RenderArguments {
   std::string input, stats, progress = "auto";
   std::vector<std::string> added, added_tfs, labels;
   std::optional<std::string> store_local;
-  bool strict = false, dry_run = false, resume = false, checkpoint = false;
+  bool quiet = false, verbose = false, strict = false, dry_run = false, resume = false, checkpoint = false;
   int repeat = 1;
   JobArguments job;
   SourceArguments source;
@@ -338,8 +338,13 @@ std::uint64_t warningsOfAll(Ranks& ranks, const TerminalProgress& progress) {
   return out;
 }
 
+ReportKind reportKind(const RenderArguments& a) {
+  if (a.progress == "json") return ReportKind::kEvents;
+  return a.quiet ? ReportKind::kQuiet : a.verbose ? ReportKind::kVerbose : ReportKind::kBrief;
+}
+
 void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOptions& options, Context& context) {
-  SequenceReport report(context.progress, a.progress == "json");
+  SequenceReport report(context.progress, reportKind(a));
   try {
     if (context.ranks->first()) requireStatisticsPlace(a);
     const SequenceResult result = runSequence(job, options, context.progress, report);
@@ -371,7 +376,7 @@ void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions&
   job.frames = {frame};
   const RenderStatistics statistics = runRenderJob(job, a.repeat, context.progress).statistics;
   if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(statistics));
-  SequenceReport(context.progress, false).frameDone(job, statistics.frames.back(), 1);
+  SequenceReport(context.progress, reportKind(a)).frameDone(job, statistics.frames.back(), 1);
   if (a.strict) requireNoWarnings(context.progress.warnings());
 }
 
@@ -394,7 +399,7 @@ void applyProgress(const std::string& kind, TerminalProgress& progress) {
 
 void run(const RenderArguments& a, Context& context) {
   if (a.repeat < 1) throw Error(ErrorCode::kUsage, "--repeat: expected at least 1");
-  applyProgress(a.progress, context.progress);
+  applyProgress(a.quiet && a.progress == "auto" ? "none" : a.progress, context.progress);
   shareHeaps();
   const RenderJob job = jobOf(a);
   if (!context.ranks->first() && (a.dry_run || a.repeat > 1)) return;
@@ -487,6 +492,10 @@ class RenderCommandLine {
         ->capture_default_str();
     flag("--strict", a_.strict,
          "Exit with 1 after a warning: an empty picture or one colour, damaged bricks, an unknown frame or unit.");
+    command_.add_flag("--quiet", a_.quiet, "Print warnings and errors only.")
+        ->group(nameOf(group_))
+        ->excludes(command_.add_flag("--verbose", a_.verbose, "Print counts of bricks and voxels of each frame.")
+                       ->group(nameOf(group_)));
     option("--progress", "auto|plain|json|none", a_.progress,
            "Progress of frames and job: auto (default) rewrites a line of a terminal, plain prints a line every ten "
            "seconds, json prints events to standard output.");

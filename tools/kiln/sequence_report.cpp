@@ -55,7 +55,8 @@ std::string rateText(double frames, double seconds) {
 
 }  // namespace
 
-SequenceReport::SequenceReport(TerminalProgress& progress, bool events) : progress_(progress), events_(events) {
+SequenceReport::SequenceReport(TerminalProgress& progress, ReportKind kind)
+    : progress_(progress), kind_(kind), events_(kind == ReportKind::kEvents) {
   if (events_) progress_.tellWarnings([](const std::string& sentence) { emit("warning", {{"warning", sentence}}); });
   if (events_) progress_.tell([this](const TerminalProgress::Numbers& numbers) { drawingGoesOn(numbers); });
 }
@@ -115,21 +116,34 @@ void SequenceReport::frameDone(const RenderJob& job, const FrameStatistics& fram
                                {"done", done},
                                {"frames", frames_},
                                {"seconds_left", secondsLeft(done)}});
-  const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
-  const std::string line = fmt::format(
-      "{}: {} x {} pixels{} in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak "
-      "cache {}, resident {}",
-      namesOfFiles(job, frame.frame), drawn.width(), drawn.height(),
-      frame.samples > 1 ? fmt::format(" of {} samples", frame.samples) : "", frame.wall_s, frame.bricks_read,
-      frame.bricks_total, formatBytes(frame.bricks_read_bytes), frame.bricks_hidden, frame.voxels_visited,
-      frame.voxels_splats, formatBytes(frame.peak_cache_bytes), formatBytes(frame.peak_rss_bytes));
+  const std::string line = frameLine(job, frame);
   progress_.clear();
   if (frames_ == 1)
     only_line_ = line;  // printed if all frames succeed
   else
-    say("{}\n", line);
+    print(line);
   flush();
   showOverall(done);
+}
+
+std::string SequenceReport::frameLine(const RenderJob& job, const FrameStatistics& frame) const {
+  const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
+  const std::string picture =
+      fmt::format("{}: {} x {} pixels{}", namesOfFiles(job, frame.frame), drawn.width(), drawn.height(),
+                  frame.samples > 1 ? fmt::format(" of {} samples", frame.samples) : "");
+  if (kind_ != ReportKind::kVerbose)
+    return fmt::format("{}, {}, {} read, peak {}", picture, durationText(frame.wall_s),
+                       formatBytes(frame.bricks_read_bytes), formatBytes(frame.peak_rss_bytes));
+  return fmt::format(
+      "{} in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak cache {}, resident "
+      "{}",
+      picture, frame.wall_s, frame.bricks_read, frame.bricks_total, formatBytes(frame.bricks_read_bytes),
+      frame.bricks_hidden, frame.voxels_visited, frame.voxels_splats, formatBytes(frame.peak_cache_bytes),
+      formatBytes(frame.peak_rss_bytes));
+}
+
+void SequenceReport::print(const std::string& line) const {
+  if (kind_ != ReportKind::kQuiet) say("{}\n", line);
 }
 
 void SequenceReport::frameKept(const RenderJob& job, int frame, std::size_t done) {
@@ -168,14 +182,14 @@ void SequenceReport::finished(const RenderJob& job, const SequenceResult& result
                              {"failed", s.failed},
                              {"video", s.failed.empty() && !video.empty() ? Json(video) : Json(nullptr)},
                              {"seconds", seconds()}});
-  if (!only_line_.empty()) say("{}\n", only_line_);
+  if (!only_line_.empty()) print(only_line_);
   if (frames_ > 1) {
     const std::string rate = rateText(static_cast<double>(drawn_), seconds());
-    say("{} frames in {}{}: {} drawn, {} kept, {} failed\n", frames_, durationText(seconds()),
-        rate.empty() ? "" : fmt::format(" ({})", rate), s.frames.size(), s.kept.size(), s.failed.size());
+    print(fmt::format("{} frames in {}{}: {} drawn, {} kept, {} failed", frames_, durationText(seconds()),
+                      rate.empty() ? "" : fmt::format(" ({})", rate), s.frames.size(), s.kept.size(), s.failed.size()));
   }
   if (!video.empty() && s.failed.empty())
-    say("{}: {} frames, {} a second\n", video, frames_, job.output.video.rate.text());
+    print(fmt::format("{}: {} frames, {} a second", video, frames_, job.output.video.rate.text()));
 }
 
 void SequenceReport::ended(const Error& error) {

@@ -12,12 +12,18 @@
 
 namespace kiln::tool {
 
+/// What standard output gets.
+/// - kQuiet: nothing.
+/// - kBrief: a short line for each frame: time, bytes read, peak memory.
+/// - kVerbose: also counts of bricks and voxels, and the peak of the cache.
+/// - kEvents: JSON objects, one per line, each with "event" and "time" (ISO 8601, UTC). Events: started, frame_started,
+///   frame_progress (a few a second), frame_done, frame_kept, frame_failed, warning; at the end finished, failed or
+///   interrupted.
+enum class ReportKind { kQuiet, kBrief, kVerbose, kEvents };
+
 class SequenceReport : public SequenceListener {
  public:
-  /// With `events`, stdout gets JSON objects, one per line, each with "event" and "time" (ISO 8601, UTC). Events:
-  /// started, frame_started, frame_progress (a few a second), frame_done, frame_kept, frame_failed, warning; at the end
-  /// finished, failed or interrupted.
-  SequenceReport(TerminalProgress& progress, bool events);
+  SequenceReport(TerminalProgress& progress, ReportKind kind);
   ~SequenceReport() override;
   SequenceReport(const SequenceReport&) = delete;
   SequenceReport& operator=(const SequenceReport&) = delete;
@@ -41,7 +47,12 @@ class SequenceReport : public SequenceListener {
   void drawingGoesOn(const TerminalProgress::Numbers& numbers) const;
   void frameEnded(int frame);
 
+  std::string frameLine(const RenderJob& job, const FrameStatistics& frame) const;
+  // Prints unless the report is quiet.
+  void print(const std::string& line) const;
+
   TerminalProgress& progress_;
+  const ReportKind kind_;
   const bool events_;
   Clock::time_point begin_ = Clock::now();
   std::size_t frames_ = 0, drawn_ = 0, kept_ = 0;
