@@ -23,6 +23,15 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
+void requireKnownEnding(const fs::path& path) {
+  const std::string ending = extensionOf(path);
+  if (ending == ".exr" || ending == ".png") return;
+  throw Error(ErrorCode::kUsage, path, "",
+              fmt::format("the ending is no picture's or video's (found '{}'); pictures end in .exr or .png, videos in "
+                          ".mp4, .mov, .mkv or .webm",
+                          ending));
+}
+
 constexpr const char* kHashKey = "kiln:jobHash";
 
 // Returns the job that draws the planes of one file and no other planes.
@@ -187,6 +196,7 @@ fs::path videoFrameOf(const RenderJob& job, int frame) {
 
 void requireOutputs(const RenderJob& job, const std::vector<int>& frames) {
   for (const OutputFile& file : patternsOf(job)) {
+    requireKnownEnding(file.path);
     requireImagePath(file.path, aovsOf(job, file).any());
     if (frames.size() > 1 && !hasFramePlace(file.path)) {
       const fs::path numbered = file.path.stem().string() + "_####" + file.path.extension().string();

@@ -76,10 +76,17 @@ void requireStillCamera(const JobArguments& flags, const RenderJob& job) {
   }
 }
 
-void findEncoder(const RenderArguments& a, VideoOptions& video) {
+void findEncoder(const RenderArguments& a, RenderJob& job) {
+  VideoOptions& video = job.output.video;
   if (a.job.has("--rate") && video.path.empty())
     throw Error(ErrorCode::kUsage, "--rate: no video is made; name one, such as -o turn.mp4");
-  if (video.path.empty() || a.dry_run) return;
+  if (video.path.empty()) return;
+  if (framesOf(job).size() == 1 && !a.job.has("--frames"))
+    throw Error(
+        ErrorCode::kUsage, video.path, "",
+        "a video needs frames (found 1); add --turntable 120, give a job with frames, or name a picture, .exr or "
+        ".png");
+  if (a.dry_run) return;
   video.encoder = findProgram("ffmpeg");
   if (video.encoder.empty())
     throw Error(
@@ -228,7 +235,7 @@ RenderJob jobOf(const RenderArguments& a) {
   requirePicture(job.picture);
   applyVolumes(a, job);
   requireOutput(a, job.output);
-  findEncoder(a, job.output.video);
+  findEncoder(a, job);
   requirePart(job);
   requireVolumes(job);
   requireViews(job);
