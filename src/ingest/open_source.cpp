@@ -22,7 +22,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-enum class Format { kUnknown, kNrrd, kMetaImage, kNifti, kVdb, kTiff, kDicom, kForeign };
+enum class Format { kUnknown, kNrrd, kMetaImage, kNifti, kNpy, kVdb, kTiff, kDicom, kForeign };
 
 struct Finding {
   Format format = Format::kUnknown;
@@ -43,6 +43,7 @@ constexpr Magic kMagics[] = {
     {344, "ni1\0"sv, Format::kNifti, "NIfTI"},
     {4, "n+2\0\r\n\x1a\n"sv, Format::kNifti, "NIfTI"},
     {4, "ni2\0\r\n\x1a\n"sv, Format::kNifti, "NIfTI"},
+    {0, "\x93NUMPY"sv, Format::kNpy, "NumPy"},
     {0, "\x89PNG\r\n\x1a\n"sv, Format::kForeign, "PNG"},
     {0, "\xff\xd8\xff"sv, Format::kForeign, "JPEG"},
     {0, "\x89HDF\r\n\x1a\n"sv, Format::kForeign, "HDF5"},
@@ -54,7 +55,6 @@ constexpr Magic kMagics[] = {
     {0, "\xfd\x37zXZ\0"sv, Format::kForeign, "xz"},
     {0, "\x28\xb5\x2f\xfd"sv, Format::kForeign, "Zstandard"},
     {0, "7z\xbc\xaf\x27\x1c"sv, Format::kForeign, "7-Zip"},
-    {0, "\x93NUMPY"sv, Format::kForeign, "NumPy"},
     {0, "\x76\x2f\x31\x01"sv, Format::kForeign, "OpenEXR"},
     {0, "CDF\x01"sv, Format::kForeign, "NetCDF"},
     {0, "CDF\x02"sv, Format::kForeign, "NetCDF"},
@@ -112,6 +112,7 @@ Finding byName(const fs::path& path) {
   if (endsWith(path, {".nrrd", ".nhdr"})) return {Format::kNrrd, "NRRD"};
   if (endsWith(path, {".mhd", ".mha"})) return {Format::kMetaImage, "MetaImage"};
   if (endsWith(path, {".nii", ".nii.gz", ".hdr", ".hdr.gz"})) return {Format::kNifti, "NIfTI"};
+  if (endsWith(path, {".npy"})) return {Format::kNpy, "NumPy"};
   if (endsWith(path, {".vdb"})) return {Format::kVdb, "OpenVDB"};
   return {};
 }
@@ -211,7 +212,7 @@ void requireNoOptions(const fs::path& store, const SourceOptions& options) {
 }
 
 VolumeFormat volumeFormatOf(const fs::path& path) {
-  constexpr std::string_view kVolumes[] = {"HDF5", "VTK", "NumPy", "NetCDF", "MRC", "gzip-compressed"};
+  constexpr std::string_view kVolumes[] = {"HDF5", "VTK", "NetCDF", "MRC", "gzip-compressed"};
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return {};
   const Finding found = identify(path, false);
@@ -255,6 +256,8 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
       return openMetaImage(input, options);
     case Format::kNifti:
       return openNifti(input, options);
+    case Format::kNpy:
+      return openNpy(input, options);
     case Format::kVdb:
       return openVdb(input, options);
     case Format::kTiff:
@@ -269,9 +272,8 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
   }
   if (!described) {
     throw Error(ErrorCode::kUsage, input, "",
-                "not a format that is known (NRRD, MetaImage, NIfTI, TIFF, DICOM, OpenVDB); if it is headerless raw "
-                "voxels, give "
-                "--dims and --type, for example --dims 256,256,113 --type u16" +
+                "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, TIFF, DICOM, OpenVDB); if it is headerless "
+                "raw voxels, give --dims and --type, for example --dims 256,256,113 --type u16" +
                     headerBeside(input));
   }
   return openRaw(input, options);

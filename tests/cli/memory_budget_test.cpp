@@ -16,6 +16,7 @@
 #include "support/volumes/dicom_files.h"
 #include "support/volumes/foreign_files.h"
 #include "support/volumes/nifti_files.h"
+#include "support/volumes/npy_files.h"
 #include "support/volumes/test_store.h"
 #include "support/volumes/tiff_files.h"
 
@@ -232,6 +233,8 @@ std::vector<BudgetRow> moreConversionRows() {
       converted("convert zlib MetaImage", 48, "IN/packed.mha"),
       converted("convert NIfTI", 48, "IN/noise.nii"),
       converted("convert gzip NIfTI", 48, "IN/packed.nii.gz"),
+      converted("convert NumPy", 48, "IN/noise.npy", spacing),
+      converted("convert NumPy in Fortran order", 48, "IN/fortran.npy", spacing),
       converted("convert TIFF stack", 48, "IN/tiffs", spacing),
       converted("convert multi-page TIFF", 48, "IN/noise.tif", spacing),
       // An unknown spacing is a note, except when the budget is refused.
@@ -310,6 +313,8 @@ class BudgetTable : public ::testing::Test {
     const Bytes nifti = niftiFile(header, Bytes(voxels.begin(), voxels.end()));
     writeBytes(in("noise.nii"), nifti);
     writeBytes(in("packed.nii.gz"), gzipped(nifti));
+    writeText(in("noise.npy"), npyFile(volume));
+    writeText(in("fortran.npy"), npyFile(volume, {.fortran_order = true}));
     makeSlices(volume, voxels);
   }
 

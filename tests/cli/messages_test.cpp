@@ -13,6 +13,7 @@
 #include "support/system/tool_test.h"
 #include "support/volumes/foreign_files.h"
 #include "support/volumes/nifti_files.h"
+#include "support/volumes/npy_files.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/tiff_files.h"
 #include "support/volumes/vdb_files.h"
@@ -166,16 +167,15 @@ TEST_F(Messages, VolumeInPlaceOfAStoreOrAPicture_IsNamedWithItsCommands) {
   writeVdb(in("a.vdb"), {VdbSpec{}});
   writeTiff(in("a.tif"), randomVolume({16, 16, 1}, VoxelType::u8, 1), 0, 1);
   writeText(in("a.mha"), "ObjectType = Image\nNDims = 3\n");
+  writeText(in("a.npy"), npyFile(randomVolume(kFewVoxels, VoxelType::u8, 2)));
   writeText(in("a.h5"), std::string("\x89HDF\r\n\x1a\n") + std::string(600, 'x'));
   const auto commandsFor = [&](const std::string& name) {
     return "; kiln convert " + in(name) + " " + in("a.kiln") + " makes a store of it, kiln render " + in(name) +
            " -o " + in("a.png") + " draws it";
   };
-  const std::pair<std::string, std::string> volumes[] = {{"a.nrrd", "a NRRD"},
-                                                         {"a.nii", "a NIfTI"},
-                                                         {"a.vdb", "an OpenVDB"},
-                                                         {"a.tif", "a TIFF"},
-                                                         {"a.mha", "a MetaImage"}};
+  const std::pair<std::string, std::string> volumes[] = {{"a.nrrd", "a NRRD"},     {"a.nii", "a NIfTI"},
+                                                         {"a.vdb", "an OpenVDB"},  {"a.tif", "a TIFF"},
+                                                         {"a.mha", "a MetaImage"}, {"a.npy", "a NumPy"}};
   for (const auto& [name, format] : volumes) {
     const std::string is = in(name) + ": is " + format + " volume, not ";
     refused({"info", in(name)}, 2, is + "a store or a picture" + commandsFor(name));

@@ -85,8 +85,7 @@ void dropUnitNrrdAxes(HeaderFields& fields) {
 
 // Warns about a volume 2 to 4 voxels wide: colours without the field kinds look like one.
 std::string noteOfNarrow(const HeaderFields& fields, const Extent3& dims) {
-  const bool narrow = dims.x >= 2 && dims.x <= 4 && dims.y >= 16 && dims.z >= 16;
-  if (!narrow || fields.find("kinds") || fields.find("space directions")) return "";
+  if (!mayBeChannels(dims) || fields.find("kinds") || fields.find("space directions")) return "";
   return fmt::format(
       "the first axis is taken as {} voxels of space; if it holds colours or vectors, its header lacks the "
       "field kinds, and the volume is wrong",

@@ -230,6 +230,8 @@ std::string inQuotes(std::string_view text) {
   return out + (rest.empty() ? "'" : "...'");
 }
 
+bool mayBeChannels(const Extent3& dims) { return dims.x >= 2 && dims.x <= 4 && dims.y >= 16 && dims.z >= 16; }
+
 void refuseSpacing(const std::filesystem::path& file) {
   throw Error(ErrorCode::kUsage, file, "--spacing",
               "needs a file without positions of its voxels (this file has positions); leave the option out");

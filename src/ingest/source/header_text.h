@@ -89,6 +89,9 @@ std::optional<std::int64_t> integerOf(std::string_view text);
 /// Quotes `text` for an error message: printable and short.
 std::string inQuotes(std::string_view text);
 
+/// True if x is so short beside y and z that the axis may hold colours or vectors.
+bool mayBeChannels(const Extent3& dims);
+
 /// Throws an Error kUsage: `file` places its voxels itself, so --spacing does not apply.
 [[noreturn]] void refuseSpacing(const std::filesystem::path& file);
 

@@ -1,0 +1,90 @@
+// An array in C order, in Fortran order and as raw voxels becomes one store, within a budget of one lane. Known because
+// the three files hold equal voxels. A damaged array becomes no store.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <random>
+
+#include "base/file.h"
+#include "convert/convert.h"
+#include "convert/plan.h"
+#include "ingest/open_source.h"
+#include "support/volumes/npy_files.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+// Three, two and two bricks along the axes.
+constexpr Extent3 kDims = {75, 40, 50};
+
+ConvertOptions smallBricks() {
+  ConvertOptions out;
+  out.brick_size = 32;
+  out.overwrite = true;
+  return out;
+}
+
+// Returns all files of the store by name, except the manifest, which names the source.
+std::map<std::string, std::vector<std::byte>> converted(const fs::path& input, const SourceOptions& described = {}) {
+  const fs::path out = freshDirectory("store") / "volume.kiln";
+  const std::unique_ptr<VolumeSource> source = openSource(input, described);
+  ConvertOptions options = smallBricks();
+  const ConversionPlan ample = planConversion(*source, options);
+  options.memory_bytes = ample.source_bytes + ample.lane_bytes + ample.index_bytes;
+  Progress silent;
+  EXPECT_LE(convert(*source, out, options, silent).buffer_bytes, options.memory_bytes);
+  std::map<std::string, std::vector<std::byte>> files;
+  for (const auto& entry : fs::recursive_directory_iterator(out)) {
+    const std::string name = fs::relative(entry.path(), out);
+    if (entry.is_regular_file() && name != "manifest.json") files[name] = readFile(entry.path());
+  }
+  return files;
+}
+
+TEST(NpyConversion, EitherOrderGivesTheStoreOfTheRawVoxels) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 1);
+  SourceOptions described;
+  described.dims = volume.dims, described.type = volume.type;
+  const auto expected = converted(files.write("a.raw", volume.stored(false)), described);
+  EXPECT_GT(expected.size(), 12u);
+  for (const bool fortran_order : {false, true}) {
+    for (const bool big_endian : {false, true}) {
+      const fs::path array = files.write("a.npy", npyFile(volume, {1, big_endian, fortran_order}));
+      EXPECT_TRUE(converted(array) == expected) << "Fortran " << fortran_order << ", big " << big_endian;
+    }
+  }
+}
+
+// Cuts at random bytes and flips of the header's bits: a store with a manifest, or an Error and no manifest. A cut is
+// always an Error.
+TEST(NpyConversion, DamagedArrayIsAStoreOrAnError) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({20, 12, 9}, VoxelType::i16, 2);
+  std::mt19937_64 random(3);
+  for (const bool fortran_order : {false, true}) {
+    const std::string whole = npyFile(volume, {.fortran_order = fortran_order});
+    const std::size_t header_bytes = whole.size() - volume.voxels.size();
+    for (int i = 0; i < 60; ++i) {
+      const bool cut = i % 2 == 0;
+      std::string damaged = cut ? whole.substr(0, random() % whole.size()) : whole;
+      if (!cut) damaged[random() % header_bytes] ^= static_cast<char>(1u << (random() % 8));
+      const fs::path out = freshDirectory("damaged") / "volume.kiln";
+      Progress silent;
+      bool done = false;
+      try {
+        convert(*openSource(files.write("a.npy", damaged)), out, smallBricks(), silent);
+        done = true;
+      } catch (const Error& error) {
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+      }
+      EXPECT_EQ(fs::exists(out / "manifest.json"), done) << "case " << i;
+      EXPECT_FALSE(cut && done) << "case " << i;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test
