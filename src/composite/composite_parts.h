@@ -1,5 +1,5 @@
-// Composites partial images: each shows one box of the volume, and all are laid over one another front to back. Camera
-// and box come from the images' headers.
+// Composites partial images, each of one box of the volume, front to back. Camera and box come from the images'
+// headers.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@
 
 namespace kiln {
 
-/// Returns the header text of a partial image that identifies its volume: dimensions, affine, checksum of the index.
+/// Returns the header text by which partial images identify their volume: dimensions, affine, checksum of the index.
 std::string partOriginText(const Manifest& volume);
 
 struct CompositedParts {
@@ -23,10 +23,10 @@ struct CompositedParts {
 };
 
 /// Composites the parts front to back, then over the background. The result differs from the whole picture by rounding
-/// and by the transmittance that the opacity threshold leaves. cost: memory for two pictures of samples.
-/// throws: Error kUsage where there are no parts, or two parts differ in volume, camera, size or appearance, share a
-/// voxel, or have no order of visibility; kUnsupported for a file that is no partial image; kBudget where
-/// `memory_bytes` do not hold the picture beside one part; kCancelled; as readImage.
+/// and by the transmittance below the opacity threshold. cost: memory for two pictures of samples.
+/// throws: Error kUsage without parts, or if two parts differ in volume, camera, size or appearance, share a voxel, or
+/// have no order of visibility; kUnsupported for a file that is no partial image; kBudget if `memory_bytes` do not hold
+/// the picture beside one part; kCancelled; as readImage.
 CompositedParts compositeParts(const std::vector<std::filesystem::path>& parts, Progress& progress,
                                std::uint64_t memory_bytes = kUnlimitedBytes);
 

@@ -19,7 +19,8 @@ Rays raysOf(const View& view, const VolumeGeometry& volume) {
                                    : glm::dvec3(index_from_world * glm::dvec4(view.forward_world, 0))};
 }
 
-// Returns whether a ray may pass `a` and then `b`: it runs from `a` to `b` along every axis that separates the boxes.
+// Returns true if a ray may pass `a` and then `b`: along every axis that separates the boxes, the ray runs from `a` to
+// `b`.
 bool mayHide(const VoxelBox& a, const VoxelBox& b, const Rays& rays) {
   for (int axis = 0; axis < 3; ++axis) {
     const double v = rays.vector[axis];

@@ -12,8 +12,8 @@
 
 namespace kiln {
 
-/// Returns indices into `boxes`, front to back; nothing where boxes hide one another in a cycle. requires: boxes of
-/// voxels of the volume that share no voxel.
+/// Returns indices into `boxes`, front to back; nothing if boxes hide one another in a cycle. requires: disjoint boxes
+/// of voxels.
 std::optional<std::vector<int>> frontToBack(std::span<const VoxelBox> boxes, const View& view,
                                             const VolumeGeometry& volume);
 

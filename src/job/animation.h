@@ -20,7 +20,7 @@ struct Animation {
   std::vector<Key<TransferFunctionChoice>> functions;
   std::vector<Key<std::vector<Light>>> lights;
   std::vector<Key<std::vector<ClipPlane>>> clip;  // in addition to the still picture's planes
-  std::vector<Key<Stereo>> stereo;                // which eye is drawn, the still picture says
+  std::vector<Key<Stereo>> stereo;                // the still picture selects the eye
   bool any() const {
     return camera.index() != 0 || !functions.empty() || !lights.empty() || !clip.empty() || !stereo.empty();
   }

@@ -11,8 +11,8 @@ namespace {
 // Least edge of a voxel for which one sample is enough (experiment: job/decisions/samples-a-pixel.md). The edge is 3/4
 // minus the rounding error of a depth, so that rounding does not decide for scenes of exactly 3/4. unit: pixels.
 constexpr double kLargeEnough = 0.75 - 1e-9;
-// Edge of a voxel from which one sample suffices while the camera moves, because a detail that a ray meets or misses
-// flickers. Turned by 0.1 degree, scanned heads at 1 and 2 pixels a voxel change 1.3 to 2.1 times as much as with 16
+// Edge of a voxel from which one sample suffices while the camera moves: details between rays flicker.
+// Measured: turned by 0.1 degree, scanned heads at 1 and 2 pixels a voxel change 1.3 to 2.1 times as much as with 16
 // rays a pixel, with 4 rays 0.7 to 1.15 times; at 5 pixels a voxel one ray changes as much. unit: pixels.
 constexpr double kSteadyEnough = 4 - 1e-9;
 // Edge of a voxel from which one sample suffices for labels, whose edges are steps. Solid labels at 1, 1.5 and 2
@@ -20,13 +20,13 @@ constexpr double kSteadyEnough = 4 - 1e-9;
 constexpr double kLabelsLargeEnough = 1.25 - 1e-9;
 constexpr int kMostAlongEdge = 4;
 
-// Returns whether a picture has one sample a pixel by its kind: voxel lattice, projections, deep images, panoramas.
+// Returns true for kinds of pictures with one sample a pixel: voxel lattice, projections, deep images, panoramas.
 bool oneOnly(const RenderJob& job, const Camera& camera) {
   return !engineOf(job).capabilities().filters_rays || camera.projection == Projection::kEquirectangular ||
          drawsDeep(job);
 }
 
-// Returns the size of a world unit at `centre`; nothing where `centre` is behind the eye. unit: pixels.
+// Returns the size of a world unit at `centre`; nothing if `centre` is behind the eye. unit: pixels.
 std::optional<double> pixelsPerUnit(const Camera& camera, const ImageSize& size, const glm::dvec3& centre) {
   const View view = resolve(camera, size);
   if (view.projection == Projection::kOrthographic) return view.focal_px;
@@ -65,7 +65,7 @@ int automaticSamples(const RenderJob& job, const Camera& camera, const glm::dvec
   };
   const auto affordable = [&](const Manifest* volume, int edge) {
     const int shown = picture.level ? *picture.level : levelAtScale(*volume, edge * *scale);
-    // Rays that show no finer level cost no reading.
+    // Rays without a finer level read nothing more.
     if (enough_of_one > kLargeEnough && edge == 2 && shown == levelAtScale(*volume, *scale)) return true;
     return levelOf(*volume, shown).dims.count() <= kMostOversampledVoxels;
   };

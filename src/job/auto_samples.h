@@ -1,5 +1,4 @@
-// The default number of samples a pixel: more than one where voxels are smaller than pixels and the picture stays
-// cheap.
+// The default number of samples a pixel: several if voxels are smaller than pixels and the picture stays cheap.
 #pragma once
 
 #include <vector>
@@ -9,12 +8,14 @@
 
 namespace kiln {
 
-/// So many (1, 4 or 16) that voxels of the finest level, of several volumes of the finest, are three quarters of a
-/// sub-pixel or more, as far as the voxels of every level that they show are at most kMostOversampledVoxels, and
-/// sub-pixels kMostSubPixels. One for the voxel lattice, projected values, panoramas and deep images. Where the camera
-/// moves, 4 also where voxels are smaller than 4 pixels, so that pictures do not flicker; of labels alone below 5/4.
-/// Judged at `centre`, so that no camera that goes round it changes it; neither crop, nor memory, threads or bricks do.
-/// unit: `centre` world. throws: Error kUsage where the camera cannot be used.
+/// Returns the default number of samples a pixel: 1, 4 or 16.
+/// - The number makes voxels of the finest level at least three quarters of a sub-pixel, with several volumes the
+///   finest volume's voxels.
+/// - The voxels of all levels in view must not exceed kMostOversampledVoxels, sub-pixels not kMostSubPixels.
+/// - A moving camera gets 4 samples below 4 pixels a voxel, against flicker; with labels alone below 5/4.
+/// - The voxel lattice, projected values, panoramas and deep images have one sample.
+/// The size of a voxel is taken at `centre`, so that a camera around the centre keeps its number. Crop, memory, threads
+/// and bricks do not matter. unit: `centre` world. throws: Error kUsage for an unusable camera.
 int automaticSamples(const RenderJob& job, const Camera& camera, const glm::dvec3& centre,
                      const std::vector<const Manifest*>& volumes);
 

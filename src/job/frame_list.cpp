@@ -72,8 +72,8 @@ std::string framesText(const std::vector<int>& frames) {
 
 namespace {
 
-// Returns the length of the pattern's beginning that is an existing folder, such as a job's folder: `#` in it is no
-// frame number.
+// Returns the length of the existing folder at the pattern's beginning, such as a job's folder; a `#` in the folder's
+// name is no frame number.
 std::size_t literalPart(const std::string& text) {
   std::size_t out = 0;
   for (std::size_t slash = text.find('/'); slash != std::string::npos; slash = text.find('/', slash + 1)) {

@@ -1,4 +1,4 @@
-// The scene of a job at one frame, with every choice made for its volumes.
+// The scene of a job at one frame, with every choice for its volumes made.
 #pragma once
 
 #include <functional>
@@ -9,24 +9,25 @@
 
 namespace kiln {
 
-/// One of several volumes of a scene.
+/// A volume of a scene with several volumes.
 struct VolumeScene {
   TransferFunction transfer_function;
   Shading shading;
-  Clipping clipping;       // with what cuts all of them
-  double world_per_own;    // lengths of the picture's world per length of the volume's own, which the function is in
+  Clipping clipping;       // includes the clipping of all volumes
+  double world_per_own;    // lengths of the picture's world per length of the volume's own world, the function's unit
   Hash128 index_checksum;  // identifies the content of the volume
 };
 
 struct FrameScene {
-  /// Its samples are a number. Its camera and transfer function are the still picture's: those below are drawn.
+  /// The samples are a resolved number. Camera and transfer function of the picture are the still picture's; the frame
+  /// uses the members below.
   PictureOptions picture;
   Camera camera;
   TransferFunction transfer_function;
   std::vector<VolumeScene> volumes;  // empty for a single volume; the first volume's function is also above
 };
 
-/// The function that `choice` is in the picture: as `resolve`, but where the picture projects values, "auto" is their
+/// Returns the function for `choice` in the picture, as `resolve`; where values are projected, "auto" is a ramp of
 /// grey.
 TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
                              const Manifest& manifest);
@@ -38,7 +39,7 @@ using ShownBoxOf = std::function<VolumeGeometry(std::size_t volume, const std::v
 /// The job's scenes over one volume. Files are read once.
 class SceneOfJob {
  public:
-  /// requires: both outlive this. throws: Error where a transfer function cannot be read or used.
+  /// requires: both outlive the object. throws: Error for an unreadable or unusable transfer function.
   SceneOfJob(const RenderJob& job, const Manifest& manifest) : SceneOfJob(job, std::vector{&manifest}) {}
   /// Takes the manifests of all volumes; a framing fits the box around all. In a time series (RenderJob::series),
   /// framing and transfer functions are those of all frames, and a framing fits whole volumes. Without `shown_box`,
@@ -55,7 +56,7 @@ class SceneOfJob {
   // The functions of one volume.
   struct Functions {
     const std::vector<Key<TransferFunctionChoice>>* keys;
-    std::vector<TransferFunction> values;  // one for each key, or the still function
+    std::vector<TransferFunction> values;  // one per key, or the still function
     TransferFunction at(int frame) const;
   };
   const Manifest& manifest() const { return *manifests_.front(); }

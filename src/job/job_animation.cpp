@@ -38,7 +38,7 @@ std::vector<Key<T>> onlyKeysFrom(const JobObject& owner, const Options<Key<T>>& 
   return keysFrom(owner, options, Ease::kLinear);
 }
 
-// Complains of the second of two neighbours that nothing lies between.
+// Refuses the second of two neighbouring keys without a transition between their values.
 template <class T, class Matches>
 void requireAlike(const JobObject& owner, const std::vector<Key<std::vector<T>>>& keys, const char* things,
                   const Matches& matches) {

@@ -1,4 +1,4 @@
-// Reads the options of a job that stand still or change from frame to frame.
+// Reads the options of a job with a still value or a value that changes from frame to frame.
 #pragma once
 
 #include "job/job_json.h"
@@ -10,7 +10,7 @@ namespace kiln {
 /// throws: Error kUsage naming the key.
 void readCamera(const JobObject& camera, RenderJob& job);
 void readStereo(const JobObject& stereo, RenderJob& job);
-/// The `transferFunction` of `owner` into the choice of a volume and its keys.
+/// Reads the `transferFunction` of `owner` into the choice of a volume and its keys.
 void readTransferFunction(const JobObject& owner, TransferFunctionChoice& still,
                           std::vector<Key<TransferFunctionChoice>>& keys);
 void readLights(const JobObject& root, RenderJob& job);

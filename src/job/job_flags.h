@@ -1,4 +1,4 @@
-// The options of a job that have a flag on the command line, as a program that parses command lines needs them.
+// The options of a job with a flag on the command line, for programs that parse command lines.
 #pragma once
 
 #include <array>
@@ -38,14 +38,13 @@ struct JobFlag {
   std::string value_name;          // "DEGREES"
   std::string help;                // with the legal range and the default
   std::vector<std::string> words;  // if the value is one of a few
-  /// For numbers: returns "expected …, found …" for a text that is no number, else an empty text. Empty for other
-  /// values.
+  /// Numbers: returns "expected …, found …" for a text that is no number, else an empty text. Empty for other kinds.
   std::function<std::string(const std::string& text)> refusal;
   /// Replaces the option in the job by `texts`. throws: Error kUsage naming the flag.
   std::function<void(const std::vector<std::string>& texts, RenderJob&)> apply;
 };
 
-/// All flags of a job, in the order in which they are applied.
+/// All flags of a job, in the order of application.
 const std::vector<JobFlag>& jobFlags();
 
 }  // namespace kiln

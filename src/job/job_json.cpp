@@ -15,7 +15,8 @@ namespace {
 
 using nlohmann::json;
 
-// Walks the text once without building anything: where it stops being JSON, and keys that would silently hide another.
+// Walks the text once and builds nothing. Finds the first place that is not JSON, and repeated keys, of which a parser
+// would silently drop one.
 class Checker : public nlohmann::json_sax<json> {
  public:
   std::string problem;
@@ -44,7 +45,7 @@ class Checker : public nlohmann::json_sax<json> {
   }
 
  private:
-  // No document of ours is a tenth as deep, and what shows a value to the user calls itself for each level.
+  // Documents of jobs are not a tenth as deep; printing a value recurses once per level.
   static constexpr std::size_t kDeepest = 100;
 
   bool start() {
@@ -57,7 +58,7 @@ class Checker : public nlohmann::json_sax<json> {
     keys_.pop_back();
     return true;
   }
-  std::vector<std::set<std::string>> keys_;  // one for each open list and object
+  std::vector<std::set<std::string>> keys_;  // one per open list and object
 };
 
 std::string lineAndColumn(std::string_view text, std::size_t bytes_read) {
@@ -110,7 +111,7 @@ std::string listOf(std::span<const std::string_view> names) {
   return out;
 }
 
-// The system reads a name up to its first NUL and would reach another file.
+// The system reads a name up to its first NUL and would open another file.
 bool hasNul(const json& text) { return text.get_ref<const std::string&>().find('\0') != std::string::npos; }
 
 constexpr std::string_view kWithoutNul = " without a NUL character";
@@ -136,7 +137,7 @@ bool NumberRange::operator()(double value) const {
 }
 
 std::string NumberRange::text() const {
-  // The limits of lengths keep computations finite; no user means numbers of that size.
+  // Limits of lengths keep computations finite.
   const bool low = least > -kLongest, high = most < kLongest;
   if (low && high && !above && !below) return fmt::format("{} to {}", least, most);
   std::string out;

@@ -1,5 +1,4 @@
-// A JSON object that is read key by key with the error a user needs: which file, which key, what was found, what was
-// expected. nlohmann's parser lives behind this header.
+// A JSON object that is read key by key. Errors name file, key, found and expected value. Hides nlohmann's parser.
 #pragma once
 
 #include <array>
@@ -17,13 +16,13 @@
 
 namespace kiln {
 
-/// The part of a message of the JSON library that is written for people: without its code, line and column.
+/// Returns the readable part of a message of the JSON library: without code, line and column.
 std::string readableJsonError(std::string message);
 
 /// The word of `known` with the least edit distance to `word`. requires: known is not empty.
 std::string_view nearestWord(std::string_view word, std::span<const std::string_view> known);
 
-/// The longest a list may be, and the word for its entries: 64 "lights".
+/// The greatest length of a list, and the word for its entries: 64 "lights".
 struct ListLimit {
   std::size_t most;
   std::string_view entries;
@@ -35,16 +34,16 @@ inline constexpr double kLongest = 1e30;
 /// The legal values of a number.
 struct NumberRange {
   double least, most;
-  bool above = false, below = false;  // `least` or `most` itself is not legal
+  bool above = false, below = false;  // excludes `least` or `most` itself
   bool operator()(double value) const;
-  /// "0.25 to 1"; empty where there is no limit that a user meets.
+  /// "0.25 to 1"; empty if the limits are never met in practice.
   std::string text() const;
 };
 /// "a number of voxels from 0.25 to 1".
 std::string expectedNumber(const NumberRange& range, std::string_view unit);
 std::string expectedWhole(std::int64_t least, std::int64_t most, std::string_view unit);
 
-/// A range that several options share, and its name in the schema.
+/// A range that several options share, with its name in the schema.
 struct SharedRange {
   std::string_view name;
   NumberRange range;
@@ -55,23 +54,22 @@ struct FlagText {
   std::string flag, text, expected;
 };
 
-/// An object inside a parsed document; it keeps the document alive.
-/// throws: every member, Error kUsage "FILE: line N, KEY: expected …, found …" where the value is not what it asks for.
+/// An object inside a parsed document, kept alive by the object. throws: every member throws Error kUsage "FILE: line
+/// N, KEY: expected …, found …" for a value of another kind or out of range.
 class JobObject {
  public:
   using Legal = std::function<bool(double)>;
 
-  /// The document's root. Comments are allowed. throws: Error kFormat with line and column where the text is not JSON
-  /// or an object has a key twice; kUsage where the root is not an object.
+  /// The document's root. Comments are allowed. throws: Error kFormat with line and column for a text that is not JSON
+  /// or has a key twice; kUsage for a root that is not an object.
   static JobObject parse(const std::string& text, const std::filesystem::path& path);
-  /// Reads a document that is one object or a list of objects, as above.
+  /// Reads a document: one object, or a list of objects.
   static std::vector<JobObject> parseSeveral(const std::string& text, const std::filesystem::path& path);
 
-  /// An object that holds what a flag stands for. Errors name the flag and not a file: "FLAG: expected …, found
-  /// 'TEXT'".
+  /// An object for the value of a flag. Errors name the flag instead of a file: "FLAG: expected …, found 'TEXT'".
   static JobObject ofFlag(const nlohmann::json& value, const FlagText& flag);
 
-  /// throws: Error kUsage for a key that is not in `known`, naming the nearest key.
+  /// throws: Error kUsage for a key outside `known`, naming the nearest key.
   void requireKnown(std::initializer_list<std::string_view> known) const;
   void requireOneOf(std::span<const std::string_view> known) const;
   bool has(std::string_view key) const { return find(key) != nullptr; }
@@ -82,7 +80,7 @@ class JobObject {
   /// it.
   std::optional<double> format() const;
 
-  /// Empty where the key is not there. `expected` describes the legal values: "a number of degrees in (0, 180)".
+  /// Empty if the key is absent. `expected` describes the legal values: "a number of degrees in (0, 180)".
   std::optional<double> number(std::string_view key, std::string_view expected, bool (*legal)(double)) const;
   std::optional<double> number(std::string_view key, const NumberRange& range, std::string_view unit) const;
   std::optional<std::int64_t> integer(std::string_view key, std::int64_t least, std::int64_t most,
@@ -91,7 +89,7 @@ class JobObject {
   /// The place of the value in `names`.
   std::optional<std::size_t> choice(std::string_view key, std::span<const std::string_view> names) const;
   std::optional<bool> flag(std::string_view key) const;
-  /// A list of words, none of them twice: their places in `names`.
+  /// Reads a list of different words. Returns their places in `names`.
   std::optional<std::vector<std::size_t>> choices(std::string_view key, std::span<const std::string_view> names) const;
   std::optional<std::vector<std::string>> texts(std::string_view key, std::string_view expected) const;
   std::optional<std::vector<double>> numberList(std::string_view key, std::string_view expected,
@@ -110,11 +108,11 @@ class JobObject {
     return fill(key, expected, legal, out) ? std::optional(out) : std::nullopt;
   }
 
-  /// throws: Error kUsage at `key`: "expected …, found …", or `sentence` as it stands.
+  /// throws: Error kUsage at `key`: "expected …, found …"; or `sentence`, unchanged.
   [[noreturn]] void refuse(std::string_view key, std::string_view expected) const;
   [[noreturn]] void complain(std::string_view key, const std::string& sentence) const;
   const std::filesystem::path& path() const { return path_; }
-  /// "camera.fov": where `key` of this object is in the document.
+  /// Returns the path of `key` in the document: "camera.fov".
   std::string placeOf(std::string_view key) const;
 
  private:
@@ -134,7 +132,7 @@ class JobObject {
   std::shared_ptr<const FlagText> flag_;  // if the object stands for a flag
 };
 
-/// The ranges that keys have.
+/// The ranges of numeric keys.
 namespace legal {
 bool length(double v);
 bool fraction(double v);  // [0, 1]

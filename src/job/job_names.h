@@ -23,7 +23,7 @@ inline constexpr std::array<std::string_view, 3> kAovNames = {"depth", "normal",
 inline constexpr std::array<std::string_view, 6> kContentNames = {"picture", "color", "depth",
                                                                   "normal",  "value", "deep"};
 inline constexpr std::array<std::string_view, 3> kStereoEyeNames = {"left", "right", "both"};
-// The first five lose nothing.
+// The first five are lossless.
 inline constexpr std::array<std::string_view, 7> kExrCompressionNames = {"none", "rle",  "zips", "zip",
                                                                          "piz",  "dwaa", "dwab"};
 inline constexpr std::array<std::string_view, 4> kDistributionNames = {"auto", "tiles", "frames", "bricks"};

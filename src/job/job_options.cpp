@@ -24,7 +24,7 @@ using nlohmann::ordered_json;
 bool ofQuadtree(const RenderJob& job) { return job.speed.visibility.method == VisibilityMethod::kQuadtree; }
 bool ofOneVolume(const RenderJob& job) { return job.volumes.empty(); }
 
-// An option that `read` reads, if `schema` is all that is known of its values.
+// An option with a reader of its own. `schema` is all that the schema states about its values.
 template <class Read>
 OptionValue<RenderJob> custom(ordered_json schema, Read read) {
   OptionForm form;
@@ -157,7 +157,7 @@ Option<RenderJob> objectRow(std::string_view name, const Options<RenderJob>& ins
   return {name, objectValue(name, inside)};
 }
 
-// An object whose keys depend on each other.
+// An object with keys that depend on each other.
 Option<RenderJob> objectRow(std::string_view name, const Options<RenderJob>& inside,
                             void (*read)(const JobObject& object, RenderJob& job)) {
   Option<RenderJob> out = objectRow(name, inside);

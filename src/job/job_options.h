@@ -29,7 +29,7 @@ const Options<RenderJob>& jobOptions();
 /// The camera of a job, with its path.
 const Options<RenderJob>& cameraObjectOptions();
 
-/// Objects that a job holds several times, or that other documents hold too.
+/// Objects that a job may hold several times, or that other documents hold too.
 const Options<CameraSpec>& cameraOptions();
 const Options<Turntable>& turntableOptions();
 const Options<Stereo>& stereoOptions();
@@ -49,10 +49,10 @@ const Options<OutputFile>& outputFileOptions();
 /// Ends an error.
 inline constexpr std::string_view kMissingInterocular = "it is the distance between both eyes";
 
-/// The ranges that the schema names.
+/// The ranges with a name in the schema.
 std::vector<SharedRange> sharedRanges();
 
-/// Keyframes, and the schema of their list.
+/// Keyframes, and the schema of a list of keyframes.
 nlohmann::ordered_json keyframesSchema(std::string_view key);
 const Options<Key<CameraSpec>>& cameraKeyOptions();
 const Options<Key<Stereo>>& stereoKeyOptions();

@@ -1,5 +1,5 @@
-// Objects of a job that other documents have, too: a suite of measurements names cameras, materials and transfer
-// functions by the same keys.
+// Objects of a job in other documents: a suite of measurements has cameras, materials and transfer functions under the
+// same keys.
 #pragma once
 
 #include "job/job_json.h"
@@ -17,7 +17,7 @@ Light lightFrom(const JobObject& object);
 std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject& owner,
                                                                  std::string_view key = "transferFunction");
 
-/// Replaces the planes that are no faces of a box of the world by `clip`.
+/// Replaces the planes by `clip`, except faces of a box of the world.
 void replaceClipPlanes(const JobObject& owner, Clipping& clipping);
 
 void readPart(const JobObject& root, PictureOptions& picture);

@@ -1,4 +1,4 @@
-// Reads objects of a job whose keys depend on each other.
+// Reads objects of a job with keys that depend on each other.
 #include <algorithm>
 
 #include "base/error.h"
@@ -23,7 +23,7 @@ Shading shadingFrom(const JobObject& object) {
   return shading;
 }
 
-// A light's kind decides which place it has.
+// The kind of a light decides about its place.
 Light lightFrom(const JobObject& object) {
   Light light;
   if (const auto kind = object.choice("type", kLightNames)) light.kind = static_cast<LightKind>(*kind);
@@ -81,7 +81,7 @@ void readPart(const JobObject& root, PictureOptions& picture) {
   if (!picture.part) root.refuse("part", "\"I/N\", I from 1 to N, or a box of voxels [x0, y0, z0, x1, y1, z1]");
 }
 
-// Options of one volume that each of several volumes has for itself.
+// Options of a job with one volume; with several volumes, each volume has its own.
 void readVolumes(const JobObject& root, RenderJob& job) {
   for (const char* key : {"volume", "transferFunction", "window", "region"}) {
     if (root.has(key)) root.complain(key, "is each volume's own where there are several; put it into \"volumes\"");

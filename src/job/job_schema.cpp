@@ -1,4 +1,4 @@
-// The schema is made of the tables of options: a definition for each object, and ranges that many keys share.
+// The schema is made of the tables of options: a definition per object, and ranges that many keys share.
 #include "job/job_schema.h"
 
 #include <fmt/format.h>
@@ -32,7 +32,7 @@ void requireOneOf(std::initializer_list<const char*> keys, ordered_json& object)
   for (const char* key : keys) object["oneOf"].push_back({{"required", {key}}});
 }
 
-// An object that holds keys at frames and nothing else.
+// An object that holds keys at frames only.
 void addKeyframes(const std::string& name, const std::string& key, ordered_json& definitions) {
   definitions[name] = {{"type", "object"},
                        {"properties", {{"keyframes", keyframesSchema(key)}}},

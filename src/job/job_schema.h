@@ -5,7 +5,7 @@
 
 namespace kiln {
 
-/// JSON Schema (draft 2020-12) of a job. Jobs may also have comments, which a schema cannot describe.
+/// JSON Schema (draft 2020-12) of a job. Jobs may have comments, which a schema cannot describe.
 std::string jobSchemaText();
 
 }  // namespace kiln

@@ -1,5 +1,5 @@
-// A job written out with every choice made. What does not change the picture (how fast, where to) is left out, so that
-// equal pictures have equal EXR headers.
+// Writes a job with every choice made. Leaves out speed and names of outputs, so that equal pictures have equal EXR
+// headers.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// The camera as a job that names all of it.
+// Returns the camera as a job that sets every key.
 CameraSpec specOf(const Camera& camera) {
   CameraSpec out;
   out.projection = camera.projection;

@@ -1,4 +1,4 @@
-// Which views of a scene a job draws, and into which files: both eyes of a pair, deep images, panoramas.
+// The views of a scene and their files: both eyes of a pair, deep images, panoramas.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// One walk over the text, which is known to be JSON: into the values that hold the place, over all others, so that it
-// goes no deeper than the place has parts, however deep a text is nested.
+// Finds a place in a text that is valid JSON, in one walk. Enters only values that contain the place and skips all
+// others, so that the recursion is as deep as the place, however deep the text is nested.
 #include "job/json_place.h"
 
 #include <fmt/format.h>

@@ -6,9 +6,9 @@
 
 namespace kiln {
 
-/// The line, from 1 on, of the value that `place` ("camera.keyframes[2].fov", "" for the root) names: of its key, or of
-/// the item of a list. Where it is not there, that of what should hold it. requires: `text` is JSON; comments are
-/// allowed.
+/// Returns the line, from 1 on, of the value at `place` ("camera.keyframes[2].fov"; "" is the root): the line of its
+/// key or list item. If the value is absent, returns the line of the nearest enclosing value. requires: `text` is JSON;
+/// comments are allowed.
 std::size_t lineOfPlace(std::string_view text, std::string_view place);
 
 }  // namespace kiln

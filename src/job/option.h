@@ -1,6 +1,5 @@
-// An option is one row of a table: its key in a job, its flag on the command line, the member that keeps it, the values
-// that are legal, and its help. The parser, the JSON schema, the command line, the resolved job, the manual and the
-// completion are made of the rows (job/README.md).
+// An option is one row of a table: key in a job, flag on the command line, member, legal values, help. The parser, the
+// JSON schema, the command line, the resolved job, the manual and the completion are made of the rows (job/README.md).
 #pragma once
 
 #include <functional>
@@ -17,17 +16,17 @@
 
 namespace kiln {
 
-/// The legal values of an option, without the member that keeps them.
+/// The legal values of an option, independent of its member.
 struct OptionForm {
   nlohmann::ordered_json schema;
   // The rest describes the flag.
   JobFlag::Arguments arguments = JobFlag::Arguments::kOne;
-  std::string value_name;          // "VOXELS", "pixel|voxel"
-  std::string expected;            // the legal texts, for errors
-  std::string limits;              // "0.25 to 1", for help
-  std::vector<std::string> words;  // for completion
-  nlohmann::json present = true;   // the value of a flag without an argument
-  bool number = false;             // a text that is no number is refused before the job is read
+  std::string value_name;                                   // "VOXELS", "pixel|voxel"
+  std::string expected;                                     // the legal texts, for errors
+  std::string limits;                                       // "0.25 to 1", for help
+  std::vector<std::string> words;                           // for completion
+  nlohmann::json present = true;                            // the value of a flag without an argument
+  bool number = false;                                      // text that is no number is refused before the job is read
   std::function<nlohmann::json(const std::string&)> parse;  // a text as a value of a job; null for illegal texts
 };
 
@@ -43,7 +42,8 @@ struct OptionValue {
   /// Reads the key. requires: the object has the key. throws: Error kUsage naming the key or the flag.
   std::function<void(const JobObject&, std::string_view key, Owner&)> read;
   std::function<nlohmann::ordered_json(const Owner&)> write;  // null: no value
-  /// Returns whether the option is part of the resolved job: options that change the picture. Empty: never.
+  /// Returns true if the option is part of the resolved job, which holds the options that change the picture. Empty:
+  /// never.
   std::function<bool(const Owner&)> resolved;
   /// The options of an object, and its name in the schema.
   Options<Owner> inside;
@@ -70,7 +70,7 @@ struct OptionValue {
 
 template <class Owner>
 struct Option {
-  std::string_view key;  // in the object that the table describes; empty: the flag stands for several keys of the table
+  std::string_view key;   // a key of the table's object; empty: the flag sets several keys of the table
   std::string_view flag;  // empty: no flag
   OptionGroup group = OptionGroup::kOutput;
   OptionValue<Owner> value;
@@ -107,7 +107,7 @@ std::vector<std::string_view> keysOf(const Options<Owner>& options) {
   return out;
 }
 
-/// Reads the keys that the object has and ignores keys of other tables.
+/// Reads the keys of the table from the object and ignores other keys.
 template <class Owner>
 void readKnown(const Options<Owner>& options, const JobObject& object, Owner& owner) {
   for (const Option<Owner>& option : options) {
@@ -125,7 +125,7 @@ void readOptions(const Options<Owner>& options, const JobObject& object, Owner& 
   readKnown(options, object, owner);
 }
 
-/// The part of the resolved job that the options hold.
+/// Returns the options' part of the resolved job.
 template <class Owner>
 nlohmann::ordered_json resolvedJson(const Options<Owner>& options, const Owner& owner) {
   auto out = nlohmann::ordered_json::object();
@@ -171,7 +171,7 @@ const T* ifThere(const std::optional<T>& value) {
 }
 }  // namespace option_detail
 
-/// The options of a member as options of its owner. A std::optional member is made when it is read.
+/// Returns the options of a member as options of its owner. Reading makes a std::optional member.
 template <class Owner, class Inner, class Member>
 Options<Owner> optionsIn(const Options<Inner>& inner, Member member) {
   using option_detail::ifThere;

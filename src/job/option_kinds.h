@@ -1,5 +1,5 @@
-// The kinds of values that options have. A kind reads a value from a job, parses the text of a flag, writes the value
-// into a resolved job, and describes itself for the schema, help and errors.
+// The kinds of option values. A kind reads a value from a job, parses the text of a flag, writes the value into a
+// resolved job, and describes itself for the schema, help and errors.
 #pragma once
 
 #include <filesystem>
@@ -47,7 +47,7 @@ struct Whole {
   }
 };
 
-/// One of a few whole numbers, or "auto", which is an empty std::optional.
+/// One of a few whole numbers, or "auto", an empty std::optional.
 struct WholeChoice {
   std::vector<int> numbers;
   OptionForm form() const;
@@ -121,7 +121,7 @@ struct AovList {
   nlohmann::ordered_json write(const Aovs& aovs) const;
 };
 
-/// A text that is not empty. The command line may empty it.
+/// A text that is not empty; only the command line may clear the text.
 struct Text {
   std::string_view what;  // "a name"
   std::string_view value_name = "TEXT";
@@ -190,7 +190,7 @@ struct BackgroundColors {
   nlohmann::ordered_json write(const Background& background) const;
 };
 
-/// The pixels that are drawn.
+/// The rectangle of drawn pixels.
 struct PixelBox {
   OptionForm form() const;
   void read(const JobObject& object, std::string_view key, std::optional<PixelRect>& out) const;
@@ -204,7 +204,7 @@ struct VoxelBounds {
   nlohmann::ordered_json write(const std::optional<VoxelBox>& box) const;
 };
 
-/// A box of the world. The resolved job has its faces among the clip planes.
+/// A box of the world. The resolved job has the faces of the box among the clip planes.
 struct WorldBounds {
   OptionForm form() const;
   void read(const JobObject& object, std::string_view key, Clipping& out) const;
@@ -222,13 +222,13 @@ struct ValueWindow {
 template <class Item>
 struct ListOf {
   const Options<Item>& options;
-  std::string_view name;  // of an object in the schema
+  std::string_view name;  // name of the object in the schema
   ListLimit limit;
   std::string_view expected;
   std::size_t least = 0;
   void (*check)(const JobObject& item, const std::vector<Item>& so_far) = nullptr;
   Item (*item_from)(const JobObject& object) = nullptr;
-  /// Of a flag that adds an item: the text as a list of one.
+  /// For a flag that adds an item: reads the text as a list of one item.
   std::string_view value_name = {}, flag_expected = {};
   nlohmann::json (*parse)(const std::string& text) = nullptr;
 
@@ -264,17 +264,17 @@ struct ListOf {
   }
 };
 
-/// The numbers of "a,b,c" as a list; null where the text is none.
+/// Returns the numbers of "a,b,c" as a list; null for other texts.
 nlohmann::json numbersOfText(const std::string& text, char separator = ',');
 /// The three numbers of "r,g,b" as a list, or a colour's name as it stands; null where the text is no colour.
 nlohmann::json colorOfText(const std::string& text);
 
-/// Returns "expected …, found …" for a text that has no legal form, else an empty text.
+/// Returns "expected …, found …" for a text without legal form, else an empty text.
 std::string refusalOfText(const OptionForm& form, const std::string& text);
 /// The text of a flag as a value of a job. throws: Error kUsage naming the flag.
 nlohmann::json valueOfText(const OptionForm& form, const std::string& text, std::string_view flag);
 
-/// The value of a flag of a command that reads no job. throws: Error kUsage naming the flag.
+/// Reads the value of a flag of a command without a job. throws: Error kUsage naming the flag.
 template <class T, class Kind>
 T valueOfFlag(const Kind& kind, const std::string& text, const std::string& flag) {
   const OptionForm form = kind.form();

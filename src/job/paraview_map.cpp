@@ -17,7 +17,7 @@ constexpr std::array<ColorSpace, 7> kSpaces = {ColorSpace::kRgb,      ColorSpace
                                                ColorSpace::kDiverging};
 
 bool flagOf(const JobObject& object, std::string_view key) {
-  // ParaView writes these as true or 1.
+  // ParaView writes true or 1.
   return object.has(key) && (object.isNumber(key) ? object.integer(key, 0, 1) == 1 : *object.flag(key));
 }
 

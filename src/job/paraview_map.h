@@ -1,6 +1,5 @@
-// ParaView's colour-map JSON, as its editor exports it and as collections of maps are shared: an object, or a list of
-// them, with RGBPoints [value, r, g, b, …], ColorSpace, and where it has opacity Points [value, opacity, midpoint,
-// sharpness, …].
+// ParaView's colour-map JSON, as exported by its editor and shared in collections: an object or a list of objects, with
+// RGBPoints [value, r, g, b, …], ColorSpace, and for opacity Points [value, opacity, midpoint, sharpness, …].
 #pragma once
 
 #include <optional>
@@ -14,17 +13,15 @@ namespace kiln {
 struct ParaViewMap {
   ColorMap colors;
   std::optional<OpacityCurve> opacity;
-  /// Whether the colours run from 0 to 1: such a map is made for any data and is stretched over the data's range, with
-  /// its opacity.
+  /// True if the colours run from 0 to 1. Such a map, with its opacity, is stretched over the range of the data.
   bool normalised() const;
 };
 
 /// Returns whether the object has the keys of a ParaView colour map.
 bool isParaViewMap(const JobObject& object);
 
-/// Keys that say nothing about colour or opacity are passed over, NanColor too, for NaN is transparent here. throws:
-/// Error kUsage naming the key (wrong counts, colours outside 0..1, nothing but categories), kUnsupported for a
-/// logarithmic scale.
+/// Ignores keys without effect on colour or opacity, and NanColor, because NaN is transparent. throws: Error kUsage
+/// naming the key (wrong counts, colours outside 0..1, categories only), kUnsupported for a logarithmic scale.
 ParaViewMap paraViewMapFrom(const JobObject& object);
 
 }  // namespace kiln

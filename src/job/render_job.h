@@ -1,6 +1,5 @@
-// A render job: what the picture is, and, apart, how fast it appears. Nothing in the second group changes a bit of the
-// picture; the one exception is the quadtree, an approximation. The JSON form and its keys are those of the command
-// line.
+// A render job: the picture, and separately the speed. Options of speed change no bit of the picture; the only
+// exception is the quadtree, an approximation. JSON keys have the names of command line options.
 #pragma once
 
 #include <array>
@@ -28,11 +27,11 @@
 
 namespace kiln {
 
-/// The picture's content: everything that changes its pixels.
+/// Everything that changes the picture's pixels.
 struct PictureOptions {
   ImageSize size;
-  std::optional<PixelRect> crop;  // the pixels of the whole picture that are drawn; else all
-  std::optional<int> samples;  // sub-pixels that a pixel is made of: 1, 2, 4 or 16; else as job/auto_samples.h has it
+  std::optional<PixelRect> crop;  // the pixels of the whole picture to draw; absent: all
+  std::optional<int> samples;     // sub-pixels of a pixel: 1, 2, 4 or 16; absent: chosen by job/auto_samples.h
   Background background;
   Mode mode{};
   Aovs aovs;
@@ -41,7 +40,7 @@ struct PictureOptions {
   std::optional<Stereo> stereo;  // draw one eye of a pair, or both, of which the camera is the middle
   /// "auto" is grey from black to white over the range of values where a value is projected.
   TransferFunctionChoice transfer_function = std::string("auto");
-  std::optional<Window> window;  // the transfer function's first and last points lie at its ends
+  std::optional<Window> window;  // the values of the transfer function's first and last points
   Shading shading;
   Clipping clipping;
   std::optional<PartNumber> part;  // a part of the volume by number, instead of clipping.part
@@ -55,12 +54,12 @@ struct PictureOptions {
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };
 
-/// Returns whether the job sets more than one sample a pixel.
+/// Returns true if the job sets more than one sample a pixel.
 bool oversamples(const PictureOptions& picture);
 /// Returns whether the number is 1, 2, 4 or 16.
 bool samplesKnown(int samples);
-/// Sub-pixels along a pixel's edge; of two samples a pixel, half of them are left out. throws: Error kUsage where
-/// `samples` is none of these.
+/// Returns the number of sub-pixels along a pixel's edge; two samples a pixel use half of the sub-pixels. throws: Error
+/// kUsage for other numbers than 1, 2, 4 and 16.
 int subPixelsAlongEdge(int samples);
 /// Returns the engine of a picture of one volume.
 EngineChoice engineOf(const PictureOptions& picture);
@@ -77,7 +76,7 @@ struct SpeedOptions {
   VisibilityOptions visibility;
   std::uint64_t memory_bytes = 2ull << 30;
   unsigned threads = 0;  // 0: all
-  int tile_px = 64;      // a power of two from 64 on; 0: the frame is one tile, drawn by one thread
+  int tile_px = 64;      // a power of two from 64 on; 0: the frame is one tile and has one thread
 };
 
 /// The content of a file: colours, in an EXR with the requested planes; colours alone; the planes of depth, normals or
@@ -87,53 +86,55 @@ enum class Content { kPicture, kColor, kDepth, kNormal, kValue, kDeep };
 struct OutputFile {
   std::filesystem::path path;
   Content content = Content::kPicture;
-  std::optional<StereoEye> eye;  // the eye of a stereo pair that the file holds; else both
+  std::optional<StereoEye> eye;  // the eye in the file; absent: both
 };
 
-/// Frames one after the other in a file that another program makes, which must be there.
+/// A video file that another program makes of the frames. The program must be installed.
 struct VideoOptions {
   std::filesystem::path path;  // .mp4, .mov, .mkv or .webm; empty for none
   FrameRate rate;
-  std::filesystem::path encoder;  // the program: ffmpeg, or what takes its arguments
+  std::filesystem::path encoder;  // the program: ffmpeg, or another with equal arguments
 };
 
-/// Options of the files. All files of one kind are written with the same options.
+/// Options of files. All files of a kind are written with equal options.
 struct OutputOptions {
   std::filesystem::path path;
   bool exr_float = false;               // else half; a partial image is always float
-  std::string exr_compression = "zip";  // one of kExrCompressionNames
+  std::string exr_compression = "zip";  // a name of kExrCompressionNames
   std::string owner, comments;          // in a file's header, if not empty
-  bool statistics_in_header = false;    // which then is another each time
+  bool statistics_in_header = false;    // makes each header different
   bool deep = false;                    // the picture at `path` is Content::kDeep
   DeepBound deep_bound;                 // bound of every deep file
   int png_bits = 8;                     // 8 or 16
-  std::vector<OutputFile> files;        // more of the same frame
+  std::vector<OutputFile> files;        // more files of the same frame
   VideoOptions video;
 };
 
-/// The names of a job's pictures, the rest of its files and its video, those that there are.
+/// Returns the names of a job's pictures, other files and video, as far as present.
 std::vector<std::filesystem::path> namesOf(const OutputOptions& output);
 /// Returns whether the name has a video's ending.
 bool isVideo(const std::filesystem::path& path);
-/// Makes the path the video or the picture, whichever its name ends as.
+/// Sets the video or the picture, by the ending of the path.
 void putOutput(const std::filesystem::path& path, OutputOptions& output);
 
-/// One of several volumes in one picture, each where its affine has it. What they have in common is the picture's:
-/// lights, planes that cut all, level, interpolation, distance of samples.
+/// A volume of a picture with several volumes, placed by its own affine. Lights, planes through all volumes, level,
+/// interpolation and distance of samples are the picture's.
 struct VolumeOptions {
   std::filesystem::path volume;
-  bool labels = false;  // a foreign file's values are labels, as `kiln convert --labels` has it
+  bool labels = false;  // the values of a foreign file are labels (`kiln convert --labels`)
   TransferFunctionChoice transfer_function = std::string("auto");
   std::vector<Key<TransferFunctionChoice>> functions;  // if there are any, instead
   std::optional<Window> window;
-  std::optional<Shading> shading;  // else the picture's; its lights say nothing
-  Clipping clipping;               // of this volume alone
+  std::optional<Shading> shading;  // absent: the picture's; lights in it are ignored
+  Clipping clipping;               // for the volume alone
 };
 
 struct SeriesLook;
 
-/// Distribution of a job over ranks: whole frames or tiles of frames, whichever reads fewer bytes (kAuto); always
-/// tiles; always frames; or bricks, of which each rank draws its own in every frame.
+/// Distribution of a job over ranks.
+/// - kAuto: tiles of frames or whole frames, whichever reads fewer bytes.
+/// - kTiles, kFrames: always tiles, always frames.
+/// - kBricks: each rank draws its own bricks in every frame.
 enum class Distribution { kAuto, kTiles, kFrames, kBricks };
 
 /// `volume` and `output.path` may have a place for the frame's number (job/frame_list.h).
@@ -144,58 +145,56 @@ struct RenderJob {
   std::vector<VolumeOptions> volumes;
   PictureOptions picture;
   Animation animation;
-  std::vector<int> frames;  // in the order they are drawn; where it is empty, those of the animation
+  std::vector<int> frames;  // in the order of drawing; empty: all frames of the animation
   SpeedOptions speed;
   Distribution distribution = Distribution::kAuto;
-  bool share_reads = true;  // each brick file is read by one rank for all ranks that share tiles or frames
+  bool share_reads = true;  // one rank reads a brick file for all ranks that share tiles or frames
   OutputOptions output;
   std::filesystem::path trace;  // file of the trace of all threads; empty for none
-  /// Decides camera and colours of all frames of a time series; null where each frame uses its own volumes. Not part
-  /// of a job's text.
+  /// Camera and colours of all frames of a time series; null: each frame uses its own volumes. Not part of a job's
+  /// text.
   std::shared_ptr<const SeriesLook> series;
 };
 
 /// Returns whether anything changes from frame to frame.
 bool moves(const RenderJob& job);
-/// The frames that the job draws: those it names, else the animation's.
+/// Returns the frames to draw: the job's list, or all frames of the animation.
 std::vector<int> framesOf(const RenderJob& job);
 /// Returns the engine that draws the job.
 EngineChoice engineOf(const RenderJob& job);
-/// throws: Error kUsage where the job draws a partial image that could not be composited, or not be written.
+/// throws: Error kUsage for a partial image that could not be composited or written.
 void requirePart(const RenderJob& job);
-/// throws: Error kUsage where the job draws several volumes in a way that only one is drawn in.
+/// throws: Error kUsage for several volumes with an option that draws one volume.
 void requireVolumes(const RenderJob& job);
-/// Makes the job's one volume the first of several. requires: there are no others yet.
+/// Makes the job's single volume the first of several. requires: `volumes` is empty.
 void makeFirstOfSeveral(RenderJob& job);
 
 /// Returns whether a file of the job is deep.
 bool drawsDeep(const RenderJob& job);
-/// Names the kind of frame that cannot be drawn tile by tile, in words; null where tiles are possible.
+/// Returns a name for a kind of frame that cannot be drawn in tiles; null if tiles are possible.
 const char* viewWithoutTiles(const RenderJob& job);
-/// throws: Error kUsage where the job draws a deep image or a stereo pair that its scene has not, or that could not be
-/// written.
+/// throws: Error kUsage for a deep image or a stereo pair that the scene does not allow, or that could not be written.
 void requireViews(const RenderJob& job);
-/// The pictures that are drawn of one frame: the picture, or, where it is of both eyes, the left's and the right's.
+/// Returns the pictures of one frame: the picture itself, or the left and the right eye's.
 std::vector<PictureOptions> eyesOf(const PictureOptions& picture);
-/// The files, of those with a place for the name of an eye one of each eye that is drawn.
+/// Returns the files. A file with a place for the name of an eye is listed once per drawn eye.
 std::vector<OutputFile> ofEyes(const std::vector<OutputFile>& files, const std::optional<Stereo>& stereo);
 
-/// Reads a job; paths in it are relative to the job's folder; comments are allowed. `volume` is required, an absent
-/// `output` leaves an empty path. A `transferFunction` text is a preset, or a file where it has a dot or a slash.
-/// throws: Error naming file, line or key, what was found and what was expected: kFormat where the text is not JSON or
-/// has a key twice, kUsage for an unknown key (naming the nearest known one) or a wrong value, kUnsupported for what a
-/// later version may do; readJob also kNotFound, kIo.
+/// Reads a job. Paths are relative to the job's folder; comments are allowed. `volume` is required; without `output`
+/// the path is empty. A `transferFunction` text with a dot or a slash is a file, otherwise a preset.
+/// throws: Error naming file, line or key, found and expected value: kFormat for a text that is not JSON or has a key
+/// twice; kUsage for an unknown key (naming the nearest known key) or a wrong value; kUnsupported for features of later
+/// versions; readJob also kNotFound, kIo.
 RenderJob parseJob(const std::string& text, const std::filesystem::path& path);
 RenderJob readJob(const std::filesystem::path& path);
 
-/// The job as JSON with every choice about the picture made: what an EXR header keeps. `camera` and `transfer_function`
-/// are the resolved ones. How fast and where to are left out, so that equal pictures have equal headers; `parseJob` of
-/// the text gives the same picture.
-/// Of several volumes each has its resolved function.
+/// Returns the job as JSON with every choice about the picture made, as in EXR headers. `camera` and
+/// `transfer_function` are the resolved values; with several volumes each volume has its resolved function. Speed and
+/// outputs are left out, so that equal pictures have equal headers. `parseJob` of the text gives an equal picture.
 std::string resolvedJobText(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
 
-/// Which keys of two such texts differ, the first few, as "shading.ambient is 0.2 there and 0.3 here"; names of volumes
-/// aside. Empty where none does, or one is no such text.
+/// Returns the first few differing keys of two such texts, as "shading.ambient is 0.2 there and 0.3 here". Ignores
+/// names of volumes. Empty without a difference, or if a text is no resolved job.
 std::string jobDifference(const std::string& there, const std::string& here);
 
 }  // namespace kiln

@@ -12,7 +12,7 @@ namespace kiln {
 struct SeriesLook {
   /// A joined volume for each volume of the job, all placed in a shared world (Manifest::placeIn).
   std::vector<Manifest> volumes;
-  std::string frames;  // the joined frames, as parseFrames reads them
+  std::string frames;  // the joined frames, as a text for parseFrames
   /// A sentence on the joined frames, for users.
   std::string choice;
 };

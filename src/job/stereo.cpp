@@ -19,7 +19,7 @@ View resolve(const Camera& camera, const std::optional<Stereo>& stereo, const Im
   if (stereo->eye == StereoEye::kBoth) return view;
   const double offset = (stereo->eye == StereoEye::kLeft ? -0.5 : 0.5) * stereo->interocular;
   const double convergence = stereo->convergence.value_or(glm::length(camera.target - camera.eye));
-  // A point has its x in view space less by the offset.
+  // The eye moves by the offset, so x of every point in view space decreases by the offset.
   const glm::dvec3 right(view.view_from_world[0][0], view.view_from_world[1][0], view.view_from_world[2][0]);
   view.eye_world += offset * right;
   view.view_from_world[3][0] -= offset;

@@ -1,5 +1,5 @@
-// One eye of a pair, or both: they look in parallel, and their pictures are shifted so that what is at the distance of
-// convergence has the same place in both. Nothing is turned in, so that no height differs.
+// Stereo pairs. Both eyes look in parallel. Their pictures are shifted so that points at the distance of convergence
+// have equal places in both. Without toe-in, heights are equal, too.
 #pragma once
 
 #include <filesystem>
@@ -21,14 +21,13 @@ struct Stereo {
 
 inline bool drawsBothEyes(const std::optional<Stereo>& stereo) { return stereo && stereo->eye == StereoEye::kBoth; }
 
-/// The view of the camera, or where `stereo` is given, of that eye of a pair of which the camera is the middle; of both
-/// eyes, the middle's. throws: as resolve; Error kUsage for a camera that is not a perspective one, in which depth
-/// shifts nothing.
+/// Returns the view of the camera, or of the eye that `stereo` selects; for both eyes, the view of the middle. throws:
+/// as resolve; Error kUsage for a camera without perspective, because depth then shifts nothing.
 View resolve(const Camera& camera, const std::optional<Stereo>& stereo, const ImageSize& size);
 
 /// Returns whether the path has a place for the name of an eye: "%V", or "%v" for its first letter.
 bool hasEyePlace(const std::filesystem::path& pattern);
-/// The path with "left" or "right" (or "l", "r") in each such place. requires: one eye.
+/// Returns the path with "left" or "right" (or "l", "r") in each place for an eye. requires: one eye.
 std::filesystem::path pathOfEye(const std::filesystem::path& pattern, StereoEye eye);
 
 }  // namespace kiln

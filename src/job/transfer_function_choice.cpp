@@ -18,10 +18,10 @@ constexpr std::uint64_t kLargestFile_bytes = 16u << 20;
 
 struct FileAndName {
   fs::path file;
-  std::string name;  // empty where none is given
+  std::string name;  // empty if absent
 };
 
-// A '#' belongs to the file's name where there is such a file.
+// A '#' is part of the file's name if such a file exists.
 FileAndName parted(const fs::path& given) {
   const std::string text = given.string();
   const std::size_t hash = text.rfind('#');

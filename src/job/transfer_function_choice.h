@@ -11,8 +11,7 @@
 
 namespace kiln {
 
-/// The name of a preset, a transfer function file (FILE, or FILE#NAME for one of several maps in it), or the function
-/// itself.
+/// The name of a preset, a transfer function file (FILE, or FILE#NAME for one map of several), or the function itself.
 using TransferFunctionChoice = std::variant<std::string, std::filesystem::path, TransferFunction>;
 
 /// Values from centre - width/2 to centre + width/2, as radiologists set it. unit: the volume's values.
@@ -21,7 +20,7 @@ struct Window {
   bool operator==(const Window&) const = default;
 };
 
-/// The file without #NAME: what must exist.
+/// Returns the file without #NAME.
 std::filesystem::path fileOf(const std::filesystem::path& file_and_name);
 
 /// Reads the `transferFunction` object of a job, or ParaView's colour maps; which, the content says. A map of

@@ -1,4 +1,4 @@
-// The `transferFunction` of a job, and the same object as a file of its own.
+// The `transferFunction` of a job, which may also be a file of its own.
 #pragma once
 
 #include "job/job_json.h"

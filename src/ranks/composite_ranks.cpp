@@ -36,7 +36,7 @@ void forEachRun(SomeImage& image, const PixelRect& rect, int y, const F& f) {
     f(plane.values.data() + static_cast<std::ptrdiff_t>(y) * image.width + rect.x0, width);
 }
 
-// Packs the rectangle of rows [y0, y1) that shows something.
+// Packs the visible rectangle of rows [y0, y1).
 std::vector<std::byte> packedRows(const Image& image, int y0, int y1) {
   const PixelRect rect = shownIn(image, y0, y1);
   std::vector<std::byte> out;
@@ -51,7 +51,7 @@ std::vector<std::byte> packedRows(const Image& image, int y0, int y1) {
   return out;
 }
 
-// A rectangle that packedRows packed, as an image with its place.
+// An unpacked rectangle: an image with its place.
 struct Strip {
   PixelRect rect;
   Image image;
@@ -76,7 +76,7 @@ Strip stripFrom(const std::vector<std::byte>& bytes, const Aovs& aovs) {
 Image compositeDirectly(Ranks& ranks, Image& part, const Aovs& aovs, std::span<const int> order,
                         float opacity_threshold) {
   const int me = ranks.rank();
-  // The strip of rows that a rank composites.
+  // The strip of rows of one rank.
   const auto rowOf = [&](int rank) { return static_cast<int>(std::int64_t{part.height} * rank / ranks.count()); };
   const auto stripFor = [&](int rank) { return packedRows(part, rowOf(rank), rowOf(rank + 1)); };
   for (int to = 0; to < ranks.count(); ++to) {

@@ -10,10 +10,10 @@
 namespace kiln {
 namespace {
 
-// Weight of a brick that shows nothing: testing the brick costs a little. unit: whole visible bricks.
+// Weight of an invisible brick: testing the brick costs a little. unit: whole visible bricks.
 constexpr double kLeastShare = 0.001;
 
-// Returns the share of a brick that may show something, from 0 to 1.
+// Returns the share of a brick that may be visible, from 0 to 1.
 double interestingPart(const BrickEntry& entry, const Classifier& classifier) {
   if (!classifier.interesting(entry.core)) return 0;
   if (!entry.sub_ranges) return 1;

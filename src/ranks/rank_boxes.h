@@ -10,9 +10,9 @@
 
 namespace kiln {
 
-/// Returns one box per rank, cut between bricks of level 0 where an axis has two bricks. A brick weighs as much as the
-/// sub-bricks in it that may show something. cost: bricks times log(ranks). throws: Error kUsage where the volume has
-/// too few voxels.
+/// Returns one box per rank, cut between bricks of level 0 along axes with two bricks or more. A brick weighs as much
+/// as its sub-bricks that may be visible. cost: bricks times log(ranks). throws: Error kUsage for a volume with too few
+/// voxels.
 std::vector<VoxelBox> boxesForRanks(const StoreReader& store, const TransferFunction& function, int ranks);
 
 }  // namespace kiln

@@ -20,7 +20,7 @@ struct FrameReport {
 std::vector<std::byte> packed(const FrameReport& report);
 FrameReport reportFrom(const std::vector<std::byte>& bytes);
 
-/// throws: Error kIo where a message was longer or shorter than the values taken from it.
+/// throws: Error kIo if a message is longer or shorter than the values taken.
 void requireTaken(const ByteTaker& taker);
 
 }  // namespace kiln

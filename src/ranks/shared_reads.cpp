@@ -13,7 +13,7 @@
 namespace kiln {
 namespace {
 
-// Tag of all messages here; frames and conversions have other tags.
+// Tag of all messages; frames and conversions have other tags.
 constexpr int kReadsTag = 800;
 // Polling interval for messages: while an answer is expected, and otherwise.
 constexpr std::chrono::microseconds kShortPause(100), kLongPause(1000);
@@ -125,7 +125,7 @@ void SharedReads::countRead(const std::vector<std::byte>& file) {
   counts_.read_bytes += file.size();
 }
 
-// Requests a file from its home. Returns nothing where the home has no valid file.
+// Requests a file from its home. Returns nothing if the home has no valid file.
 std::optional<BrickFile> SharedReads::ask(int home, const StoreReader& store, const BrickKey& key) {
   ProfileScope span(Activity::kRead);
   if (span.traced()) {
@@ -273,7 +273,7 @@ void SharedReads::finish() {
     if (failure_) std::rethrow_exception(failure_);
   }
   ranks_.barrier();
-  // All ranks have their answers; only acknowledgements are still on their way.
+  // All ranks have their answers; only acknowledgements are on their way.
   Lock lock(mutex_);
   changed_.wait(lock, [&] { return abandoned_ || (questions_.empty() && serving_ == 0 && serving_bytes_ == 0); });
 }

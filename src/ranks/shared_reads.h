@@ -1,8 +1,8 @@
-// Problem: ranks that draw the same volumes read each brick file once among all of them.
-// Method: every file has a home rank, known to all. The home keeps the file's bytes and sends them on request. A rank
-// that gets no bytes (the home cannot read the file, or has another volume open) reads the file itself.
-// Invariant: errors are those of reading locally. No cycle of waiting ranks exists: server threads never request files,
-// and a thread of its own receives messages while the rank draws, waits or has finished.
+// Problem: ranks that draw the same volumes read each brick file once among all ranks.
+// Method: every file has a home rank, known to all ranks. The home keeps the file's bytes and sends them on request. A
+// rank reads a file itself if the home cannot read the file or has another volume open.
+// Invariant: errors are the errors of local reads. No cycle of waiting ranks exists: server threads never request
+// files, and a separate thread receives messages while the rank draws, waits or has finished.
 #pragma once
 
 #include <condition_variable>
@@ -32,7 +32,7 @@ struct BrickHome {
 
 class SharedReads : public BrickFiles {
  public:
-  /// Every rank has one instance and calls `finish`. requires: `ranks` outlives this.
+  /// Every rank has one instance and calls `finish`. requires: `ranks` outlives the object.
   explicit SharedReads(Ranks& ranks);
   ~SharedReads() override;
   SharedReads(const SharedReads&) = delete;
@@ -40,11 +40,11 @@ class SharedReads : public BrickFiles {
 
   /// Returns the size of the stores' largest brick file. unit: bytes.
   static std::uint64_t largestFileOf(const std::vector<const StoreReader*>& stores);
-  /// Returns the part of `left_bytes` that holds shared files; 0 where files of `largest_bytes` do not fit.
+  /// Returns the part of `left_bytes` for shared files; 0 if files of `largest_bytes` do not fit.
   static std::uint64_t shareOf(std::uint64_t budget_bytes, std::uint64_t left_bytes, std::uint64_t largest_bytes);
 
-  /// Sets the homes of the bricks that a frame needs; all other bricks get a home by hash. requires: equal arguments on
-  /// all ranks, before the first fetch.
+  /// Sets the homes of the bricks of a frame; other bricks get a home by hash. requires: equal arguments on all ranks,
+  /// before the first fetch.
   void settle(const std::vector<BrickHome>& homes);
 
   /// Starts to fetch and send files of these stores, within `bytes` of memory. requires: no stores are open; `bytes` is
@@ -55,10 +55,10 @@ class SharedReads : public BrickFiles {
 
   BrickFile fetch(const StoreReader& store, const BrickKey& key) override;
 
-  /// Collective. Each rank reads later fetches itself; returns once no rank has an open request. throws: the error that
+  /// Collective. Each rank reads later fetches itself. Returns once no rank has an open request. throws: the error that
   /// stopped the receiving thread.
   void finish();
-  /// Wakes all waiting threads without an answer, after this rank has failed.
+  /// Wakes all waiting threads without an answer after this rank has failed.
   void abandon();
 
   SharedReadCounts counts() const;

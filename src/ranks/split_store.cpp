@@ -18,7 +18,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// Returns the voxels of level 0 that a voxel of the level spans along each axis.
+// Returns the extent of a voxel of the level, in voxels of level 0 along each axis.
 Extent3 spanOf(const Manifest& volume, int level) {
   const auto edge = [&](int of, int axis) {
     return glm::length(glm::dvec3(volume.levels[static_cast<std::size_t>(of)].geometry.world_from_index[axis]));

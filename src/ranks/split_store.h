@@ -1,5 +1,5 @@
 // Cuts a store into parts for machines with disks of their own. A part holds the whole manifest and index, and at each
-// level the bricks that drawing one box of the volume reads.
+// level the bricks for drawing one box of the volume.
 #pragma once
 
 #include <filesystem>
@@ -16,20 +16,19 @@ struct StorePart {
   bool was_there = false;   // an earlier call made the part
 };
 
-/// Writes the part of the store that drawing `box` reads to `directory`. Bricks are hard links where both folders are
-/// on one file system, else copies. A finished part of the same store and box is kept; a part that a killed process
-/// left unfinished is started anew. throws: Error kExists where the folder holds something else or another process
-/// writes the part, kNoSpace, kIo, kNotFound.
+/// Writes the part of the store for drawing `box` to `directory`. Bricks are hard links on one file system, otherwise
+/// copies. A finished part of the same store and box is kept; an unfinished part is started anew. throws: Error kExists
+/// if the folder holds other files or another process writes the part, kNoSpace, kIo, kNotFound.
 StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const std::filesystem::path& directory,
                          Progress& progress);
 
-/// Returns the box of a part. throws: Error kNotFound, kFormat where the folder is no part.
+/// Returns the box of a part. throws: Error kNotFound, kFormat for a folder that is no part.
 VoxelBox boxOfStorePart(const std::filesystem::path& directory);
 
 /// Returns a test for the stored bricks that drawing `box` may read. requires: the store outlives the test.
 std::function<bool(const BrickKey&)> bricksOfStorePart(const StoreReader& store, const VoxelBox& box);
 
-/// throws: Error kUsage where the boxes of the ranks do not fill the volume, each voxel once.
+/// throws: Error kUsage unless the boxes of the ranks cover each voxel of the volume exactly once.
 void requireWhole(const std::vector<VoxelBox>& boxes, const Extent3& dims);
 
 }  // namespace kiln

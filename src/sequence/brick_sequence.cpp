@@ -51,7 +51,7 @@ std::vector<VoxelBox> boxesOfRanks(const RenderJob& job, const StoreFor& stores,
   return boxes;
 }
 
-// Returns the checksum of a store's index; nothing where the store cannot be read.
+// Returns the checksum of a store's index; nothing for an unreadable store.
 std::optional<Hash128> indexOf(const std::filesystem::path& store) {
   try {
     return readManifest(store).index_checksum;
@@ -60,7 +60,7 @@ std::optional<Hash128> indexOf(const std::filesystem::path& store) {
   }
 }
 
-// Returns the box that each rank holds on its own disk. Headers name the `whole` store.
+// Returns the box on each rank's own disk. Headers name the `whole` store.
 std::vector<VoxelBox> boxesOnDisks(const std::filesystem::path& part, const std::filesystem::path& whole,
                                    Ranks& ranks) {
   const Manifest manifest = readManifest(part);

@@ -15,12 +15,12 @@ struct DryRun {
   std::uint64_t bricks_interesting = 0;  // bricks with a value that the transfer function shows
   std::uint64_t bricks_in_view = 0;      // interesting bricks inside the image; a frame reads no other bricks
   std::uint64_t files_in_view = 0;       // bricks in view that are not constant
-  /// Upper bound for the bytes that a frame reads, or a band of sub-pixels where the cache keeps no bricks for the next
-  /// band. Bricks hidden behind opaque parts are not read. unit: bytes.
+  /// Upper bound for the bytes read by a frame, or by a band of sub-pixels if the cache keeps no bricks between bands.
+  /// Bricks hidden behind opaque parts are not read. unit: bytes.
   std::uint64_t file_bytes_in_view = 0;
   /// Size in memory of all bricks in view, decoded. unit: bytes.
   std::uint64_t decoded_bytes_in_view = 0;
-  EmptyFrame empty = EmptyFrame::kShows;  // why the picture shows nothing
+  EmptyFrame empty = EmptyFrame::kShows;  // the reason for an empty picture
   bool one_colour = false;                // FrameStatistics::one_colour
   FrameMemory memory;
   std::uint64_t budget_bytes = 0;

@@ -1,6 +1,6 @@
 // The file consists of records (base/record_file.h). The first record holds the hashes of the frame's files, each later
 // record one tile (sequence/tile_image.h). A tile of equal pixels, such as background, is stored as one pixel, so that
-// most of a large poster of a small object takes no disk.
+// the empty part of a poster takes no disk.
 #include "sequence/frame_checkpoint.h"
 
 #include <fmt/format.h>
@@ -39,7 +39,7 @@ template <class Values>
 bool repeats(const Values& values, std::size_t pixels) {
   const std::size_t bytes = sizeof(float) * (values.size() / pixels);
   const auto* const first = reinterpret_cast<const char*>(values.data());
-  // Each pixel equals the one before it.
+  // True if each pixel equals its predecessor.
   return pixels < 2 || std::memcmp(first, first + bytes, bytes * (pixels - 1)) == 0;
 }
 
@@ -80,7 +80,7 @@ struct PlacedTile {
   Image image;
 };
 
-// Returns nothing where the bytes are no tile.
+// Returns nothing if the bytes are no tile.
 std::optional<PlacedTile> tileFrom(std::span<const std::byte> payload) {
   ByteTaker taker{payload};
   const auto at = taker.take<PixelRect>();
@@ -98,7 +98,7 @@ class TileFile {
   TileFile(FrameTiles& tiles, std::string identity)
       : path_(tiles.path), identity_(std::move(identity)), records_(tiles.records) {}
 
-  // Finds the finished tiles. throws: Error kExists where the file belongs to another picture, or to none.
+  // Finds the finished tiles. throws: Error kExists for the file of another picture, or of none.
   std::set<Place> read(const std::vector<PixelRect>& tiles) {
     std::set<Place> known, found;
     for (const PixelRect& tile : tiles) known.insert(placeOf(tile));

@@ -23,14 +23,14 @@ std::filesystem::path checkpointOf(const RenderJob& job, int frame);
 /// Returns the memory for drawing in tiles: one tile at a time, and one row of tiles while the picture is written.
 MemoryBeside checkpointMemory(const RenderJob& job);
 
-/// throws: Error kUsage where a frame of this job cannot be kept in tiles, because pixels would depend on the tiles or
-/// on bricks that were damaged at the time of drawing.
+/// throws: Error kUsage for a job whose frames cannot be kept in tiles, because pixels would depend on the tiles, or on
+/// bricks that were damaged at the time of drawing.
 void requireCheckpoint(const RenderJob& job);
 
 /// Draws as OpenedJob::draw, tile by tile, with progress in pixels. The picture is not in memory: `tiles` of the result
-/// refers to the file, which the caller removes once the frame's files are written. With `resume`, kept tiles of the
-/// same frame are reused; kept tiles of another frame are replaced. Statistics cover the tiles drawn by this call.
-/// throws: as OpenedJob::draw; kCancelled, with the way to resume; Error kExists where tiles of this frame are kept and
+/// refers to the file, and the caller removes the file after writing the frame's files. With `resume`, kept tiles of
+/// the same frame are reused; tiles of another frame are replaced. Statistics cover the tiles drawn by the call.
+/// throws: as OpenedJob::draw; kCancelled, with the way to resume; Error kExists if tiles of the frame exist and
 /// `resume` is false; kNoSpace, kIo.
 DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& progress);
 
@@ -49,10 +49,10 @@ struct FrameTiles {
 /// Reads the planes of one output file band by band from a frame's tiles.
 class TileRows : public ImageRows {
  public:
-  /// requires: all tiles are finished; `tiles` outlives this.
+  /// requires: all tiles are finished; `tiles` outlives the object.
   TileRows(const FrameTiles& tiles, const OutputFile& file, const Aovs& aovs);
   ~TileRows() override;
-  /// throws: Error kDamaged where a tile's bytes have changed since they were written, kIo.
+  /// throws: Error kDamaged if a tile's bytes have changed since writing, kIo.
   Band bandAt(int row) override;
 
  private:

@@ -34,7 +34,7 @@ void requireKnownEnding(const fs::path& path) {
 
 constexpr const char* kHashKey = "kiln:jobHash";
 
-// Returns the job that draws the planes of one file and no other planes.
+// Returns the job that draws only the planes of one file.
 RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene) {
   RenderJob out;
   out.volume = job.volume;

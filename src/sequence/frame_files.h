@@ -13,22 +13,22 @@ namespace kiln {
 /// Header key for the frames that decide camera and colours of a time series.
 inline constexpr const char* kSeriesKey = "kiln:series";
 
-/// Returns the files of a frame, with the frame's number in their names. A job with a video only keeps its frames
+/// Returns the files of a frame, with the frame's number in their names. A job with only a video keeps its frames
 /// beside the video.
 std::vector<OutputFile> filesOf(const RenderJob& job, int frame);
-/// Tests, before a frame is drawn, that its files can be made. throws: as FileSystem::requirePlaceFor.
+/// Checks, before a frame is drawn, that its files can be made. throws: as FileSystem::requirePlaceFor.
 void requirePlaces(const RenderJob& job, int frame);
 /// Returns the file whose colours the video takes. requires: a video.
 std::filesystem::path videoFrameOf(const RenderJob& job, int frame);
-/// Returns whether the job's only output is a video, and the folder that keeps its frames.
+/// Returns true if the job's only output is a video. Returns the folder of the video's frames.
 bool keepsFramesForVideo(const RenderJob& job);
 std::filesystem::path keptFramesOf(const VideoOptions& video);
 
-/// throws: Error kUsage where a name has no picture's ending, lacks a place for the frame number although there are
-/// several frames, or where two files of these frames have one name.
+/// throws: Error kUsage for a name without a picture's ending, a name without a place for the number of several frames,
+/// or two files with equal names.
 void requireOutputs(const RenderJob& job, const std::vector<int>& frames);
 
-/// Returns the job that draws one file of a frame, with every choice made, as stored in an EXR's header.
+/// Returns the job of one file of a frame, with every choice made, as stored in an EXR's header.
 std::string frameText(const RenderJob& job, const OutputFile& file, const FrameScene& scene);
 
 /// Returns a hash, as 32 digits, of everything that a file's pixels depend on: scene, content of the volume, kind of
@@ -42,8 +42,8 @@ void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreR
                 std::uint64_t writer_bytes);
 
 enum class FoundFile { kMissing, kDamaged, kWhole };
-/// Reads a file to its end and tests whether this job wrote it. throws: Error kExists where another job wrote the file,
-/// with the difference if known.
+/// Reads a file to its end. Returns true if this job wrote the file. throws: Error kExists if another job wrote the
+/// file, with the difference if known.
 FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const StoreReader& store);
 
 }  // namespace kiln

@@ -46,32 +46,32 @@ class OpenedJob {
   OpenedJob(const OpenedJob&) = delete;
   OpenedJob& operator=(const OpenedJob&) = delete;
 
-  /// Returns the scene of a frame. throws: Error kUsage where the frame cannot be drawn.
+  /// Returns the scene of a frame. throws: Error kUsage for a frame that cannot be drawn.
   FrameScene sceneAt(int frame) const { return scenes_.at(frame); }
-  /// Draws a frame, reported to `progress` as one step. throws: as renderFrame, and sceneAt.
+  /// Draws a frame, reported to `progress` as one step. throws: as renderFrame and sceneAt.
   DrawnFrame draw(int frame, Progress& progress);
-  /// Return the request of a frame, and a painter that draws the frame piece by piece. requires: no other painter
+  /// Return the request of a frame, and a painter for drawing the frame piece by piece. requires: no other painter
   /// exists.
   FrameRequest requestFor(const FrameScene& scene) const;
   std::unique_ptr<FramePainter> painterFor(const FrameScene& scene, Progress& progress);
   /// Returns the statistics of the pieces.
   FrameStatistics finish(FramePainter& painter, int frame) const;
 
-  /// Returns whether memory is reserved for a frame that is kept while the next frame is drawn.
+  /// Returns true if memory is reserved for a finished frame beside the frame being drawn.
   bool writesBehind() const { return memory_.behind > 0; }
   /// The first volume's store.
   const StoreReader& store() const { return *stores_.front(); }
   /// The job as given to the constructor.
   const RenderJob& job() const { return job_; }
-  /// A reason to doubt that the picture is as intended. Volumes with the same kind of doubt cause one warning.
+  /// A reason to doubt the picture. Volumes with equal doubts cause one warning.
   struct Doubt {
     std::string kind, sentence;
   };
   /// Finds labels without an entry, unknown frames of reference and units, amounts that look like labels.
   std::vector<Doubt> doubts() const;
-  /// Sets the reason why an empty frame shows nothing.
+  /// Sets the reason for an empty frame.
   void judge(DrawnFrame& drawn) const;
-  /// Notes that a deep picture differs from the flat picture of the same options, unless both are drawn.
+  /// Notes that a deep picture differs from the flat picture of equal options, unless both are drawn.
   void noteDeep(Progress& progress) const;
   /// The plan of the job's memory.
   const FrameMemory& memory() const { return memory_; }

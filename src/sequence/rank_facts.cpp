@@ -35,7 +35,7 @@ RankFact factOf(const fs::path& store, const Manifest& manifest) {
   return out;
 }
 
-// Reads the volumes of one frame after the other; consecutive frames with equal volumes share the reading.
+// Reads the volumes of the frames in turn; consecutive frames with equal volumes share the reading.
 class FrameFacts {
  public:
   FrameFacts(const RenderJob& job, const StoreFor& stores) : job_(job), stores_(stores) {}

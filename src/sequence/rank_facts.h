@@ -1,4 +1,4 @@
-// Lists the properties that ranks must have in common to draw one job (cluster/agreement.h).
+// Lists the properties that ranks must share to draw one job (cluster/agreement.h).
 #pragma once
 
 #include <vector>
@@ -8,13 +8,12 @@
 
 namespace kiln {
 
-/// The facts that decide which messages ranks send one another: frames, volumes, distribution, outputs. No store is
-/// opened.
+/// Returns the facts that decide the messages between ranks: frames, volumes, distribution, outputs. Opens no store.
 std::vector<RankFact> jobFacts(const RenderJob& job, const SequenceOptions& options);
 
-/// For each frame: the manifest of every volume, and everything that decides the bytes of the frame's files.
-/// cost: reads the manifest of each volume of a time series. throws: Error kNotFound, kFormat, kDamaged, kUsage for a
-/// job of one frame; an error of one of several frames is that frame's fact.
+/// Returns, for each frame, the manifest of every volume and all that decides the bytes of the frame's files. An error
+/// of one of several frames is a fact of the frame. cost: reads the manifest of each volume of a time series. throws:
+/// Error kNotFound, kFormat, kDamaged, kUsage for a job of one frame.
 std::vector<RankFact> frameFacts(const RenderJob& job, const StoreFor& stores);
 
 }  // namespace kiln

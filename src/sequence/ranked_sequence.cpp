@@ -36,7 +36,7 @@ SequenceResult RankedSequence::run() {
   try {
     if (!to_draw_.empty()) shareAndRead();
   } catch (const Error& error) {
-    // All ranks are cancelled, one rank reports; the number of finished frames may be unknown there.
+    // All ranks are cancelled, and one rank reports, perhaps without the number of finished frames.
     if (error.code() == ErrorCode::kCancelled && !single()) throw frames_.interrupted(std::nullopt);
     throw;
   }
@@ -44,7 +44,7 @@ SequenceResult RankedSequence::run() {
   return std::move(result_);
 }
 
-// A rank that fails here ends all ranks, because messages for it would wait without end.
+// A rank that fails here ends all ranks, because messages to the rank would wait without end.
 void RankedSequence::shareAndRead() {
   try {
     share();

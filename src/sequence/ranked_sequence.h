@@ -32,7 +32,7 @@ class RankedSequence {
   /// The frames to draw. Messages name a frame by its index here.
   const std::vector<int>& toDraw() const { return to_draw_; }
   bool single() const { return frames_.numbers().size() == 1; }
-  /// Runs `body`. An error fails this frame only, unless the job has one frame or was cancelled.
+  /// Runs `body`. An error fails only this frame, except in a job of one frame or after a cancellation.
   void attempt(FrameReport& report, const std::function<void()>& body);
   void write(OpenedJob& opened, std::uint32_t frame, DrawnFrame& drawn);
   /// Handle, on rank 0, the start and the report of a frame.
@@ -42,7 +42,7 @@ class RankedSequence {
   const RenderJob& job_;
   Ranks& ranks_;
   Progress& progress_;
-  const std::unique_ptr<SharedReads> shared_reads_;  // null where each rank reads for itself
+  const std::unique_ptr<SharedReads> shared_reads_;  // null: each rank reads for itself
   SequenceFrames frames_;
   RankStatistics own_;
   std::size_t heard_ = 0;

@@ -12,7 +12,7 @@
 namespace kiln {
 
 struct RenderResult {
-  Image image;                         // the left eye's where there are two
+  Image image;                         // of two eyes, the left
   Camera camera;                       // with every choice made
   TransferFunction transfer_function;  // with every choice made
   RenderStatistics statistics;

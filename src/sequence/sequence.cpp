@@ -101,7 +101,7 @@ class Sequence {
     });
   }
 
-  // Waits for the frame that is being written, if there is one.
+  // Waits until the previous frame is written.
   void finishWriting() {
     if (!unwritten_) return;
     attempt(unwritten_->frame, [&] {
@@ -131,7 +131,7 @@ class Sequence {
   std::optional<WorkerThread> writer_;  // destroyed first: waits for the files
 };
 
-// Each rank has its own clock and its own trace file: NAME.json is rank 0's, then NAME.1.json.
+// Each rank has its own clock and trace file: NAME.json is rank 0's, then NAME.1.json.
 std::filesystem::path traceOfRank(const std::filesystem::path& trace, const Ranks* ranks) {
   if (ranks == nullptr || ranks->first()) return trace;
   std::filesystem::path of_rank = trace;
@@ -141,7 +141,7 @@ std::filesystem::path traceOfRank(const std::filesystem::path& trace, const Rank
 
 }  // namespace
 
-// With one thread writing behind gains nothing.
+// A single thread gains nothing by writing behind.
 bool writesBehind(const RenderJob& job) {
   return framesOf(job).size() > 1 && !isSeries(job) && ThreadLimit::active() > 1;
 }
@@ -159,7 +159,7 @@ SequenceResult runSequence(const RenderJob& given, const SequenceOptions& option
   // Precedes the first collective step: messages depend on frames and volumes.
   if (options.ranks != nullptr) requireAgreement(*options.ranks, jobFacts(job, options));
   const bool first = options.ranks == nullptr || options.ranks->first();
-  // Another process with the same video would remove the frames that are kept for the video.
+  // Another process with the same video would remove the frames kept for the video.
   std::optional<FileLock> video;
   if (const auto path = behindLinks(job.output.video.path); first && !path.empty())
     video.emplace(lockOf(path), refusalOf(path));

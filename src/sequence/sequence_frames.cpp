@@ -113,7 +113,7 @@ RenderJob SequenceFrames::jobToWrite(const OpenedJob& opened) const {
   RenderJob job = opened.job();
   if (!role_.part) return job;
   job.picture.clipping.part.reset();
-  job.volume = job_.volume;  // headers name the whole store, also where this rank reads a part
+  job.volume = job_.volume;  // headers name the whole store, even if the rank reads a part
   return job;
 }
 
@@ -124,7 +124,7 @@ void SequenceFrames::makeVideo() const {
   for (const int frame : numbers_) pictures.push_back(videoFrameOf(job_, frame));
   writeVideo(pictures, video, job_.speed.memory_bytes, progress_);
   if (!keepsFramesForVideo(job_)) return;
-  // Removes the folder, too, unless it holds other files.
+  // Also removes the folder, unless it holds other files.
   for (const fs::path& picture : pictures) FileSystem::real().removeAll(picture);
   std::error_code not_empty;
   fs::remove(keptFramesOf(video), not_empty);

@@ -1,4 +1,4 @@
-// The frames of a sequence, independent of who draws them: folders, stores, finished frames, the video.
+// The frames of a sequence, independent of their distribution: folders, stores, finished frames, the video.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@
 
 namespace kiln {
 
-/// Returns whether each frame of the job may have a volume of its own.
+/// Returns true if each frame of the job may have a volume of its own.
 bool isSeries(const RenderJob& job);
 /// Returns the job with the volumes of one frame.
 RenderJob jobAtFrame(const RenderJob& job, int frame);
@@ -27,11 +27,11 @@ std::vector<std::filesystem::path> volumesOf(const RenderJob& job);
 /// Returns the store of a volume; converts a foreign file.
 using StoreFor = std::function<std::filesystem::path(const std::filesystem::path&)>;
 
-/// The share of each frame that a process draws, and how it writes.
+/// A process's share of each frame, and its way of writing.
 struct FramesRole {
-  /// The box of the volume that is drawn; the job's files show the whole volume.
+  /// The drawn box of the volume; the job's files show the whole volume.
   std::optional<VoxelBox> part{};
-  SharedReads* shared_reads = nullptr;  // shares brick files with other ranks; may be null
+  SharedReads* shared_reads = nullptr;  // null: no shared reads
   bool warns = true;                    // print doubts about the volumes
   /// Write the files of a frame while the next frame is drawn, if memory is left.
   bool writes_behind = false;
@@ -39,8 +39,8 @@ struct FramesRole {
 
 class SequenceFrames {
  public:
-  /// `beside` is charged with the image. requires: `job` and `progress` outlive this. throws: Error kUsage where the
-  /// job names no files for its frames.
+  /// `beside` is charged with the image. requires: `job` and `progress` outlive the object. throws: Error kUsage for a
+  /// job without files.
   SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, const MemoryBeside& beside = 0,
                  FramesRole role = {});
 
@@ -53,7 +53,7 @@ class SequenceFrames {
   void requireScenes();
   /// Opens the job over the frame's stores and closes any other. throws: as OpenedJob.
   OpenedJob& openedFor(int frame);
-  /// Returns whether all files of a frame exist and are whole. throws: Error kExists where another job wrote a file.
+  /// Returns true if all files of a frame exist and are whole. throws: Error kExists if another job wrote a file.
   bool isThere(int frame);
   /// Return scene and job for the headers of files: without the part.
   FrameScene sceneToWrite(const OpenedJob& opened, int frame) const;

@@ -94,7 +94,7 @@ class Manifests {
     const auto found = read_.find(store);
     return found != read_.end() ? found->second : read_.emplace(store, readManifest(store)).first->second;
   }
-  /// Returns whether a path is a store with a readable manifest. Every other store fails as its own frame.
+  /// Returns true for a store with a readable manifest. Any other store fails as its own frame.
   bool has(const fs::path& store) {
     if (!isStore(store)) return false;
     try {

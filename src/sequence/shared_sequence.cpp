@@ -43,7 +43,7 @@ class SharedSequence : public RankedSequence {
  private:
   const char* sharedBy() const override { return split_.wholeFrames() ? "frames" : "tiles"; }
 
-  // Rank 0 plans, so that all ranks have the same plan.
+  // Rank 0 plans for all ranks.
   void makePlan() {
     if (ranks_.first()) {
       const bool by_frames = viewWithoutTiles(job_) != nullptr || (isSeries(job_) && toDraw().size() > 1);
@@ -141,13 +141,13 @@ class SharedSequence : public RankedSequence {
     if (painter) statistics = opened.finish(*painter, toDraw()[i]);
   }
 
-  // Reports progress over all ranks: tiles handed out, less one per rank that is being drawn.
+  // Reports progress over all ranks: tiles handed out, less one tile per rank in progress.
   void tellTiles(int frame, WorkRanges& work) {
     const std::uint64_t given = work.handedOut(), drawing = static_cast<std::uint64_t>(ranks_.count());
     progress_.advance(stepOfFrame(frame).c_str(), "tiles", given - std::min(given, drawing), split_.tiles.size());
   }
 
-  // Handles messages of other ranks. Returns whether there was a message.
+  // Handles messages of other ranks. Returns true if there was a message.
   bool serve() {
     bool any = false;
     while (auto message = ranks_.poll(kTileTag)) {

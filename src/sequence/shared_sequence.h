@@ -7,12 +7,12 @@
 
 namespace kiln {
 
-/// As runSequence, by several ranks. A frame that fails on one rank has failed. Errors that concern more than one frame
-/// are thrown on rank 0.
+/// As runSequence, by several ranks. A frame that fails on one rank has failed. Errors that concern several frames are
+/// thrown on rank 0.
 SequenceResult shareSequence(const RenderJob& job, const SequenceOptions& options, Progress& progress,
                              SequenceListener& listener);
 
-/// Returns the memory of a rank beside the image it assembles: a tile being drawn, its rays, a tile being sent and a
+/// Returns the memory of a rank beside its assembled image: a tile being drawn with its rays, a tile being sent and a
 /// tile being received. unit: bytes.
 std::uint64_t sharedTileBytes(const RenderJob& job);
 

@@ -17,7 +17,7 @@ void putTile(const Image& tile, const PixelRect& at, const PixelRect& whole, Ima
 /// Appends a tile's rectangle, colours and planes, as floats.
 void appendTile(std::vector<std::byte>& out, const PixelRect& at, const Image& tile);
 
-/// Takes colours and planes of the tile at `at`, whose rectangle was taken before; nothing where the bytes are no tile.
+/// Takes colours and planes of a tile whose rectangle `at` was taken before. Returns nothing if the bytes are no tile.
 std::optional<Image> takeTile(ByteTaker& taker, const PixelRect& at);
 
 }  // namespace kiln

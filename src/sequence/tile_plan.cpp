@@ -17,7 +17,7 @@ constexpr std::size_t kSampled = 8;
 // Tiles per rank: enough for other ranks to take over an uneven share.
 constexpr int kTilesOfRank = 16, kFewestTilesOfRank = 4;
 // Work of an empty pixel relative to a pixel of one brick; and the excess over an even share that a plan may give to a
-// rank, since other ranks take tiles from it.
+// rank, since other ranks take over tiles.
 constexpr double kEmptyWork = 0.02, kUneven = 0.15;
 // Factor by which tiles must reduce the bytes read, to pay for bricks on their seams.
 constexpr double kWorthTiles = 1.1;
@@ -128,8 +128,8 @@ class Reading {
 
 enum class Cuts { kRows, kColumns, kBoth };
 
-// Bisects the picture. Among cuts whose sides have about the work of their ranks, takes the cut whose sides read the
-// fewest bytes, which runs between bricks where possible.
+// Bisects the picture. Candidates are cuts with about the ranks' share of work on either side. Takes the candidate with
+// the fewest bytes to read, which runs between bricks if possible.
 class Cutter {
  public:
   Cutter(const Grid& grid, Reading& reading, Cuts cuts) : grid_(grid), reading_(reading), cuts_(cuts) {}
@@ -152,7 +152,7 @@ class Cutter {
   struct Choice {
     PixelRect first, second;
     bool even = false;
-    double cost = std::numeric_limits<double>::infinity();  // bytes where the cut is even, else the unevenness
+    double cost = std::numeric_limits<double>::infinity();  // bytes of an even cut, else the unevenness
   };
 
   void tryRows(const PixelRect& t, int ranks, Choice& best) {
@@ -198,7 +198,7 @@ int tileEdge(const PixelRect& part) {
 }
 
 // Adds tiles row by row in alternating direction, starting far from the picture's middle. Another rank takes tiles from
-// the end, which then lie beside its own tiles and share bricks with them.
+// the end, beside its own tiles, and shares bricks with them.
 void addTiles(const Grid& grid, const PixelRect& part, std::vector<PixelRect>& out) {
   if (part.empty()) return;
   const bool upwards = part.y0 + part.y1 > grid.rows, leftwards = part.x0 + part.x1 > grid.columns;

@@ -12,7 +12,7 @@
 namespace kiln {
 
 struct TilePlan {
-  /// Number of a rank's last tiles that other ranks do not take: they would read its bricks to save little time.
+  /// Number of a rank's last tiles that other ranks do not take: reading their bricks would cost more than it saves.
   static constexpr std::uint32_t kSpared = 4;
   std::vector<PixelRect> tiles;       // fill the crop, in pixels of the whole picture; consecutive tiles are neighbours
   std::vector<std::uint32_t> bounds;  // the i-th rank's tiles are [bounds[i], bounds[i + 1])
@@ -20,8 +20,8 @@ struct TilePlan {
   bool wholeFrames() const { return tiles.empty(); }  // whole frames are handed out instead of tiles
 };
 
-/// Plans one rectangle per rank with about an even share of the work, as rows, columns or blocks: the layout that reads
-/// the fewest bytes over the frames. `kAuto` hands out whole frames where there are enough frames and tiles would read
+/// Plans one rectangle per rank with about an even share of the work, as rows, columns or blocks: the layout with the
+/// fewest bytes to read over the frames. `kAuto` hands out whole frames if there are enough frames and tiles would read
 /// as much, or be too few to share. requires: frames of one volume, `frames` not empty.
 TilePlan planTiles(OpenedJob& opened, const std::vector<int>& frames, int ranks, Distribution distribution);
 
