@@ -5,12 +5,12 @@
 
 namespace kiln {
 
-std::unique_ptr<Ranks> mpiRanks() {
+std::unique_ptr<Ranks> mpiRanks([[maybe_unused]] const CallLimit& limit) {
 #ifdef KILN_MPI_MODULE
-  using Make = Ranks* (*)();
+  using Make = Ranks* (*)(const CallLimit&);
   const auto make =
       reinterpret_cast<Make>(functionOfModule(KILN_MPI_MODULE, "kilnMakeMpiRanks", "ranks cannot work together"));
-  return std::unique_ptr<Ranks>(make());
+  return std::unique_ptr<Ranks>(make(limit));
 #else
   throw Error(ErrorCode::kUnsupported,
               "this kiln was built without MPI, and each process that mpirun starts would do all of the work; build it "

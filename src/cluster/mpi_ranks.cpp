@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "cluster/call_watch.h"
 #include "cluster/rank_watch.h"
 #include "cluster/ranks.h"
 
@@ -41,7 +42,8 @@ struct CounterRequest {
 
 class MpiRanks : public Ranks {
  public:
-  MpiRanks() {
+  explicit MpiRanks(CallLimit limit) : limit_(std::move(limit)) {
+    const CallWatch starting(limit_);
     int level = 0;
     MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &level);
     if (level < MPI_THREAD_SERIALIZED)
@@ -57,6 +59,7 @@ class MpiRanks : public Ranks {
     failures_.reset();
     waitUntil([this] { return outgoingDone(); });
     endPulses();
+    const CallWatch ending(limit_);
     barrier();
     service_ = {};
     MPI_Finalize();
@@ -315,6 +318,7 @@ class MpiRanks : public Ranks {
     if (std::this_thread::get_id() == main_ && watch_) watch_->noteWaiting();
   }
 
+  const CallLimit limit_;  // of the start and the end of all ranks
   int rank_ = 0, count_ = 1;
   mutable std::mutex mutex_;  // guards MPI and all members below
   RankTraffic traffic_;
@@ -420,4 +424,6 @@ std::unique_ptr<SharedCounters> MpiRanks::makeCounters(std::size_t count) {
 }  // namespace
 }  // namespace kiln
 
-extern "C" __attribute__((visibility("default"))) kiln::Ranks* kilnMakeMpiRanks() { return new kiln::MpiRanks(); }
+extern "C" __attribute__((visibility("default"))) kiln::Ranks* kilnMakeMpiRanks(const kiln::CallLimit& limit) {
+  return new kiln::MpiRanks(limit);
+}

@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "cluster/call_watch.h"
+
 namespace kiln {
 
 /// Traffic of a rank so far.
@@ -81,8 +83,9 @@ class Ranks {
 /// A world of a single rank, the process itself.
 std::unique_ptr<Ranks> oneRank();
 
-/// The ranks started by mpirun (or srun). requires: called once per process. throws: Error kUnsupported, with a remedy,
+/// The ranks started by mpirun (or srun). `limit`: of the time in which all ranks start, and end; a rank stopped there
+/// answers no watch. requires: called once per process. throws: Error kUnsupported, with a remedy,
 /// if Kiln was built without MPI or the module cannot be loaded.
-std::unique_ptr<Ranks> mpiRanks();
+std::unique_ptr<Ranks> mpiRanks(const CallLimit& limit);
 
 }  // namespace kiln

@@ -405,5 +405,25 @@ TEST_F(RanksRender, ARankThatIsStoppedEndsTheJobAndIsNamed) {
   EXPECT_EQ(result.err.find("interrupted"), std::string::npos) << result.err;
 }
 
+// All ranks start together, in a call of MPI that waits for the stopped rank. A rank that got further has its own watch.
+TEST_F(RanksRender, ARankThatIsStoppedWhileMpiStartsEndsTheJob) {
+  ToolOptions options;
+  options.ranks = 2;
+  options.seconds = 60;
+  bool stopped = false;
+  options.interrupt_when = [&] {
+    if (!stopped) stopped = signalOneRank((directory_ / "many").string(), SIGSTOP);
+    return false;
+  };
+  const ToolResult result = runTool(
+      {"render", volume_, "-o", (directory_ / "many/t.png").string(), "--size", "64x64", "--rank-timeout", "2"},
+      options);
+  ASSERT_TRUE(stopped);
+  EXPECT_FALSE(result.timed_out);
+  EXPECT_EQ(result.exit_code, 1) << result.err;
+  EXPECT_NE(result.err.find("or its machine or network is gone; --rank-timeout 2 ends the run"), std::string::npos)
+      << result.err;
+}
+
 }  // namespace
 }  // namespace kiln::test

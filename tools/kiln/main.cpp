@@ -179,14 +179,38 @@ void watch(kiln::Ranks& ranks, double seconds) {
   if (seconds > 0) ranks.watch(seconds, [&ranks](const std::string& sentence) { endAllForOne(ranks, sentence); });
 }
 
-int run(int argc, char** argv, kiln::Ranks& ranks) {
+// The number of this rank before MPI starts, from the launcher.
+int expectedRank() {
+  for (const char* const name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"}) {
+    if (const char* const rank = std::getenv(name)) return std::atoi(rank);
+  }
+  return 0;
+}
+
+// Limits the time in which MPI starts or ends the ranks. Each rank waits longer than the rank before, so a single rank
+// reports.
+kiln::CallLimit limitOfMpi(double seconds) {
+  if (seconds <= 0) return {};
+  constexpr double kTurn_s = 0.5;
+  return {seconds + kTurn_s * expectedRank(), [seconds] {
+            complain(
+                "kiln: MPI has waited for all ranks to start or end for {:g} s; a rank is stopped, or its machine or "
+                "network is gone; --rank-timeout {:g} ends the run\n",
+                seconds, seconds);
+            std::_Exit(1);
+          }};
+}
+
+std::unique_ptr<kiln::Ranks> startRanks(double timeout_s) {
+  return startedAsRank() ? kiln::mpiRanks(limitOfMpi(timeout_s)) : kiln::oneRank();
+}
+
+int run(int argc, char** argv) {
   using namespace kiln::tool;
   CLI::App app("Kiln renders scalar volumes larger than memory, on CPUs, from the command line.", "kiln");
   app.set_version_flag("--version", std::string("kiln ") + KILN_VERSION);
   app.require_subcommand(1);
   Context context;
-  context.ranks = &ranks;
-  if (!ranks.first()) context.progress.speakAsRank(ranks.rank());
   for (int i = 0; i < argc; ++i) context.command_line += (i == 0 ? "" : " ") + std::string(i == 0 ? "kiln" : argv[i]);
   addConvert(app, context);
   addInfo(app, context);
@@ -213,6 +237,10 @@ int run(int argc, char** argv, kiln::Ranks& ranks) {
   } catch (const CLI::ParseError& error) {
     refused = error;
   }
+  const std::unique_ptr<kiln::Ranks> started = startRanks(context.rank_timeout_s);
+  kiln::Ranks& ranks = *started;
+  context.ranks = &ranks;
+  if (!ranks.first()) context.progress.speakAsRank(ranks.rank());
   watch(ranks, context.rank_timeout_s);
   try {
     kiln::requireAgreement(ranks, commandFacts(app, refused ? refused->what() : ""));
@@ -276,8 +304,7 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
   try {
     requireOpenFiles();
-    const std::unique_ptr<kiln::Ranks> ranks = startedAsRank() ? kiln::mpiRanks() : kiln::oneRank();
-    const int exit_code = run(argc, argv, *ranks);
+    const int exit_code = run(argc, argv);
     if (exit_code != 0 || saidAll()) return exit_code;
     complain("kiln: {}\n", kUnsaid);
     return 1;
