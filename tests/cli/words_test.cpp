@@ -48,6 +48,30 @@ TEST(Words, EndingsOfOutputs_areListed) {
   EXPECT_NE(video.err.find("x.mp4: a video needs frames (found 1); add --turntable"), std::string::npos) << video.err;
 }
 
+// Shares of N machines are the whole together.
+TEST(Words, SharesOfFrames_areEachFrameOnce) {
+  const std::filesystem::path directory = freshDirectory("words_share");
+  const std::string store = (directory / "h.kiln").string();
+  ASSERT_EQ(runTool({"convert", "phantom:head:24x24x24", store}).exit_code, 0);
+  const auto draw = [&](const std::string& share) {
+    return runTool({"render", store, "-o", (directory / "f_#.png").string(), "--turntable", "9", "--frames", "2-6",
+                    "--size", "8x8", "--share", share});
+  };
+  EXPECT_EQ(draw("2/3").exit_code, 0);
+  const auto there = [&](int frame) {
+    return std::filesystem::exists(directory / ("f_" + std::to_string(frame) + ".png"));
+  };
+  for (int frame = 1; frame <= 9; ++frame) EXPECT_EQ(there(frame), frame == 3 || frame == 6) << frame;
+  EXPECT_EQ(draw("1/3").exit_code, 0);
+  EXPECT_EQ(draw("3/3").exit_code, 0);
+  for (int frame = 1; frame <= 9; ++frame) EXPECT_EQ(there(frame), frame >= 2 && frame <= 6) << frame;
+  for (const char* wrong : {"0/3", "4/3", "1", "a/b", "6/6"}) {
+    const ToolResult result = draw(wrong);
+    EXPECT_EQ(result.exit_code, 2) << wrong;
+    EXPECT_EQ(result.err.find("kiln: --share"), 0u) << result.err;
+  }
+}
+
 // The user's bounds, bytes read and memory, stand in every report but the quiet one.
 TEST(Words, ALineForAFrame_isShortUnlessAskedFor) {
   const std::filesystem::path directory = freshDirectory("words_lines");

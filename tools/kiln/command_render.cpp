@@ -38,7 +38,7 @@ namespace {
 struct RenderArguments {
   std::string input, stats, progress = "auto";
   std::vector<std::string> added, added_tfs, labels;
-  std::optional<std::string> store_local;
+  std::optional<std::string> store_local, share;
   bool quiet = false, verbose = false, strict = false, dry_run = false, resume = false, checkpoint = false;
   int repeat = 1;
   JobArguments job;
@@ -98,6 +98,24 @@ void findEncoder(const RenderArguments& a, RenderJob& job) {
 void requireOutput(const RenderArguments& a, const OutputOptions& output) {
   if (output.path.empty() && output.files.empty() && output.video.path.empty() && !a.dry_run)
     throw Error(ErrorCode::kUsage, "-o: name the picture to write, .exr or .png, or a video, .mp4 or .webm");
+}
+
+// Leaves every N-th of the job's frames, from the I-th on.
+void applyShare(const std::string& text, RenderJob& job) {
+  const std::optional<PartNumber> share = partNumbered(text);
+  if (!share)
+    throw Error(ErrorCode::kUsage, fmt::format("--share: expected I/N, I from 1 to N (found '{}'); write 1/4", text));
+  const std::vector<int> all = framesOf(job);
+  job.frames.clear();
+  for (std::size_t i = static_cast<std::size_t>(share->index - 1); i < all.size();
+       i += static_cast<std::size_t>(share->count))
+    job.frames.push_back(all[i]);
+  if (job.frames.empty())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--share {}: the job has fewer frames (found {}); give a smaller N", text, all.size()));
+  if (!job.output.video.path.empty() && share->count > 1)
+    throw Error(ErrorCode::kUsage, job.output.video.path, "--share",
+                "a video needs all frames (found a share); write pictures, frame_####.png, and make the video of them");
 }
 
 // Adds volumes to the job. Options of a volume replace the options of the first volume.
@@ -235,6 +253,7 @@ RenderJob jobOf(const RenderArguments& a) {
   requirePicture(job.picture);
   applyVolumes(a, job);
   requireOutput(a, job.output);
+  if (a.share) applyShare(*a.share, job);
   findEncoder(a, job);
   requirePart(job);
   requireVolumes(job);
@@ -508,6 +527,8 @@ class RenderCommandLine {
            "seconds, json prints events to standard output.");
   }
   void addFrames() {
+    option("--share", "I/N", a_.share,
+           "Draw every N-th of the frames, from the I-th on: the share of one of N machines without MPI.");
     flag("--resume", a_.resume, "Keep frames that exist and are whole; draw the others.");
     flag("--checkpoint", a_.checkpoint,
          "Draw a long frame in tiles of 512x512 pixels, and keep finished tiles in NAME.tiles until the picture is "
