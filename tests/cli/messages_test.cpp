@@ -178,7 +178,6 @@ TEST_F(Messages, VolumeInPlaceOfAStoreOrAPicture_IsNamedWithItsCommands) {
                                                          {"a.mha", "a MetaImage"}, {"a.npy", "a NumPy"}};
   for (const auto& [name, format] : volumes) {
     const std::string is = in(name) + ": is " + format + " volume, not ";
-    refused({"info", in(name)}, 2, is + "a store or a picture" + commandsFor(name));
     refused({"compare", in(name), in("a.nii")}, 2, is + "a picture" + commandsFor(name));
     refused({"tf", in(name)}, 2, is + "a transfer function" + commandsFor(name));
   }

@@ -72,6 +72,30 @@ TEST(Words, SharesOfFrames_areEachFrameOnce) {
   }
 }
 
+// A phantom's header is known; a NRRD file of the test's own has what its lines have.
+TEST(Words, InfoOfAVolumeFile_isItsHeader) {
+  const std::filesystem::path directory = freshDirectory("words_info");
+  writeText(
+      directory / "a.nrrd",
+      "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 3 4\nspacings: 1 1 2\nencoding: raw\n\n" + std::string(24, 'x'));
+  const ToolResult file = runTool({"info", (directory / "a.nrrd").string()});
+  EXPECT_EQ(file.exit_code, 0) << file.err;
+  for (const char* line : {"(NRRD)\n", "2 x 3 x 4 voxels of u8 (24 bytes)", "spacing      1 x 1 x 2 world units"})
+    EXPECT_NE(file.out.find(line), std::string::npos) << line << " is not in: " << file.out;
+  const ToolResult json = runTool({"info", (directory / "a.nrrd").string(), "--json"});
+  EXPECT_NE(json.out.find("\"rawBytes\": 24"), std::string::npos) << json.out;
+  EXPECT_NE(runTool({"info", "phantom:head:64x64x64"}).out.find("64 x 64 x 64 voxels of u16"), std::string::npos);
+  writeText(directory / "b.raw", std::string(24, 'x'));
+  const ToolResult raw = runTool({"info", (directory / "b.raw").string(), "--dims", "2,3,4", "--type", "u8"});
+  EXPECT_NE(raw.out.find("2 x 3 x 4 voxels of u8"), std::string::npos) << raw.out << raw.err;
+  // The folder of an unfinished conversion is no folder of slices.
+  std::filesystem::create_directory(directory / "part.kiln");
+  writeText(directory / "part.kiln/journal.bin", "");
+  const ToolResult part = runTool({"info", (directory / "part.kiln").string()});
+  EXPECT_EQ(part.exit_code, 1);
+  EXPECT_NE(part.err.find("manifest.json: is missing"), std::string::npos) << part.err;
+}
+
 // The user's bounds, bytes read and memory, stand in every report but the quiet one.
 TEST(Words, ALineForAFrame_isShortUnlessAskedFor) {
   const std::filesystem::path directory = freshDirectory("words_lines");

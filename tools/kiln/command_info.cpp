@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -12,6 +13,8 @@
 #include "commands.h"
 #include "histogram_text.h"
 #include "image/file/image_file.h"
+#include "ingest/open_source.h"
+#include "ingest/volume_format.h"
 #include "job/job_names.h"
 #include "say.h"
 #include "scene/transfer/label_styles.h"
@@ -21,6 +24,9 @@
 namespace kiln::tool {
 namespace fs = std::filesystem;
 namespace {
+
+// store/FORMAT.md.
+constexpr const char* kStoreFiles[] = {"manifest.json", "index.bin", "bricks", "journal.bin"};
 
 const char* className(VolumeClass volume_class) {
   switch (volume_class) {
@@ -58,6 +64,11 @@ const char* frameName(PatientFrame frame) {
   return "unknown";
 }
 
+// The size of the voxels in memory. unit: bytes.
+std::uint64_t bytesOf(const VolumeGeometry& geometry, VoxelType type) {
+  return static_cast<std::uint64_t>(geometry.dims.count()) * sizeOf(type);
+}
+
 // Sizes of the store's files, and numbers of bricks without a file.
 struct Storage {
   std::uint64_t raw_bytes = 0;                 // size of level 0 in memory
@@ -70,7 +81,7 @@ struct Storage {
 Storage storageOf(const StoreReader& store) {
   const Manifest& m = store.manifest();
   Storage out;
-  out.raw_bytes = static_cast<std::uint64_t>(m.geometry().dims.count()) * sizeOf(m.type);
+  out.raw_bytes = bytesOf(m.geometry(), m.type);
   out.disk_bytes = File(store.path() / "manifest.json").size() + m.index_bytes;
   store.requireUnchanged();
   for (const LevelInfo& level : m.levels) {
@@ -103,15 +114,11 @@ std::string textForPrograms(const StoreReader& store) {
   return out.dump(1) + "\n";
 }
 
-void printForPeople(const StoreReader& store) {
-  const Manifest& m = store.manifest();
-  const Storage storage = storageOf(store);
-  const VolumeGeometry& g = m.geometry();
+void printGeometry(const VolumeGeometry& g, VoxelType type) {
   const glm::dvec3 spacing = g.spacing();
   const std::string unit = g.unit.empty() ? "world units" : g.unit;
-  say("store        {} (format {})\n", store.path().string(), m.format);
-  say("dimensions   {} x {} x {} voxels of {} ({})\n", g.dims.x, g.dims.y, g.dims.z, nameOf(m.type),
-      formatBytes(storage.raw_bytes));
+  say("dimensions   {} x {} x {} voxels of {} ({})\n", g.dims.x, g.dims.y, g.dims.z, nameOf(type),
+      formatBytes(bytesOf(g, type)));
   say("spacing      {:.6g} x {:.6g} x {:.6g} {}\n", spacing.x, spacing.y, spacing.z, unit);
   say("affine       ");
   for (int row = 0; row < 3; ++row) {
@@ -119,6 +126,13 @@ void printForPeople(const StoreReader& store) {
         g.world_from_index[1][row], g.world_from_index[2][row], g.world_from_index[3][row]);
   }
   say("patient      {}\n", frameName(g.frame));
+}
+
+void printForPeople(const StoreReader& store) {
+  const Manifest& m = store.manifest();
+  const Storage storage = storageOf(store);
+  say("store        {} (format {})\n", store.path().string(), m.format);
+  printGeometry(m.geometry(), m.type);
   if (m.range.empty()) {
     say("values       none but NaN\n");
   } else {
@@ -140,6 +154,50 @@ void printForPeople(const StoreReader& store) {
   if (named < files.size()) say("             and {} files in it\n", files.size() - named);
   if (!m.source.command.empty()) say("made by      {}\n", m.source.command);
   if (!m.source.time.empty()) say("made at      {}\n", m.source.time);
+}
+
+// Prints the header of a volume file; the values are not read.
+void printSource(const std::string& path, const SourceInfo& info) {
+  say("volume       {} ({}{})\n", path, info.format,
+      info.files.size() > 1 ? fmt::format(", {} files", info.files.size()) : "");
+  printGeometry(info.geometry, info.type);
+  if (info.volume_class != VolumeClass::kUnknown) say("class        {}\n", className(info.volume_class));
+  for (const std::string& note : info.notes) say("note         {}\n", note);
+  say("             kiln render draws the file, kiln convert makes a store of it\n");
+}
+
+// Returns the header of a volume file for programs, with the keys of a manifest.
+std::string sourceForPrograms(const SourceInfo& info) {
+  const VolumeGeometry& g = info.geometry;
+  nlohmann::ordered_json affine = nlohmann::ordered_json::array();
+  for (int i = 0; i < 16; ++i) affine.push_back(g.world_from_index[i % 4][i / 4]);
+  nlohmann::ordered_json files = nlohmann::ordered_json::array();
+  for (const fs::path& file : info.files) files.push_back(file.string());
+  const nlohmann::ordered_json out = {{"dimensions", {g.dims.x, g.dims.y, g.dims.z}},
+                                      {"type", nameOf(info.type)},
+                                      {"class", className(info.volume_class)},
+                                      {"affine", affine},
+                                      {"unit", g.unit},
+                                      {"frame", std::string(frameName(g.frame)).substr(0, 3)},
+                                      {"source", {{"format", info.format}, {"files", files}, {"notes", info.notes}}},
+                                      {"storage", {{"rawBytes", bytesOf(g, info.type)}}}};
+  return out.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+// Returns whether the folder has files of a store, whole or not.
+bool hasStoreFiles(const fs::path& folder) {
+  std::error_code ignored;
+  return std::any_of(std::begin(kStoreFiles), std::end(kStoreFiles),
+                     [&](const char* name) { return fs::exists(folder / name, ignored); });
+}
+
+// Returns whether the path is a volume that is no store: a file, a folder of slices, or a phantom.
+bool isSource(const std::string& path, const SourceArguments& source) {
+  if (path.starts_with("phantom:") || !source.dims.empty()) return true;
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) return !hasStoreFiles(path);
+  const VolumeFormat format = volumeFormatOf(path);
+  return !format.name.empty() && format.read;
 }
 
 // Returns the pixel type of the colours, or of the first channel of a file without colours.
@@ -210,15 +268,27 @@ void addInfo(CLI::App& app, Context& context) {
   auto path = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
   auto memory = std::make_shared<std::string>(kDefaultMemory);
-  CLI::App* command = app.add_subcommand("info", "say what a store holds, or how a picture was made");
-  command->add_option("STORE", *path, "the store; or a picture that Kiln drew")->required();
+  auto source = std::make_shared<SourceArguments>();
+  CLI::App* command = app.add_subcommand("info", "show what a store or volume file holds, or how a picture was made");
+  command->add_option("STORE", *path, "the store, a volume file, or a picture that Kiln drew")->required();
   command->add_flag("--json", *json,
-                    "for programs: a store's manifest, and what it takes on disk; a picture's job, which kiln render "
-                    "draws again");
-  addMemory(*command, *memory, "the index of a store, or the texts of a picture")->capture_default_str();
-  command->callback([path, json, memory, &context] {
-    context.action = [path, json, memory] {
+                    "for programs: a store's manifest, and what it takes on disk; the header of a volume file; a "
+                    "picture's job, which kiln render draws again");
+  addMemory(*command, *memory, "the index of a store, a volume file, or the texts of a picture")->capture_default_str();
+  addSourceArguments(*command, *source);
+  command->callback([path, json, memory, source, &context] {
+    context.action = [path, json, memory, source] {
       const std::uint64_t memory_bytes = parseBytes(*memory, "--memory");
+      if (isSource(*path, *source)) {
+        SourceOptions options = source->resolve();
+        options.memory_bytes = memory_bytes;
+        const SourceInfo info = openSource(*path, options)->info();
+        if (*json)
+          sayJson(sourceForPrograms(info));
+        else
+          printSource(*path, info);
+        return;
+      }
       refuseVolumeFile(*path, "a store or a picture");
       std::error_code ignored;
       if (fs::is_regular_file(*path, ignored)) {

@@ -18,7 +18,7 @@
 namespace kiln {
 namespace {
 
-constexpr std::string_view kMagic = "\x93NUMPY";
+constexpr std::string_view kNpyMagic = "\x93NUMPY";
 constexpr std::size_t kVersionBytes = 2;
 // Most bytes of a header of version 1.0. Only records of many fields, which are not read, have longer headers.
 constexpr std::uint64_t kMostHeaderBytes = 65535;
@@ -167,15 +167,15 @@ void takeType(const File& file, std::string_view descr, NpyHeader& header) {
 
 // Returns the dictionary's text; `begin` becomes its first byte.
 std::string readText(const File& file, std::uint64_t& begin) {
-  std::array<std::byte, kMagic.size() + kVersionBytes> start{};
+  std::array<std::byte, kNpyMagic.size() + kVersionBytes> start{};
   file.readAt(0, start);
-  const std::span<const std::byte> magic = std::span(start).first(kMagic.size());
-  if (!std::equal(magic.begin(), magic.end(), bytesOf(kMagic).begin()))
+  const std::span<const std::byte> magic = std::span(start).first(kNpyMagic.size());
+  if (!std::equal(magic.begin(), magic.end(), bytesOf(kNpyMagic).begin()))
     throw Error(ErrorCode::kFormat, file.path(), "byte 0",
                 "the file does not begin with \\x93NUMPY; not a NumPy array");
-  const int major = std::to_integer<int>(start[kMagic.size()]), minor = std::to_integer<int>(start[kMagic.size() + 1]);
+  const int major = std::to_integer<int>(start[kNpyMagic.size()]), minor = std::to_integer<int>(start[kNpyMagic.size() + 1]);
   if (major < 1 || major > 3 || minor != 0)
-    throw Error(ErrorCode::kUnsupported, file.path(), fmt::format("byte {}", kMagic.size()),
+    throw Error(ErrorCode::kUnsupported, file.path(), fmt::format("byte {}", kNpyMagic.size()),
                 fmt::format("version {}.{} of NumPy's format; 1.0, 2.0 and 3.0 are read", major, minor));
   std::array<std::byte, 4> length{};  // little-endian, whatever the order of the voxels
   const std::size_t length_bytes = major == 1 ? 2 : 4;
