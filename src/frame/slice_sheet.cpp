@@ -15,10 +15,9 @@ namespace kiln {
 namespace {
 
 // unit: pixels.
-constexpr int kGap = 8, kCaption = 14, kLine = 12, kHistogramHeight = 140, kLeastWidth = 420;
+constexpr int kPanelGap = 8, kPanelCaption = 14, kTextLine = 12, kHistogramHeight = 140, kTextWidth = 420;
 
-const glm::dvec3 kPaper{0.11, 0.12, 0.14}, kInk{0.92, 0.92, 0.90}, kPale{0.60, 0.62, 0.66}, kBar{0.45, 0.50, 0.58},
-    kCross{0.95, 0.60, 0.20};
+const glm::dvec3 kSheetBar{0.45, 0.50, 0.58}, kCrosshair{0.95, 0.60, 0.20};
 constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
 
 struct Panel {
@@ -42,7 +41,7 @@ int levelOfSheet(const StoreReader& store) {
 
 // Returns the memory of the sheet and of its three slices. unit: bytes.
 std::uint64_t sheetBytes(const StoreReader& store, int level) {
-  std::uint64_t pixels = static_cast<std::uint64_t>(kLeastWidth) * kLeastWidth;
+  std::uint64_t pixels = static_cast<std::uint64_t>(kTextWidth) * kTextWidth;
   for (int axis = 0; axis < 3; ++axis) {
     const auto [width, height] = sliceSize(store.level(level).geometry, axis);
     pixels += 2 * static_cast<std::uint64_t>(width * height);
@@ -89,14 +88,14 @@ Panel panelOf(const StoreReader& store, const SliceSheetRequest& request, const 
 // Draws a panel, with a crosshair that leaves its middle free.
 void draw(PlotImage& sheet, const Panel& panel, int x, int y) {
   constexpr int kFree = 6;
-  sheet.text(x, y + 3, panel.caption, kPale);
-  y += kCaption;
+  sheet.text(x, y + 3, panel.caption, kSheetCaption);
+  y += kPanelCaption;
   sheet.draw(panel.image, x, y);
   const int cx = x + panel.cross_x, cy = y + panel.cross_y;
-  sheet.fill({x, cy, cx - kFree, cy + 1}, kCross);
-  sheet.fill({cx + kFree, cy, x + panel.image.width, cy + 1}, kCross);
-  sheet.fill({cx, y, cx + 1, cy - kFree}, kCross);
-  sheet.fill({cx, cy + kFree, cx + 1, y + panel.image.height}, kCross);
+  sheet.fill({x, cy, cx - kFree, cy + 1}, kCrosshair);
+  sheet.fill({cx + kFree, cy, x + panel.image.width, cy + 1}, kCrosshair);
+  sheet.fill({cx, y, cx + 1, cy - kFree}, kCrosshair);
+  sheet.fill({cx, cy + kFree, cx + 1, y + panel.image.height}, kCrosshair);
 }
 
 // Bars of the logarithm of counts, and the ends of the window.
@@ -109,15 +108,15 @@ void drawHistogram(PlotImage& sheet, const ValueHistogram& histogram, const Wind
     const auto bin = static_cast<std::size_t>((x - rect.x0 + 0.5) / width * bins);
     const double count = static_cast<double>(histogram.counts[bin]);
     const int height = most > 0 ? static_cast<int>(std::log1p(count) / most * rect.height()) : 0;
-    sheet.fill({x, rect.y1 - height, x + 1, rect.y1}, kBar);
+    sheet.fill({x, rect.y1 - height, x + 1, rect.y1}, kSheetBar);
   }
   for (const double end : {window.centre - 0.5 * window.width, window.centre + 0.5 * window.width}) {
     const int x = rect.x0 + static_cast<int>((end - histogram.lo) / (histogram.hi - histogram.lo) * width);
-    if (x >= rect.x0 && x < rect.x1) sheet.fill({x, rect.y0, x + 1, rect.y1}, kCross);
+    if (x >= rect.x0 && x < rect.x1) sheet.fill({x, rect.y0, x + 1, rect.y1}, kCrosshair);
   }
   const std::string lo = fmt::format("{:.6g}", histogram.lo), hi = fmt::format("{:.6g}", histogram.hi);
-  sheet.text(rect.x0, rect.y1 + 4, lo, kPale);
-  sheet.text(rect.x1 - PlotImage::textWidth(hi), rect.y1 + 4, hi, kPale);
+  sheet.text(rect.x0, rect.y1 + 4, lo, kSheetCaption);
+  sheet.text(rect.x1 - PlotImage::textWidth(hi), rect.y1 + 4, hi, kSheetCaption);
 }
 
 std::vector<std::string> linesOf(const StoreReader& store, const SliceSheet& sheet, const Window& window) {
@@ -153,22 +152,22 @@ SliceSheet renderSliceSheet(const StoreReader& store, const SliceSheetRequest& r
   const std::vector<std::string> lines = linesOf(store, out, window);
   // Two rows: the slices along z and x, the slice along y and the texts. Slices of a column have the same width.
   const int left = std::max(panels[0].image.width, panels[1].image.width);
-  const int right = std::max(panels[2].image.width, kLeastWidth);
-  const int text_height = static_cast<int>(lines.size()) * kLine + kHistogramHeight + 2 * kLine;
-  const int upper = kCaption + std::max(panels[0].image.height, panels[2].image.height);
-  const int lower = std::max(kCaption + panels[1].image.height, text_height);
-  PlotImage sheet(left + right + 3 * kGap, upper + lower + 3 * kGap, kPaper);
-  const int second_x = 2 * kGap + left, second_y = 2 * kGap + upper;
-  draw(sheet, panels[0], kGap, kGap);
-  draw(sheet, panels[1], kGap, second_y);
-  draw(sheet, panels[2], second_x, kGap);
+  const int right = std::max(panels[2].image.width, kTextWidth);
+  const int text_height = static_cast<int>(lines.size()) * kTextLine + kHistogramHeight + 2 * kTextLine;
+  const int upper = kPanelCaption + std::max(panels[0].image.height, panels[2].image.height);
+  const int lower = std::max(kPanelCaption + panels[1].image.height, text_height);
+  PlotImage sheet(left + right + 3 * kPanelGap, upper + lower + 3 * kPanelGap, kSheetPaper);
+  const int second_x = 2 * kPanelGap + left, second_y = 2 * kPanelGap + upper;
+  draw(sheet, panels[0], kPanelGap, kPanelGap);
+  draw(sheet, panels[1], kPanelGap, second_y);
+  draw(sheet, panels[2], second_x, kPanelGap);
   int y = second_y;
   for (const std::string& line : lines) {
-    sheet.text(second_x, y, line, kInk);
-    y += kLine;
+    sheet.text(second_x, y, line, kSheetInk);
+    y += kTextLine;
   }
   drawHistogram(sheet, manifest.histogram, window,
-                {second_x, y + kLine, second_x + right, y + kLine + kHistogramHeight - kLine});
+                {second_x, y + kTextLine, second_x + right, y + kTextLine + kHistogramHeight - kTextLine});
   out.image = std::move(sheet).take();
   return out;
 }

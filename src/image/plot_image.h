@@ -10,6 +10,9 @@
 
 namespace kiln {
 
+/// Colours of sheets of pictures: paper, text, captions. unit: sRGB.
+inline const glm::dvec3 kSheetPaper{0.11, 0.12, 0.14}, kSheetInk{0.92, 0.92, 0.90}, kSheetCaption{0.60, 0.62, 0.66};
+
 /// Colours are sRGB, 0..1. What lies outside the image is cut off.
 class PlotImage {
  public:

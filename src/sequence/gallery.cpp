@@ -19,10 +19,10 @@ namespace kiln {
 namespace {
 
 // The sheet, unit: pixels.
-constexpr int kGap = 8, kCaption = 16, kTitle = 24;
-constexpr int kSamples = 1;
+constexpr int kThumbnailGap = 8, kThumbnailCaption = 16, kSheetTitle = 24;
+constexpr int kThumbnailSamples = 1;
 
-const glm::dvec3 kPaper{0.11, 0.12, 0.14}, kFrame{0.16, 0.17, 0.20}, kInk{0.92, 0.92, 0.90}, kPale{0.60, 0.62, 0.66};
+const glm::dvec3 kThumbnailPaper{0.16, 0.17, 0.20};
 
 // One camera for each column.
 CameraKeyframes viewsOfRow() {
@@ -80,8 +80,10 @@ class GalleryPainter {
   }
 
   static std::uint64_t sheetBytes(std::size_t rows, int thumbnail_px) {
-    const std::uint64_t width = static_cast<std::uint64_t>(thumbnail_px + kGap) * galleryViews().size() + kGap;
-    const std::uint64_t height = static_cast<std::uint64_t>(thumbnail_px + kGap + kCaption) * rows + kTitle;
+    const std::uint64_t width =
+        static_cast<std::uint64_t>(thumbnail_px + kThumbnailGap) * galleryViews().size() + kThumbnailGap;
+    const std::uint64_t height =
+        static_cast<std::uint64_t>(thumbnail_px + kThumbnailGap + kThumbnailCaption) * rows + kSheetTitle;
     return 2 * 4 * sizeof(float) * width * height;  // the thumbnails, and the sheet
   }
 
@@ -91,7 +93,7 @@ class GalleryPainter {
     out.volume = request.store;
     out.speed = request.speed;
     out.picture.size = {request.thumbnail_px, request.thumbnail_px};
-    out.picture.samples = kSamples;
+    out.picture.samples = kThumbnailSamples;
     out.animation.camera = viewsOfRow();
     return out;
   }
@@ -108,17 +110,19 @@ class GalleryPainter {
 
 Image sheetOf(const std::vector<Thumbnails>& rows, const std::filesystem::path& store, int thumbnail_px) {
   const int columns = static_cast<int>(galleryViews().size());
-  const int row_height = kCaption + thumbnail_px + kGap;
-  PlotImage sheet(columns * (thumbnail_px + kGap) + kGap, kTitle + static_cast<int>(rows.size()) * row_height, kPaper);
-  sheet.text(kGap, kGap, "kiln render " + store.filename().string() + " -o PICTURE.png", kPale);
-  int y = kTitle;
+  const int row_height = kThumbnailCaption + thumbnail_px + kThumbnailGap;
+  PlotImage sheet(columns * (thumbnail_px + kThumbnailGap) + kThumbnailGap,
+                  kSheetTitle + static_cast<int>(rows.size()) * row_height, kSheetPaper);
+  sheet.text(kThumbnailGap, kThumbnailGap, "kiln render " + store.filename().string() + " -o PICTURE.png",
+             kSheetCaption);
+  int y = kSheetTitle;
   for (const Thumbnails& row : rows) {
     for (int column = 0; column < columns; ++column) {
-      const int x = kGap + column * (thumbnail_px + kGap);
+      const int x = kThumbnailGap + column * (thumbnail_px + kThumbnailGap);
       const std::string& view = galleryViews()[static_cast<std::size_t>(column)];
-      sheet.text(x, y + 4, column == 0 ? "--tf " + row.preset : view, column == 0 ? kInk : kPale);
-      sheet.fill({x, y + kCaption, x + thumbnail_px, y + kCaption + thumbnail_px}, kFrame);
-      sheet.draw(row.pictures[static_cast<std::size_t>(column)], x, y + kCaption);
+      sheet.text(x, y + 4, column == 0 ? "--tf " + row.preset : view, column == 0 ? kSheetInk : kSheetCaption);
+      sheet.fill({x, y + kThumbnailCaption, x + thumbnail_px, y + kThumbnailCaption + thumbnail_px}, kThumbnailPaper);
+      sheet.draw(row.pictures[static_cast<std::size_t>(column)], x, y + kThumbnailCaption);
     }
     y += row_height;
   }

@@ -184,7 +184,6 @@ TEST_F(Messages, VolumeInPlaceOfAStoreOrAPicture_IsNamedWithItsCommands) {
   for (const std::vector<std::string>& command :
        std::vector<std::vector<std::string>>{{"verify", in("a.nrrd")},
                                              {"export", in("a.nrrd"), in("p.vdb")},
-                                             {"slice", in("a.nrrd"), "-o", in("p.png")},
                                              {"split", in("a.nrrd"), "-o", in("p##.kiln"), "--parts", "2"}})
     refused(command, 2, in("a.nrrd") + ": is a NRRD volume, not a store" + commandsFor("a.nrrd"));
   refused({"composite", in("a.nrrd"), in("a.nii"), "-o", in("p.png")}, 2, "is a NRRD volume, not a partial image");

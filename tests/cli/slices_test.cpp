@@ -59,6 +59,15 @@ TEST_F(SlicesCli, Sheet_showsTheSlicesThroughAVoxel) {
   EXPECT_NEAR(sheet.pixel(8 + 12, 8 + 14 + 3)[0], linearFromSrgb(0.53), 2e-3);
 }
 
+TEST_F(SlicesCli, VolumeFile_isConvertedBesideIt) {
+  writeText(in("a.raw"), "abcdefghijklmnopqrstuvwx");  // 2 x 3 x 4 voxels
+  done({"slice", in("a.raw"), "-o", in("a.png"), "--dims", "2,3,4", "--type", "u8"});
+  EXPECT_TRUE(there("a.raw.kiln/manifest.json"));
+  done({"gallery", in("a.raw"), "-o", in("g.png"), "--dims", "2,3,4", "--type", "u8", "--tf", "grayscale"});
+  EXPECT_TRUE(there("g.png"));
+  refused({"slice", in("a.raw"), "-o", in("a.raw.kiln/b.png"), "--dims", "2,3,4", "--type", "u8"}, 2, "a.raw.kiln");
+}
+
 TEST_F(SlicesCli, WrongRequests_areOneLine) {
   refused({"slice", in("v.kiln"), "-o", in("p.png"), "--index", "0-3"}, 2, "slice_###.png");
   refused({"slice", in("v.kiln"), "-o", in("p_#.png"), "--index", "0-10"}, 2, "10 is not between 0 and 9");

@@ -3,6 +3,7 @@
 #include "base/memory/memory.h"
 #include "base/process.h"
 #include "commands.h"
+#include "foreign_store.h"
 #include "image/file/image_file.h"
 #include "output_files.h"
 #include "say.h"
@@ -16,6 +17,7 @@ namespace {
 struct GalleryArguments {
   std::string store, output, memory = kDefaultMemory;
   GalleryRequest request;
+  SourceArguments source;
 };
 
 void run(const GalleryArguments& a, Context& context) {
@@ -23,11 +25,9 @@ void run(const GalleryArguments& a, Context& context) {
   FileSystem::real().requirePlaceFor(a.output);
   OutputFiles outputs;
   outputs.add(a.output);
-  outputs.requireNone(a.store);
-  refuseVolumeFile(a.store, "a store");
   GalleryRequest request = a.request;
-  request.store = a.store;
   request.speed.memory_bytes = parseBytes(a.memory, "--memory");
+  request.store = storeOfInput(a.store, a.source, request.speed.memory_bytes, outputs, context);
   const Gallery gallery = drawGallery(request, context.progress);
   ImageFileOptions file;
   file.writer_bytes = request.speed.memory_bytes - std::min(request.speed.memory_bytes, gallery.sheet.bytes());
@@ -44,7 +44,8 @@ void run(const GalleryArguments& a, Context& context) {
 void addGallery(CLI::App& app, Context& context) {
   auto a = std::make_shared<GalleryArguments>();
   CLI::App* command = app.add_subcommand("gallery", "draw a sheet of thumbnails: every preset from four sides");
-  command->add_option("STORE", a->store, "the store")->required();
+  command->add_option("STORE", a->store, "the store, or a volume file (converted to a store beside it first)")
+      ->required();
   command->add_option("-o,--output", a->output, "the sheet, .png or .exr")->required();
   command->add_option("--tf", a->request.presets, "draw these presets only")->type_name("PRESET");
   command->add_option("--thumbnail", a->request.thumbnail_px, "edge of a thumbnail")
@@ -55,6 +56,7 @@ void addGallery(CLI::App& app, Context& context) {
   command->add_option("--threads", a->request.speed.threads, "threads; 0 uses all processors")
       ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
+  addSourceArguments(*command, a->source);
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

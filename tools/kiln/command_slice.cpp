@@ -5,6 +5,7 @@
 
 #include "base/memory/memory.h"
 #include "commands.h"
+#include "foreign_store.h"
 #include "frame/slice.h"
 #include "frame/slice_sheet.h"
 #include "image/file/image_file.h"
@@ -22,6 +23,7 @@ struct SliceArguments {
   int level = 0;
   std::optional<std::string> index, at;
   bool sheet = false;
+  SourceArguments source;
 };
 
 void warnBeside(const std::string& picture, const Window& window, const ValueRange& range, Progress& progress) {
@@ -97,14 +99,13 @@ void run(const SliceArguments& a, Context& context) {
   FileSystem::real().requirePlaceFor(a.output);
   OutputFiles outputs;
   outputs.add(a.output);
-  outputs.requireNone(a.store);
   if (a.at && !a.sheet) throw Error(ErrorCode::kUsage, "--at: is a point of a sheet; add --sheet, or give --index");
-  refuseVolumeFile(a.store, "a store");
   SliceRequest request;
   request.memory_bytes = parseBytes(a.memory, "--memory");
   request.colormap = a.colormap;
   if (!a.window.empty()) request.window = parseWindow(a.window, "--window");
-  const StoreReader store(a.store, request.memory_bytes);
+  const StoreReader store(storeOfInput(a.store, a.source, request.memory_bytes, outputs, context),
+                          request.memory_bytes);
   if (a.sheet)
     drawSheet(a, store, request, context);
   else
@@ -117,7 +118,8 @@ void run(const SliceArguments& a, Context& context) {
 void addSlice(CLI::App& app, Context& context) {
   auto a = std::make_shared<SliceArguments>();
   CLI::App* command = app.add_subcommand("slice", "draw slices, the first look after converting");
-  command->add_option("STORE", a->store, "the store")->required();
+  command->add_option("STORE", a->store, "the store, or a volume file (converted to a store beside it first)")
+      ->required();
   command->add_option("-o,--output", a->output, "the picture, .png or .exr; a run of # becomes the slice's number")
       ->required();
   CLI::Option* const axis = command->add_option("--axis", a->axis, "x, y or z")->capture_default_str();
@@ -139,6 +141,7 @@ void addSlice(CLI::App& app, Context& context) {
       ->type_name("NAME")
       ->capture_default_str();
   addMemory(*command, a->memory, "the picture, a brick and the index")->capture_default_str();
+  addSourceArguments(*command, a->source);
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

@@ -23,7 +23,7 @@ constexpr std::size_t kVersionBytes = 2;
 // Most bytes of a header of version 1.0. Only records of many fields, which are not read, have longer headers.
 constexpr std::uint64_t kMostHeaderBytes = 65535;
 // NPY_MAXDIMS of NumPy 2.
-constexpr std::size_t kMostAxes = 64;
+constexpr std::size_t kMostNpyAxes = 64;
 
 /// Reads the dictionary from its first byte to its last; every error names the byte of the file.
 class NpyDictionary {
@@ -109,7 +109,7 @@ std::vector<std::int64_t> NpyDictionary::tuple() {
   std::vector<std::int64_t> out;
   expect('(');
   while (!accept(')')) {
-    if (out.size() == kMostAxes) fail(fmt::format("an array has at most {} axes", kMostAxes));
+    if (out.size() == kMostNpyAxes) fail(fmt::format("an array has at most {} axes", kMostNpyAxes));
     out.push_back(wholeNumber());
     if (accept(',')) continue;
     expect(')');
