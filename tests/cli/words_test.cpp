@@ -72,6 +72,16 @@ TEST(Words, SharesOfFrames_areEachFrameOnce) {
   }
 }
 
+TEST(Words, FolderForATransferFunction_isNamed) {
+  const std::filesystem::path directory = freshDirectory("words_folder");
+  const std::string store = (directory / "h.kiln").string();
+  ASSERT_EQ(runTool({"convert", "phantom:head:24x24x24", store}).exit_code, 0);
+  const ToolResult result =
+      runTool({"render", store, "-o", (directory / "p.png").string(), "--tf", directory.string()});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err.find("kiln: --tf: '" + directory.string() + "' is a folder; name a file"), 0u) << result.err;
+}
+
 // A phantom's header is known; a NRRD file of the test's own has what its lines have.
 TEST(Words, InfoOfAVolumeFile_isItsHeader) {
   const std::filesystem::path directory = freshDirectory("words_info");

@@ -6,6 +6,7 @@
 
 #include "ingest/open_source.h"
 #include "support/volumes/foreign_files.h"
+#include "support/volumes/test_store.h"
 
 namespace kiln::test {
 namespace {
@@ -113,7 +114,7 @@ TEST(IngestNrrd, WhatIsNotReadIsRefusedByName) {
   refused("type: uchar\ndimension: 4\nkinds: vector domain domain domain\nsizes: 3 2 2 2\nencoding: raw\n",
           ErrorCode::kUnsupported, vectors);
   refused(u8 + "kinds: RGB-color domain domain\nencoding: raw\n", ErrorCode::kUnsupported, vectors);
-  refused(u8 + "encoding: raw\ndata file: LIST\na.raw\n", ErrorCode::kFormat, "line 7");
+  refused(u8 + "encoding: raw\ndata file: LIST\na.raw\n", ErrorCode::kUnsupported, "spread over several files");
   refused(u8 + "encoding: raw\ndata file: LIST 2\n", ErrorCode::kUnsupported, "LIST");
   refused(u8 + "encoding: raw\ndata file: a%03d.raw 1 9 1\n", ErrorCode::kUnsupported, "a%03d.raw");
   refused(u8 + "encoding: raw\ndata file: gone.raw\n", ErrorCode::kNotFound, "gone.raw");
@@ -308,6 +309,24 @@ TEST(IngestNrrd, RealVolumesAreWhatTheirDescriptionSays) {
   expectAffine(fetal->info(),
                {{edge, 0, 0, 0}, {0, edge, 0, 0}, {0, 0, edge, 0}, {-49.84375, 67.890625, -53.7109375, 1}});
   readWhole(*fetal);
+}
+
+// NaN means "unknown" in NRRD's definition.
+TEST(IngestNrrd, UnknownSpacing_isSaid) {
+  const std::filesystem::path file = freshDirectory("nrrd_nan") / "a.nrrd";
+  const auto open = [&](const std::string& spacings, const SourceOptions& options = {}) {
+    writeText(file, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nspacings: " + spacings +
+                        "\nencoding: raw\n\nabcdefgh");
+    return openSource(file, options);
+  };
+  const auto unknown = open("nan 2 nan");
+  EXPECT_EQ(unknown->info().geometry.spacing(), glm::dvec3(1, 2, 1));
+  ASSERT_EQ(unknown->info().notes.size(), 1u);
+  EXPECT_NE(unknown->info().notes[0].find("unknown (nan) along x, z, and taken as 1"), std::string::npos);
+  EXPECT_TRUE(open("1 2 1")->info().notes.empty());
+  SourceOptions given;
+  given.spacing = glm::dvec3(3, 2, 1);
+  EXPECT_TRUE(open("nan 2 nan", given)->info().notes.empty());
 }
 
 TEST(IngestNrrd, RealRawAndDetachedHeaderAgree) {

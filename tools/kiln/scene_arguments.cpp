@@ -25,6 +25,10 @@ TransferFunction pointsOfOption(const std::string& text, const char* option) {
 TransferFunctionChoice transferFunctionNamed(const std::string& text, const char* option) {
   if (isPreset(text)) return text;
   if (isPointsText(text)) return pointsOfOption(text, option);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(fileOf(text), ignored))
+    throw Error(ErrorCode::kUsage, fmt::format("{}: '{}' is a folder; name a file of a transfer function or one of {}",
+                                               option, text, presetList()));
   if (isThere(fileOf(text))) {
     refuseVolumeFile(fileOf(text), "a transfer function");
     return std::filesystem::path(text);

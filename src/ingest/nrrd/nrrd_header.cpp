@@ -85,6 +85,9 @@ NrrdHeader readNrrdHeader(const File& file) {
     const auto name = fieldNames().find(lowered(written));
     if (name == fieldNames().end()) failAt(file, lines.number(), inQuotes(written) + " is not a field of NRRD");
     header.fields.add({name->second, written, trimmed(line->substr(colon + 1)), lines.number()});
+    // The lines behind "data file: LIST" are names of files and no fields.
+    if (name->second == "data file" && header.fields.find("data file")->value.starts_with("LIST"))
+      header.fields.dataFile(*header.fields.find("data file"));
   }
   header.end_offset = lines.endOffset();
   return header;

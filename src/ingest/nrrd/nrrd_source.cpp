@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "base/error.h"
@@ -198,6 +199,18 @@ std::string noteOfMirrored(const HeaderFields& fields, const VolumeGeometry& geo
              : "its spacing is negative along " + axes + ": the volume is mirrored there; --spacing sets another";
 }
 
+// Names the axes whose spacing the header gives as NaN, "unknown", and which therefore have the spacing 1.
+std::string noteOfUnknown(const HeaderFields& fields, const VolumeGeometry& geometry, const SourceOptions& options) {
+  const HeaderField* const spacings = fields.find("spacings");
+  if (options.spacing || fields.find("space directions") || !spacings) return "";
+  const glm::dvec3 given = fields.vector(*spacings);
+  std::string axes;
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::isnan(given[axis]) && geometry.world_from_index[axis][axis] == 1)
+      axes += std::string(axes.empty() ? "" : ", ") + "xyz"[axis];
+  return axes.empty() ? "" : "its spacing is unknown (nan) along " + axes + ", and taken as 1; --spacing sets another";
+}
+
 }  // namespace
 
 std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const SourceOptions& options) {
@@ -211,6 +224,8 @@ std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const
   if (std::string note = noteOfNarrow(header.fields, info.geometry.dims); !note.empty())
     info.notes.push_back(std::move(note));
   if (std::string note = noteOfMirrored(header.fields, info.geometry); !note.empty())
+    info.notes.push_back(std::move(note));
+  if (std::string note = noteOfUnknown(header.fields, info.geometry, options); !note.empty())
     info.notes.push_back(std::move(note));
   const LinearData data = dataOf(header, info.geometry.dims, info.type);
   return openDescribed(input, std::move(info), data);
