@@ -256,9 +256,21 @@ std::array<View, kPanoramaFaces> panoramaFaces(const View& panorama) {
   return out;
 }
 
+// A camera light has the direction of the panorama's camera, and not of a face's.
+void turnLights(const View& panorama, Shading& shading) {
+  const glm::dmat3 world_from_view = glm::transpose(glm::dmat3(panorama.view_from_world));
+  for (Light& light : shading.lights) {
+    if (light.kind != LightKind::kCamera) continue;
+    light.kind = LightKind::kDirectional;
+    light.place = world_from_view * glm::dvec3(light.place.x, -light.place.y, -light.place.z);
+  }
+}
+
 FrameRequest faceOf(const FrameRequest& panorama, const View& face) {
   FrameRequest out = panorama;
   out.view = face;
+  turnLights(panorama.view, out.shading);
+  for (VolumeRequest& volume : out.volumes) turnLights(panorama.view, volume.shading);
   out.background = {};
   out.filters_rays = false;
   return out;

@@ -52,8 +52,8 @@ std::vector<int> Animation::frames() const {
 std::vector<Light> mixed(const std::vector<Light>& a, const std::vector<Light>& b, double t) {
   std::vector<Light> out = a;
   for (std::size_t i = 0; i < out.size(); ++i) {
-    out[i].place = out[i].kind == LightKind::kDirectional ? mixedDirections(a[i].place, b[i].place, t)
-                                                          : glm::mix(a[i].place, b[i].place, t);
+    out[i].place =
+        isFar(out[i].kind) ? mixedDirections(a[i].place, b[i].place, t) : glm::mix(a[i].place, b[i].place, t);
     out[i].color = glm::mix(a[i].color, b[i].color, t);
     out[i].intensity = std::lerp(a[i].intensity, b[i].intensity, t);
   }

@@ -142,7 +142,7 @@ void readLights(const JobObject& root, RenderJob& job) {
   const JobObject owner = *root.object("lights");
   job.animation.lights = onlyKeysFrom(owner, lightsKeyOptions());
   requireAlike(owner, job.animation.lights, "lights", [](const Light& a, const Light& b) {
-    return a.kind == b.kind && (a.kind != LightKind::kDirectional || mayMix(a.place, b.place));
+    return a.kind == b.kind && (!isFar(a.kind) || mayMix(a.place, b.place));
   });
 }
 

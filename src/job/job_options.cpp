@@ -284,7 +284,8 @@ Options<RenderJob> rootOptions() {
   lights.form.schema = {{"anyOf", {lights.form.schema, {{"$ref", "lightsKeyframes"}}}}};
   lights.read = [](const JobObject& root, std::string_view, RenderJob& job) { readLights(root, job); };
   add(Row("lights", "--light", kLight, std::move(lights).resolvedIf(kAlways),
-          "Add a light: headlight (default), dir:x,y,z for the direction towards a far light, or point:x,y,z; each may "
+          "Add a light: headlight (default), dir:x,y,z for the direction towards a far light, cam:x,y,z for a far "
+          "light that moves with the camera (right, up, towards the eye), or point:x,y,z; each may "
           "end in :COLOR, r,g,b in linear light, a name, #rgb or #rrggbb. Repeatable."));
   add(Row("region", "--region", kShown, {KILN_MEMBER(picture.clipping.region), VoxelBounds{}, kAlways}, kRegionHelp));
   add(Row("worldRegion", "--world-region", kShown, {KILN_MEMBER(picture.clipping), WorldBounds{}}, kWorldRegionHelp));

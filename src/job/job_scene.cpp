@@ -29,11 +29,11 @@ Light lightFrom(const JobObject& object) {
   if (const auto kind = object.choice("type", kLightNames)) light.kind = static_cast<LightKind>(*kind);
   Options<Light> options = lightOptions();
   std::erase_if(options, [&](const Option<Light>& option) {
-    return (option.key == "direction" && light.kind != LightKind::kDirectional) ||
+    return (option.key == "direction" && !isFar(light.kind)) ||
            (option.key == "position" && light.kind != LightKind::kPoint);
   });
   for (Option<Light>& option : options) {
-    if (option.key == "direction") option.missing = "a directional light has one";
+    if (option.key == "direction") option.missing = "a light far away has one";
     if (option.key == "position") option.missing = "a point light has one";
   }
   readOptions(options, object, light);

@@ -48,7 +48,7 @@ void requireSortedGradients(const JobObject& object, const std::vector<GradientP
     object.refuse("gradient", "a gradient not below that of the point before, for points are sorted");
 }
 
-// "headlight[:COLOR]", "dir:x,y,z[:COLOR]" or "point:x,y,z[:COLOR]".
+// "headlight[:COLOR]", "dir:x,y,z[:COLOR]", "cam:x,y,z[:COLOR]" or "point:x,y,z[:COLOR]".
 nlohmann::json lightOfText(const std::string& text) {
   std::vector<std::string> parts;
   for (std::size_t begin = 0; begin <= text.size(); begin = parts.back().size() + begin + 1)
@@ -57,6 +57,8 @@ nlohmann::json lightOfText(const std::string& text) {
   std::size_t color = 2;
   if (parts[0] == "dir" && parts.size() > 1) {
     light = {{"type", "directional"}, {"direction", numbersOfText(parts[1])}};
+  } else if (parts[0] == "cam" && parts.size() > 1) {
+    light = {{"type", "camera"}, {"direction", numbersOfText(parts[1])}};
   } else if (parts[0] == "point" && parts.size() > 1) {
     light = {{"type", "point"}, {"position", numbersOfText(parts[1])}};
   } else if (parts[0] == "headlight") {
@@ -166,11 +168,11 @@ const Options<Shading>& shadingOptions() {
 const Options<Light>& lightOptions() {
   using Row = Option<Light>;
   static const Options<Light> kOptions = {
-      Row("type", {KILN_MEMBER(kind), Word{kLightNames}, kAlways}, "", "a light is a headlight, directional or point"),
-      Row("direction",
-          {KILN_MEMBER(place), WorldVector{true},
-           [](const Light& light) { return light.kind == LightKind::kDirectional; }},
-          "Direction towards a directional light."),
+      Row("type", {KILN_MEMBER(kind), Word{kLightNames}, kAlways}, "",
+          "a light is a headlight, directional, point or camera"),
+      Row("direction", {KILN_MEMBER(place), WorldVector{true}, [](const Light& light) { return isFar(light.kind); }},
+          "Direction towards a light far away: of the world, or of a camera light in the camera's axes (right, up, "
+          "towards the eye)."),
       Row("position",
           {KILN_MEMBER(place), WorldVector{}, [](const Light& light) { return light.kind == LightKind::kPoint; }},
           "Position of a point light."),
@@ -193,17 +195,17 @@ const Options<ClipPlane>& clipPlaneOptions() {
 }
 
 const ListOf<Light>& lightList() {
-  static const ListOf<Light> kList{
-      .options = lightOptions(),
-      .name = "light",
-      .limit = {kMostLights, "lights"},
-      .expected = "a list of lights [{type, …}, …]",
-      .item_from = &lightFrom,
-      .value_name = "LIGHT",
-      .flag_expected =
-          "headlight[:COLOR], dir:x,y,z[:COLOR] or point:x,y,z[:COLOR], COLOR a name such as orange, "
-          "#rgb, #rrggbb, or r,g,b from 0 to 1000000",
-      .parse = &lightOfText};
+  static const ListOf<Light> kList{.options = lightOptions(),
+                                   .name = "light",
+                                   .limit = {kMostLights, "lights"},
+                                   .expected = "a list of lights [{type, …}, …]",
+                                   .item_from = &lightFrom,
+                                   .value_name = "LIGHT",
+                                   .flag_expected =
+                                       "headlight[:COLOR], dir:x,y,z[:COLOR], cam:x,y,z[:COLOR] or "
+                                       "point:x,y,z[:COLOR], COLOR a name such as orange, "
+                                       "#rgb, #rrggbb, or r,g,b from 0 to 1000000",
+                                   .parse = &lightOfText};
   return kList;
 }
 

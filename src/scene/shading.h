@@ -6,12 +6,20 @@
 
 namespace kiln {
 
-enum class LightKind { kHeadlight, kDirectional, kPoint };
+/// - kHeadlight: at the eye.
+/// - kDirectional: far away, in a direction of the world.
+/// - kPoint: at a place.
+/// - kCamera: far away, in a direction of the camera: the light moves with the camera.
+enum class LightKind { kHeadlight, kDirectional, kPoint, kCamera };
+
+/// Returns whether the light's place is a direction.
+constexpr bool isFar(LightKind kind) { return kind == LightKind::kDirectional || kind == LightKind::kCamera; }
 
 /// A light without falloff and without shadows.
 struct Light {
-  LightKind kind = LightKind::kHeadlight;  // at the eye; far away; at a place
-  /// kDirectional: direction towards the light, of any positive length; kPoint: the light's position. unit: world.
+  LightKind kind = LightKind::kHeadlight;
+  /// kDirectional: direction towards the light, of any positive length; kCamera: the direction in the camera's axes, x
+  /// to the right, y up and z towards the eye; kPoint: the light's position. unit: world.
   glm::dvec3 place{0, 0, 1};
   glm::dvec3 color{1};  // linear light
   double intensity = 1;

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "base/file.h"
+#include "image/compare.h"
 #include "image/file/image_file.h"
 #include "support/system/run_tool.h"
 #include "support/volumes/procedural.h"
@@ -24,8 +25,8 @@ class SceneCli : public ::testing::Test {
   }
   std::string in(const std::string& name) const { return (directory_ / name).string(); }
 
-  Image drawn(std::vector<std::string> options) const {
-    options.insert(options.begin(), {"render", store_, "-o", in("a.exr"), "--size", "24x20"});
+  Image drawn(std::vector<std::string> options, const std::string& size = "24x20") const {
+    options.insert(options.begin(), {"render", store_, "-o", in("a.exr"), "--size", size});
     const ToolResult result = runTool(options);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return readImage(in("a.exr"));
@@ -106,7 +107,8 @@ TEST_F(SceneCli, LightClippingAndBackground) {
   const std::vector<std::vector<std::string>> settings = {
       {"--shading", "none"},
       {"--ambient", "0.5", "--diffuse", "0.3", "--specular", "0.9", "--power", "2"},
-      {"--light", "point:3,4,50:1,0.5,0", "--light", "headlight:0.2,0.2,0.2", "--light", "dir:1,-2,0.5"},
+      {"--light", "point:3,4,50:1,0.5,0", "--light", "headlight:0.2,0.2,0.2", "--light", "dir:1,-2,0.5", "--light",
+       "cam:-1,1,0.5:0.3,0.3,0.6"},
       {"--region", "2,0,0,12,20,16"},
       {"--world-region", "0,-100,-100,12,100,100"},
       {"--clip", "1,0,0,-8", "--clip", "0,0,-1,9"},
@@ -327,6 +329,27 @@ TEST_F(SceneCli, PartialImagesAreCompositedAndAttributesKept) {
   EXPECT_EQ(text.at("comments"), "take 3");
   EXPECT_NE(text.at("kiln:statistics").find("\"visited\""), std::string::npos);
   expectRefused({"--compression", "lzw"}, "--compression: expected one of none, rle");
+}
+
+// From the front, x of the camera is +x of the world, up +z, and the eye lies towards -y. A panorama looks that way,
+// too.
+TEST_F(SceneCli, CameraLight_isTheDirectionOfItsCamera) {
+  for (const std::vector<std::string>& camera : {std::vector<std::string>{"--view", "front"},
+                                                 {"--view", "front", "--projection", "orthographic"},
+                                                 {"--view", "front", "--projection", "equirectangular"},
+                                                 {"--view", "front", "--stereo", "left", "--interocular", "3"}}) {
+    const auto lit = [&](const std::string& light) {
+      std::vector<std::string> options = {"--light", light, "--tf", "viridis", "--ambient", "0"};
+      options.insert(options.end(), camera.begin(), camera.end());
+      return drawn(options, "40x20");
+    };
+    const Image of_camera = lit("cam:1,2,3:0.9,0.5,0.2");
+    EXPECT_LT(compareImages(of_camera, lit("dir:1,-3,2:0.9,0.5,0.2")).largest, 2e-3) << camera.back();
+    EXPECT_GT(compareImages(of_camera, lit("dir:1,3,2:0.9,0.5,0.2")).largest, 2e-2) << camera.back();
+  }
+  // The light turns with the camera: from behind, x of the camera is -x of the world.
+  const Image behind = drawn({"--view", "back", "--light", "cam:1,2,3", "--tf", "viridis"});
+  EXPECT_LT(compareImages(behind, drawn({"--view", "back", "--light", "dir:-1,3,2", "--tf", "viridis"})).largest, 2e-3);
 }
 
 }  // namespace

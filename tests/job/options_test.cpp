@@ -78,6 +78,7 @@ const Pair kPairs[] = {
      {"headlight:orange", "dir:0,0,1:#fff"},
      R"("lights": [{"type": "headlight", "color": "#ffa500"},
                    {"type": "directional", "direction": [0, 0, 1], "color": [1, 1, 1]}])"},
+    {"--light", {"cam:1,2,3"}, R"("lights": [{"type": "camera", "direction": [1, 2, 3]}])"},
     {"--region", {"0,1,2,3,4,5"}, R"("region": [0, 1, 2, 3, 4, 5])"},
     {"--world-region", {"0,0,0,1,1,1.5"}, R"("worldRegion": [0, 0, 0, 1, 1, 1.5])"},
     {"--clip",

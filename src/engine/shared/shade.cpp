@@ -19,6 +19,10 @@ Shader::Shader(const Shading& shading, const View& view, float gradient_noise, c
     } else if (light.kind == LightKind::kDirectional) {
       const glm::dvec3 towards = glm::dmat3(view.view_from_world) * light.place;
       lights_.push_back({false, glm::vec3(glm::normalize(towards)), color});
+    } else if (light.kind == LightKind::kCamera) {
+      // View space has y down and z along the view.
+      const glm::dvec3 towards(light.place.x, -light.place.y, -light.place.z);
+      lights_.push_back({false, glm::vec3(glm::normalize(towards)), color});
     } else {
       lights_.push_back({true, glm::vec3(view.view_from_world * glm::dvec4(light.place, 1)), color});
     }
