@@ -43,8 +43,9 @@ class Engine {
 
   /// Makes the data that the tiles of a brick share. requires: this outlives the result. thread: safe.
   virtual std::unique_ptr<const PreparedBrick> prepare(const BrickToDraw& brick) const = 0;
-  /// Draws bricks that this engine prepared into a tile. requires: every nearer brick of the tile is drawn; `bricks`
-  /// come from front to back. thread: tiles in parallel; a tile has one thread.
+  /// Draws bricks that this engine prepared into a tile. Counts drawn samples in `DrawCounts::splats`: a frame without
+  /// any is reported as empty. requires: every nearer brick of the tile is drawn; `bricks` come from front to back.
+  /// thread: tiles in parallel; a tile has one thread.
   virtual void draw(std::span<const PreparedBrick* const> bricks, const TileTarget& target) = 0;
   /// Memory that the threads have drawn with so far, at most. unit: bytes.
   virtual std::uint64_t scratchBytes() const { return 0; }
