@@ -173,7 +173,8 @@ std::string readText(const File& file, std::uint64_t& begin) {
   if (!std::equal(magic.begin(), magic.end(), bytesOf(kNpyMagic).begin()))
     throw Error(ErrorCode::kFormat, file.path(), "byte 0",
                 "the file does not begin with \\x93NUMPY; not a NumPy array");
-  const int major = std::to_integer<int>(start[kNpyMagic.size()]), minor = std::to_integer<int>(start[kNpyMagic.size() + 1]);
+  const int major = std::to_integer<int>(start[kNpyMagic.size()]),
+            minor = std::to_integer<int>(start[kNpyMagic.size() + 1]);
   if (major < 1 || major > 3 || minor != 0)
     throw Error(ErrorCode::kUnsupported, file.path(), fmt::format("byte {}", kNpyMagic.size()),
                 fmt::format("version {}.{} of NumPy's format; 1.0, 2.0 and 3.0 are read", major, minor));
