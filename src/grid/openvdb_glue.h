@@ -16,9 +16,17 @@
 
 namespace kiln {
 
-/// Initializes OpenVDB. requires: called before any other use of OpenVDB. thread: safe.
+/// Checks that the system gives `bytes`, before a library allocates them without a check. Untouched pages cost nothing.
+/// throws: std::bad_alloc.
+inline void requireMemory(std::size_t bytes) { ::operator delete(::operator new(bytes)); }
+
+/// Initializes OpenVDB. requires: called before any other use of OpenVDB. thread: safe. throws:
+/// std::bad_alloc.
 inline void initializeOpenVdb() {
   static const bool done = [] {
+    // blosc_init writes into a context whose allocation it does not check.
+    constexpr std::size_t kContexts_bytes = std::size_t{1} << 20;
+    requireMemory(kContexts_bytes);
     openvdb::initialize();
     // In split mode Blosc compresses each byte position of a leaf separately (512 bytes), and LZ4 clears 16 KB before
     // each piece. Without splitting, compression takes an eighth less time and a twentieth less space: equal upper
@@ -28,10 +36,6 @@ inline void initializeOpenVdb() {
   }();
   (void)done;
 }
-
-/// Checks that the system gives `bytes`, before a library allocates them without a check. Untouched pages cost nothing.
-/// throws: std::bad_alloc.
-inline void requireMemory(std::size_t bytes) { ::operator delete(::operator new(bytes)); }
 
 /// Checks that Blosc can allocate its working memory for a block of `bytes`: Blosc does not check, and its failed
 /// allocation would end the process. The allocator gives the freed memory to the next call of this thread. throws:
