@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -115,10 +114,7 @@ std::optional<int> descriptorNamed(const fs::path& path) {
   std::optional<fs::path> at = path;
   for (int i = 0; at && i < kMostLinks; ++i, at = behindLink(*at)) {
     if (fs::canonical(at->has_parent_path() ? at->parent_path() : ".", unknown) != own || unknown) continue;
-    const std::string name = at->filename().string();
-    int out = -1;
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), out);
-    if (error == std::errc() && end == name.data() + name.size()) return out;
+    if (const std::optional<int> number = numberOf<int>(at->filename().string())) return number;
   }
   return std::nullopt;
 }

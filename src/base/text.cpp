@@ -50,6 +50,13 @@ std::string lowered(std::string_view text) {
   return out;
 }
 
+std::vector<std::string_view> splitAt(std::string_view text, char separator) {
+  std::vector<std::string_view> out;
+  for (std::size_t begin = 0; begin <= text.size(); begin += out.back().size() + 1)
+    out.push_back(text.substr(begin, text.substr(begin).find(separator)));
+  return out;
+}
+
 std::size_t bytesOfCharacter(std::string_view text) {
   if (text.empty()) return 0;
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };

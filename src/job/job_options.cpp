@@ -3,8 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-
+#include "base/text.h"
 #include "job/job_animation.h"
 #include "job/job_names.h"
 #include "job/job_parts.h"
@@ -193,13 +192,11 @@ void readLevel(const JobObject& root, std::string_view key, PictureOptions& pict
   const std::string expected = levelForm().expected;
   const std::string text = *root.text(key, expected);
   if (text == "auto") return;
-  int levels = -1;
   constexpr std::string_view kCoarser = "auto+";
-  const char* const end = text.data() + text.size();
-  const auto [last, error] = std::from_chars(text.data() + std::min(kCoarser.size(), text.size()), end, levels);
-  if (!text.starts_with(kCoarser) || error != std::errc() || last != end || levels < 0 || levels > kMostLevel)
-    root.refuse(key, expected);
-  picture.coarser = levels;
+  const std::optional<int> levels =
+      text.starts_with(kCoarser) ? numberOf<int>(text.substr(kCoarser.size())) : std::nullopt;
+  if (!levels || *levels < 0 || *levels > kMostLevel) root.refuse(key, expected);
+  picture.coarser = *levels;
 }
 
 ordered_json levelJson(const PictureOptions& picture) {
@@ -215,9 +212,10 @@ void readQuality(const JobObject& root, std::string_view key, RenderJob& job) {
   const bool draft = quality == 0, best = quality == 2;
   picture.samples = draft ? std::optional(1) : best ? std::optional(16) : defaults.samples;
   picture.level = defaults.level;
-  picture.coarser = draft && picture.lattice == Lattice::kPixel ? 1 : 0;
+  const EngineCapabilities& engine = engineOf(picture).capabilities();
+  picture.coarser = draft && engine.coarser_levels ? 1 : 0;
   picture.sample_distance = defaults.sample_distance;
-  if (engineOf(picture).capabilities().sample_distance && quality != 1)
+  if (engine.sample_distance && quality != 1)
     picture.sample_distance = draft ? kMostSampleDistance : kLeastSampleDistance;
 }
 

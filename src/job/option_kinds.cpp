@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <system_error>
 
 #include "base/error.h"
 #include "base/memory/memory.h"
+#include "base/text.h"
 #include "image/named_color.h"
 #include "job/job_names.h"
 
@@ -22,25 +21,14 @@ using nlohmann::ordered_json;
 constexpr double kFarthestVoxel = 1e15;
 
 template <class T>
-std::optional<T> parsed(const std::string& text) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-json numberOfText(const std::string& text) {
-  const auto value = parsed<double>(text);
-  return value && std::isfinite(*value) ? json(*value) : json();
-}
-
-json wholeOfText(const std::string& text) {
-  // Other programs read a leading 0 as octal.
-  const std::string_view digits = std::string_view(text).substr(text.starts_with('-') ? 1 : 0);
-  if (digits.size() > 1 && digits.starts_with('0')) return {};
-  const auto value = parsed<std::int64_t>(text);
+json decimalOfText(std::string_view text) {
+  const std::optional<T> value = decimalOf<T>(text);
   return value ? json(*value) : json();
 }
+
+json numberOfText(const std::string& text) { return decimalOfText<double>(text); }
+
+json wholeOfText(const std::string& text) { return decimalOfText<std::int64_t>(text); }
 
 // "auto" or a whole number.
 json autoOfText(const std::string& text) { return text == "auto" ? json(text) : wholeOfText(text); }
@@ -83,6 +71,20 @@ Rgba backgroundFrom(const JobObject& object, std::string_view key) {
   return {color.r, color.g, color.b, 1};
 }
 
+ordered_json arrayOf(const ordered_json& item, int count) {
+  return {{"type", "array"}, {"items", item}, {"minItems", count}, {"maxItems", count}};
+}
+
+// The form of a list of numbers; its flag is "a,b,c".
+OptionForm listForm(ordered_json schema, std::string_view value_name, std::string expected) {
+  OptionForm out;
+  out.schema = std::move(schema);
+  out.value_name = value_name;
+  out.expected = std::move(expected);
+  out.parse = [](const std::string& text) { return numbersOfText(text); };
+  return out;
+}
+
 void readAuto(const JobObject& object, std::string_view key) {
   constexpr std::array<std::string_view, 1> kAuto = {"auto"};
   object.choice(key, kAuto);
@@ -90,19 +92,17 @@ void readAuto(const JobObject& object, std::string_view key) {
 
 }  // namespace
 
-json numbersOfText(const std::string& text, char separator) {
+json numbersOfText(std::string_view text, char separator) {
   json out = json::array();
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(separator, begin), text.size());
-    const json number = numberOfText(text.substr(begin, end - begin));
+  for (const std::string_view part : splitAt(text, separator)) {
+    const json number = decimalOfText<double>(part);
     if (number.is_null()) return {};
     out.push_back(number);
-    begin = end + 1;
   }
   return out;
 }
 
-json colorOfText(const std::string& text) {
+json colorOfText(std::string_view text) {
   if (colorNamed(text)) return text;
   json numbers = numbersOfText(text);
   return numbers.size() == 3 ? numbers : json();
@@ -176,26 +176,6 @@ void WholeChoice::read(const JobObject& object, std::string_view key, std::optio
 }
 
 ordered_json WholeChoice::write(const std::optional<int>& value) const {
-  return value ? ordered_json(*value) : ordered_json("auto");
-}
-
-OptionForm WholeOrAuto::form() const {
-  OptionForm out;
-  out.schema = {{"anyOf", {{{"const", "auto"}}, Whole{least, most}.form().schema}}};
-  out.value_name = "auto|N";
-  out.expected = fmt::format("auto or {}", expectedWhole(least, most, ""));
-  out.words = {"auto"};
-  out.parse = autoOfText;
-  return out;
-}
-
-void WholeOrAuto::read(const JobObject& object, std::string_view key, std::optional<int>& out) const {
-  out.reset();
-  if (object.isText(key)) return readAuto(object, key);
-  out = static_cast<int>(*object.integer(key, least, most));
-}
-
-ordered_json WholeOrAuto::write(const std::optional<int>& value) const {
   return value ? ordered_json(*value) : ordered_json("auto");
 }
 
@@ -330,12 +310,8 @@ void Rate::read(const JobObject& object, std::string_view key, FrameRate& out) c
 }
 
 OptionForm WorldVector::form() const {
-  OptionForm out;
-  out.schema = {{"$ref", "vector"}};
-  out.value_name = "X,Y,Z";
-  out.expected = direction ? "three numbers X,Y,Z, not all zero" : "three numbers X,Y,Z";
-  out.parse = [](const std::string& text) { return numbersOfText(text); };
-  return out;
+  return listForm({{"$ref", "vector"}}, "X,Y,Z",
+                  direction ? "three numbers X,Y,Z, not all zero" : "three numbers X,Y,Z");
 }
 
 glm::dvec3 WorldVector::readVector(const JobObject& object, std::string_view key) const {
@@ -346,12 +322,7 @@ glm::dvec3 WorldVector::readVector(const JobObject& object, std::string_view key
 }
 
 OptionForm PictureShift::form() const {
-  OptionForm out;
-  out.schema = {{"$ref", "pair"}};
-  out.value_name = "X,Y";
-  out.expected = "two numbers X,Y from -100 to 100";
-  out.parse = [](const std::string& text) { return numbersOfText(text); };
-  return out;
+  return listForm({{"$ref", "pair"}}, "X,Y", "two numbers X,Y from -100 to 100");
 }
 
 void PictureShift::read(const JobObject& object, std::string_view key, std::optional<glm::dvec2>& out) const {
@@ -366,8 +337,7 @@ ordered_json PictureShift::write(const std::optional<glm::dvec2>& shift) const {
 
 OptionForm ColorValue::form() const {
   OptionForm out;
-  const ordered_json numbers = {{"type", "array"}, {"items", {{"$ref", ref}}}, {"minItems", 3}, {"maxItems", 3}};
-  out.schema["anyOf"] = {{{"$ref", "colorName"}}, numbers};
+  out.schema["anyOf"] = {{{"$ref", "colorName"}}, arrayOf({{"$ref", ref}}, 3)};
   return out;
 }
 
@@ -418,13 +388,8 @@ ordered_json BackgroundColors::write(const Background& background) const {
 }
 
 OptionForm PixelBox::form() const {
-  OptionForm out;
-  out.schema = {
-      {"type", "array"}, {"items", Whole{0, kLargestSide_px}.form().schema}, {"minItems", 4}, {"maxItems", 4}};
-  out.value_name = "X,Y,W,H";
-  out.expected = fmt::format("four whole numbers of pixels X,Y,W,H from 0 to {}", kLargestSide_px);
-  out.parse = [](const std::string& text) { return numbersOfText(text); };
-  return out;
+  return listForm(arrayOf(Whole{0, kLargestSide_px}.form().schema, 4), "X,Y,W,H",
+                  fmt::format("four whole numbers of pixels X,Y,W,H from 0 to {}", kLargestSide_px));
 }
 
 void PixelBox::read(const JobObject& object, std::string_view key, std::optional<PixelRect>& out) const {
@@ -440,15 +405,8 @@ ordered_json PixelBox::write(const std::optional<PixelRect>& rect) const {
 }
 
 OptionForm VoxelBounds::form() const {
-  OptionForm out;
-  out.schema = {{"type", "array"},
-                {"items", {{"type", "integer"}, {"minimum", -kFarthestVoxel}, {"maximum", kFarthestVoxel}}},
-                {"minItems", 6},
-                {"maxItems", 6}};
-  out.value_name = "X0,Y0,Z0,X1,Y1,Z1";
-  out.expected = "six whole numbers X0,Y0,Z0,X1,Y1,Z1, each X0 below its X1 (half-open)";
-  out.parse = [](const std::string& text) { return numbersOfText(text); };
-  return out;
+  return listForm(arrayOf({{"type", "integer"}, {"minimum", -kFarthestVoxel}, {"maximum", kFarthestVoxel}}, 6),
+                  "X0,Y0,Z0,X1,Y1,Z1", "six whole numbers X0,Y0,Z0,X1,Y1,Z1, each X0 below its X1 (half-open)");
 }
 
 void VoxelBounds::read(const JobObject& object, std::string_view key, std::optional<VoxelBox>& out) const {
@@ -472,12 +430,8 @@ ordered_json VoxelBounds::write(const std::optional<VoxelBox>& box) const {
 }
 
 OptionForm WorldBounds::form() const {
-  OptionForm out;
-  out.schema = {{"type", "array"}, {"items", {{"$ref", "length"}}}, {"minItems", 6}, {"maxItems", 6}};
-  out.value_name = "X0,Y0,Z0,X1,Y1,Z1";
-  out.expected = "six numbers X0,Y0,Z0,X1,Y1,Z1 in world units, each X0 below its X1";
-  out.parse = [](const std::string& text) { return numbersOfText(text); };
-  return out;
+  return listForm(arrayOf({{"$ref", "length"}}, 6), "X0,Y0,Z0,X1,Y1,Z1",
+                  "six numbers X0,Y0,Z0,X1,Y1,Z1 in world units, each X0 below its X1");
 }
 
 void WorldBounds::read(const JobObject& object, std::string_view key, Clipping& out) const {
@@ -493,12 +447,7 @@ void WorldBounds::read(const JobObject& object, std::string_view key, Clipping& 
 }
 
 OptionForm ValueWindow::form() const {
-  OptionForm out;
-  out.schema = {{"$ref", "pair"}};
-  out.value_name = "CENTRE,WIDTH";
-  out.expected = "CENTRE,WIDTH, the width above 0";
-  out.parse = [](const std::string& text) { return numbersOfText(text); };
-  return out;
+  return listForm({{"$ref", "pair"}}, "CENTRE,WIDTH", "CENTRE,WIDTH, the width above 0");
 }
 
 void ValueWindow::read(const JobObject& object, std::string_view key, std::optional<Window>& out) const {

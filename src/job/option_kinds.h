@@ -57,12 +57,6 @@ struct WholeChoice {
   nlohmann::ordered_json write(const std::optional<int>& value) const;
   bool or_auto = false;
 };
-struct WholeOrAuto {
-  std::int64_t least, most;
-  OptionForm form() const;
-  void read(const JobObject& object, std::string_view key, std::optional<int>& out) const;
-  nlohmann::ordered_json write(const std::optional<int>& value) const;
-};
 
 /// One of a few words: an enumerator, a bool (the second word is true), or the word itself.
 struct Word {
@@ -265,9 +259,9 @@ struct ListOf {
 };
 
 /// Returns the numbers of "a,b,c" as a list; null for other texts.
-nlohmann::json numbersOfText(const std::string& text, char separator = ',');
+nlohmann::json numbersOfText(std::string_view text, char separator = ',');
 /// The three numbers of "r,g,b" as a list, or a colour's name as it stands; null where the text is no colour.
-nlohmann::json colorOfText(const std::string& text);
+nlohmann::json colorOfText(std::string_view text);
 
 /// Returns "expected …, found …" for a text without legal form, else an empty text.
 std::string refusalOfText(const OptionForm& form, const std::string& text);

@@ -3,31 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <optional>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "image/named_color.h"
 #include "job/job_json.h"
 #include "scene/scene_limits.h"
 
 namespace kiln {
 namespace {
-
-std::optional<double> pointNumber(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
-std::vector<std::string_view> splitAt(std::string_view text, char separator) {
-  std::vector<std::string_view> out;
-  for (std::size_t begin = 0; begin <= text.size(); begin += out.back().size() + 1)
-    out.push_back(text.substr(begin, text.substr(begin).find(separator)));
-  return out;
-}
 
 struct PointText {
   double value, opacity;
@@ -37,7 +22,7 @@ struct PointText {
 std::optional<PointText> pointText(std::string_view text) {
   const std::vector<std::string_view> parts = splitAt(text, ':');
   if (parts.size() < 2 || parts.size() > 3) return std::nullopt;
-  const auto value = pointNumber(parts[0]), opacity = pointNumber(parts[1]);
+  const auto value = numberOf<double>(parts[0]), opacity = numberOf<double>(parts[1]);
   if (!value || !legal::voxelValue(*value) || !opacity || !legal::fraction(*opacity)) return std::nullopt;
   PointText out{*value, *opacity, std::nullopt};
   if (parts.size() == 3) {
@@ -71,9 +56,7 @@ std::vector<PointText> pointTexts(std::string_view text) {
 
 bool isPointsText(std::string_view text) {
   const std::size_t colon = text.find(':');
-  if (colon == std::string_view::npos) return false;
-  const auto number = pointNumber(text.substr(0, colon));
-  return number && std::isfinite(*number);
+  return colon != std::string_view::npos && decimalOf<double>(text.substr(0, colon));
 }
 
 TransferFunction functionOfPoints(std::string_view text) {

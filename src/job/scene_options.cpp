@@ -1,6 +1,7 @@
 // The options of cameras, lights, clip planes, transfer functions and their keyframes.
 #include <fmt/format.h>
 
+#include "base/text.h"
 #include "job/frame_list.h"
 #include "job/job_names.h"
 #include "job/job_options.h"
@@ -50,9 +51,7 @@ void requireSortedGradients(const JobObject& object, const std::vector<GradientP
 
 // "headlight[:COLOR]", "dir:x,y,z[:COLOR]", "cam:x,y,z[:COLOR]" or "point:x,y,z[:COLOR]".
 nlohmann::json lightOfText(const std::string& text) {
-  std::vector<std::string> parts;
-  for (std::size_t begin = 0; begin <= text.size(); begin = parts.back().size() + begin + 1)
-    parts.push_back(text.substr(begin, text.find(':', begin) - begin));
+  const std::vector<std::string_view> parts = splitAt(text, ':');
   nlohmann::json light;
   std::size_t color = 2;
   if (parts[0] == "dir" && parts.size() > 1) {

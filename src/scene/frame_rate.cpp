@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <optional>
+
+#include "base/text.h"
 
 namespace kiln {
 namespace {
@@ -14,10 +16,8 @@ constexpr double kSlowest = 0.1, kFastest = 1000;
 constexpr std::int64_t kLargestPart = 1'000'000'000;
 
 std::optional<std::int64_t> wholeNumber(std::string_view text) {
-  std::int64_t out = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
-  if (text.empty() || error != std::errc() || end != text.data() + text.size() || out < 0) return std::nullopt;
-  return out;
+  const std::optional<std::int64_t> out = numberOf<std::int64_t>(text);
+  return out && *out >= 0 ? out : std::nullopt;
 }
 
 std::optional<FrameRate> reduced(std::int64_t numerator, std::int64_t denominator) {
@@ -59,10 +59,8 @@ std::optional<FrameRate> frameRateFrom(std::string_view text) {
   const std::string digits = std::string(text.substr(0, point)) + places;
   const bool decimal = point == std::string_view::npos || !places.empty();
   if (decimal && places.size() > kMostPlaces) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool whole = error == std::errc() && end == text.data() + text.size() && value <= kFastest;
-    return whole ? frameRateFrom(fmt::format("{:.{}f}", value, kMostPlaces)) : std::nullopt;
+    const std::optional<double> value = numberOf<double>(text);
+    return value && *value <= kFastest ? frameRateFrom(fmt::format("{:.{}f}", *value, kMostPlaces)) : std::nullopt;
   }
   const auto units = wholeNumber(digits);
   if (!decimal || !units || digits.size() > 15) return std::nullopt;

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <ctime>
 #include <vector>
@@ -18,18 +17,12 @@ namespace kiln::tool {
 
 std::vector<double> parseNumbers(const std::string& text, char separator, const char* option, const char* expected) {
   std::vector<double> out;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (true) {
-    double value = 0;
-    const auto [rest, status] = std::from_chars(at, end, value);
-    if (status != std::errc() || !std::isfinite(value)) break;
-    out.push_back(value);
-    if (rest == end) return out;
-    if (*rest != separator) break;
-    at = rest + 1;
+  for (const std::string_view part : splitAt(text, separator)) {
+    const std::optional<double> value = decimalOf<double>(part);
+    if (!value) throw Error(ErrorCode::kUsage, fmt::format("{}: expected {}, found '{}'", option, expected, text));
+    out.push_back(*value);
   }
-  throw Error(ErrorCode::kUsage, fmt::format("{}: expected {}, found '{}'", option, expected, text));
+  return out;
 }
 
 glm::dvec3 parseTriple(const std::string& text, const char* option) {
@@ -55,8 +48,8 @@ std::pair<int, int> parseSize(const std::string& text, const char* option) {
 
 CLI::Validator wholeNumberFrom(int least, std::int64_t most) {
   const auto refused = [least, most](std::string& text) {
-    std::int64_t value = 0;
-    if (isDecimal(text, value) && value >= least && value <= most) return std::string();
+    const std::optional<std::int64_t> value = decimalOf<std::int64_t>(text);
+    if (value && *value >= least && *value <= most) return std::string();
     if (most < INT64_MAX) return fmt::format("expected a whole number from {} to {}, found '{}'", least, most, text);
     return fmt::format("expected a whole number from {} on, found '{}'", least, text);
   };
@@ -65,8 +58,8 @@ CLI::Validator wholeNumberFrom(int least, std::int64_t most) {
 
 CLI::Validator numberFrom(double least, double most) {
   const auto refused = [least, most](std::string& text) {
-    double value = 0;
-    if (isDecimal(text, value) && value >= least && value <= most) return std::string();
+    const std::optional<double> value = decimalOf<double>(text);
+    if (value && *value >= least && *value <= most) return std::string();
     return fmt::format("expected a number from {} to {}, found '{}'", least, most, text);
   };
   return {refused, ""};

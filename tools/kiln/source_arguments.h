@@ -4,16 +4,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <type_traits>
 
+#include "base/text.h"
 #include "ingest/source/volume_source.h"
 #include "job/render_job.h"
 
@@ -25,27 +23,12 @@ CLI::Validator wholeNumberFrom(int least, std::int64_t most = INT64_MAX);
 /// Validates a finite number from `least` to `most`.
 CLI::Validator numberFrom(double least, double most);
 
-/// Returns whether the whole text is a finite number in decimal digits that T can hold. A leading 0 of a whole number
-/// is refused: CLI11 reads 010 as octal 8.
-template <class T>
-bool isDecimal(std::string_view text, T& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return false;
-  if constexpr (std::is_integral_v<T>) {
-    const std::string_view digits = text.substr(text.starts_with('-') ? 1 : 0);
-    return digits.size() == 1 || !digits.starts_with('0');
-  } else {
-    return std::isfinite(value);
-  }
-}
-
 /// Validates a number in decimal digits that T can hold. CLI11 itself also takes nan, infinities, blanks, hexadecimal
 /// and octal numbers.
 template <class T>
 CLI::Validator decimalNumber() {
   const auto refused = [](std::string& text) {
-    T value{};
-    if (isDecimal(text, value)) return std::string();
+    if (decimalOf<T>(text)) return std::string();
     return fmt::format("expected a {}number, found '{}'", std::is_integral_v<T> ? "whole " : "", text);
   };
   return {refused, ""};

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 
 #include "base/text.h"
 
@@ -15,13 +14,11 @@ constexpr std::size_t kHeaderStepBytes = 1 << 14;
 constexpr std::size_t kMaxLineBytes = 1 << 20;
 constexpr std::uint64_t kMaxHeaderBytes = 16u << 20;
 
+// Headers may write a plus in front.
 template <class T>
-std::optional<T> numberOf(std::string_view text) {
+std::optional<T> signedNumberOf(std::string_view text) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  return numberOf<T>(text);
 }
 
 template <class T>
@@ -32,7 +29,7 @@ std::vector<T> numbers(const HeaderFields& fields, const HeaderField& field, std
   }
   std::vector<T> out;
   for (const std::string& part : parts) {
-    const std::optional<T> value = numberOf<T>(part);
+    const std::optional<T> value = signedNumberOf<T>(part);
     if (!value) fields.fail(field, inQuotes(part) + " is not a number that is legal here");
     out.push_back(*value);
   }
@@ -202,8 +199,8 @@ std::vector<std::string> axisValues(std::string_view text) {
   return out;
 }
 
-std::optional<double> doubleOf(std::string_view text) { return numberOf<double>(text); }
-std::optional<std::int64_t> integerOf(std::string_view text) { return numberOf<std::int64_t>(text); }
+std::optional<double> doubleOf(std::string_view text) { return signedNumberOf<double>(text); }
+std::optional<std::int64_t> integerOf(std::string_view text) { return signedNumberOf<std::int64_t>(text); }
 
 namespace {
 

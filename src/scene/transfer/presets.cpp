@@ -3,7 +3,6 @@
 #include "scene/transfer/presets.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -11,6 +10,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "scene/transfer/color_map.h"
 #include "scene/transfer/ct_presets.h"
 #include "scene/transfer/label_styles.h"
@@ -179,10 +179,10 @@ TransferFunction automatic(const Manifest& manifest) {
 
 // Solid from the number `text` on. A ramp of a hundredth of the range suffices for shading without steps.
 TransferFunction isoSurface(std::string_view text, const Manifest& manifest) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !(std::abs(value) <= 1e300))
+  const std::optional<double> number = numberOf<double>(text);
+  if (!number || !(std::abs(*number) <= 1e300))
     throw Error(ErrorCode::kUsage, "'iso:" + std::string(text) + "': expected a number after iso:, such as iso:300");
+  const double value = *number;
   const ValueRange range = usableRange(manifest);
   const double half = std::max(0.005 * (range.hi - range.lo), 1e-9 * std::abs(value));
   return {0, {{value - half, kIvory, 0}, {value + half, kIvory, 0.97}}};
