@@ -16,22 +16,23 @@ namespace kiln {
 /// - kMultiVolume: light of several volumes.
 enum class EngineKind { kPixel, kVoxel, kProjection, kMultiVolume };
 
+/// A row names what the engine can do.
 struct EngineCapabilities {
   EngineKind kind;
-  std::string_view chosen_by;  // options of the command line
-  bool several_volumes;        // draws several volumes in one picture
-  bool composites;             // draws light that opacity attenuates; opaque pixels hide bricks
-  bool labels;                 // draws volumes of labels
-  bool gradient_opacity;       // opacity can depend on the gradient
-  bool cubic;                  // interpolates by cubics, besides linearly
-  bool sample_distance;        // the distance of samples along a ray can be chosen
-  bool coarser_levels;         // the automatic level can be made coarser
-  bool two_samples;            // a pixel can have two samples, on a diagonal
-  bool filters_rays;           // samples of a pixel are rays of light: automatic number, pixel filter
-  bool depth_and_normal;       // has planes of depth and normals
-  bool value;                  // has a plane of values
-  bool deep;                   // draws deep images
-  bool parts;                  // draws partial images, also of ranks that share bricks
+  std::string_view chosen_by;     // options of the command line
+  bool several_volumes = false;   // draws several volumes in one picture
+  bool composites = false;        // draws light that opacity attenuates; opaque pixels hide bricks
+  bool labels = false;            // draws volumes of labels
+  bool gradient_opacity = false;  // opacity can depend on the gradient
+  bool cubic = false;             // interpolates by cubics, besides linearly
+  bool sample_distance = false;   // the distance of samples along a ray can be chosen
+  bool coarser_levels = false;    // the automatic level can be made coarser
+  bool two_samples = false;       // a pixel can have two samples, on a diagonal
+  bool filters_rays = false;      // samples of a pixel are rays of light: automatic number, pixel filter
+  bool depth_and_normal = false;  // has planes of depth and normals
+  bool value = false;             // has a plane of values
+  bool deep = false;              // draws deep images
+  bool parts = false;             // draws partial images, also of ranks that share bricks
 };
 
 /// The table: one row per engine.
