@@ -7,12 +7,16 @@
 
 namespace kiln {
 
+/// Returns whether StoreReader must open the input, or must report why the input is no store: a store, a name of
+/// nothing, or a folder whose name ends in .kiln, such as that of an unfinished conversion.
+bool isForStoreReader(const std::filesystem::path& input);
+
 /// Returns the store for `input`: `input` itself if it is a store, else `input` with ".kiln" appended. Makes the store
 /// if it is missing, or was made from an older state of the file or with different source options; reports the fact by
 /// `progress.note`. If several processes need the store, a single process makes it. Calls opened(info), which may
 /// throw, once the source is open and before anything is written.
-/// throws: as openSource and convert; Error kExists if an existing store would be replaced that was not made by a
-/// rendering (Provenance::command).
+/// throws: as openSource and convert; Error kExists if an existing store would be replaced that was not made by
+/// render, slice or gallery (Provenance::command).
 std::filesystem::path storeFor(const std::filesystem::path& input, const SourceOptions& source_options,
                                const ConvertOptions& options, Progress& progress,
                                const std::function<void(const SourceInfo&)>& opened = {});

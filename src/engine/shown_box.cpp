@@ -55,16 +55,7 @@ class ShownValues {
 
 bool contains(const VoxelBox& outer, const VoxelBox& inner) { return intersection(outer, inner) == inner; }
 
-void include(VoxelBox& box, const VoxelBox& more) {
-  if (box.empty()) {
-    box = more;
-    return;
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    box.lo[axis] = std::min(box.lo[axis], more.lo[axis]);
-    box.hi[axis] = std::max(box.hi[axis], more.hi[axis]);
-  }
-}
+void include(VoxelBox& box, const VoxelBox& more) { box = box.empty() ? more : bounding(box, more); }
 
 // Returns `box` without the outer layers that lie outside the region.
 VoxelBox cutBy(const Clipping& clipping, const ClipRegion& region, const VoxelBox& box) {
@@ -150,15 +141,11 @@ void refine(const StoreReader& store, const ShownValues& shown, ShownBox& box) {
   box.files += entry.constant ? 0 : 1;
   box.file_bytes += entry.file_bytes;
 
-  const Extent3 dims = manifest.geometry().dims, coarse = store.level(level).geometry.dims;
-  VoxelBox within, fine;
+  const Extent3 span = manifest.spanOf(level), coarse = store.level(level).geometry.dims;
+  VoxelBox within;
   for (int axis = 0; axis < 3; ++axis) {
-    const double span =
-        std::exp2(std::round(std::log2(static_cast<double>(dims[axis]) / static_cast<double>(coarse[axis]))));
-    within.lo[axis] = static_cast<std::int64_t>(std::floor(static_cast<double>(box.box.lo[axis]) / span));
-    within.hi[axis] =
-        std::min(coarse[axis], static_cast<std::int64_t>(std::ceil(static_cast<double>(box.box.hi[axis]) / span)));
-    fine.hi[axis] = static_cast<std::int64_t>(span);
+    within.lo[axis] = box.box.lo[axis] / span[axis];
+    within.hi[axis] = std::min(coarse[axis], (box.box.hi[axis] + span[axis] - 1) / span[axis]);
   }
   const VoxelBox found =
       withVoxelType(block.type, [&]<class T>(std::type_identity<T>) { return boxOfVoxels<T>(block, shown, within); });
@@ -166,8 +153,7 @@ void refine(const StoreReader& store, const ShownValues& shown, ShownBox& box) {
   // A coarse voxel is a mean, in which a thin layer is lost: a face that would move further stays.
   const std::int64_t most = manifest.brick_size / subBricksOf(manifest.brick_size) + manifest.apron;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::int64_t span = fine.hi[axis];
-    const std::int64_t lo = found.lo[axis] * span, hi = found.hi[axis] * span;
+    const std::int64_t lo = found.lo[axis] * span[axis], hi = found.hi[axis] * span[axis];
     if (lo > box.box.lo[axis] && lo - box.box.lo[axis] <= most) box.box.lo[axis] = lo;
     if (hi < box.box.hi[axis] && box.box.hi[axis] - hi <= most) box.box.hi[axis] = hi;
   }

@@ -60,6 +60,16 @@ inline VoxelBox intersection(const VoxelBox& a, const VoxelBox& b) {
   return out;
 }
 
+/// The smallest box that contains both. requires: neither is empty.
+inline VoxelBox bounding(const VoxelBox& a, const VoxelBox& b) {
+  VoxelBox out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.lo[axis] = std::min(a.lo[axis], b.lo[axis]);
+    out.hi[axis] = std::max(a.hi[axis], b.hi[axis]);
+  }
+  return out;
+}
+
 /// The box grown by `voxels` on every side.
 inline VoxelBox dilated(const VoxelBox& box, std::int64_t voxels) {
   return {{box.lo.x - voxels, box.lo.y - voxels, box.lo.z - voxels},

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "grid/pyramid.h"
-
 namespace kiln {
 namespace {
 
@@ -32,14 +30,9 @@ FrameLevels::FrameLevels(const Manifest& volume, std::optional<int> level, const
                          const Clipping& clipping)
     : finest_(level.value_or(0)) {
   const int coarsest = level.value_or(static_cast<int>(volume.levels.size()) - 1);
-  Extent3 span{1, 1, 1};
-  for (int l = 0; l <= coarsest; ++l) {
+  for (int l = finest_; l <= coarsest; ++l) {
     const VolumeGeometry& geometry = volume.levels[static_cast<std::size_t>(l)].geometry;
-    if (l > 0) {
-      const Extent3 by = halvingOf(volume.levels[static_cast<std::size_t>(l) - 1].geometry);
-      span = {span.x * by.x, span.y * by.y, span.z * by.z};
-    }
-    if (l < finest_) continue;
+    const Extent3 span = volume.spanOf(l);
     // All levels of a frame share the near depth of the finest.
     const double near_depth = 0.5 * volume.levels[static_cast<std::size_t>(finest_)].geometry.shortestEdge();
     levels_.push_back({geometry.dims, Projector(geometry, view, area, near_depth),

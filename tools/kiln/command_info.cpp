@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -11,6 +10,7 @@
 #include "base/file.h"
 #include "base/memory/memory.h"
 #include "commands.h"
+#include "convert/foreign_cache.h"
 #include "histogram_text.h"
 #include "image/file/image_file.h"
 #include "ingest/open_source.h"
@@ -24,9 +24,6 @@
 namespace kiln::tool {
 namespace fs = std::filesystem;
 namespace {
-
-// store/FORMAT.md.
-constexpr const char* kStoreFiles[] = {"manifest.json", "index.bin", "bricks", "journal.bin"};
 
 const char* className(VolumeClass volume_class) {
   switch (volume_class) {
@@ -169,33 +166,24 @@ void printSource(const std::string& path, const SourceInfo& info) {
 // Returns the header of a volume file for programs, with the keys of a manifest.
 std::string sourceForPrograms(const SourceInfo& info) {
   const VolumeGeometry& g = info.geometry;
-  nlohmann::ordered_json affine = nlohmann::ordered_json::array();
-  for (int i = 0; i < 16; ++i) affine.push_back(g.world_from_index[i % 4][i / 4]);
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   for (const fs::path& file : info.files) files.push_back(file.string());
   const nlohmann::ordered_json out = {{"dimensions", {g.dims.x, g.dims.y, g.dims.z}},
                                       {"type", nameOf(info.type)},
-                                      {"class", className(info.volume_class)},
-                                      {"affine", affine},
+                                      {"class", wordOf(info.volume_class)},
+                                      {"affine", rowsOf(g.world_from_index)},
                                       {"unit", g.unit},
-                                      {"frame", std::string(frameName(g.frame)).substr(0, 3)},
+                                      {"frame", wordOf(g.frame)},
                                       {"source", {{"format", info.format}, {"files", files}, {"notes", info.notes}}},
                                       {"storage", {{"rawBytes", bytesOf(g, info.type)}}}};
   return out.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-}
-
-// Returns whether the folder has files of a store, whole or not.
-bool hasStoreFiles(const fs::path& folder) {
-  std::error_code ignored;
-  return std::any_of(std::begin(kStoreFiles), std::end(kStoreFiles),
-                     [&](const char* name) { return fs::exists(folder / name, ignored); });
 }
 
 // Returns whether the path is a volume that is no store: a file, a folder of slices, or a phantom.
 bool isSource(const std::string& path, const SourceArguments& source) {
   if (path.starts_with("phantom:") || !source.dims.empty()) return true;
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) return !hasStoreFiles(path);
+  if (fs::is_directory(path, ignored)) return !isForStoreReader(path);
   const VolumeFormat format = volumeFormatOf(path);
   return !format.name.empty() && format.read;
 }

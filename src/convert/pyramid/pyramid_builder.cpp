@@ -22,16 +22,6 @@ void forEachBrick(const VoxelBox& bricks, F&& f) {
   }
 }
 
-// Returns the smallest box that contains both.
-VoxelBox bounding(const VoxelBox& a, const VoxelBox& b) {
-  VoxelBox out;
-  for (int axis = 0; axis < 3; ++axis) {
-    out.lo[axis] = std::min(a.lo[axis], b.lo[axis]);
-    out.hi[axis] = std::max(a.hi[axis], b.hi[axis]);
-  }
-  return out;
-}
-
 }  // namespace
 
 PyramidBuilder::PyramidBuilder(StoreWriter& writer, const std::filesystem::path& parts, std::uint64_t parts_bytes,

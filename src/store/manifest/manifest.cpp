@@ -40,14 +40,6 @@ const char* nameIn(const std::pair<T, const char*> (&names)[N], T value) {
 
 Json triple(const Extent3& v) { return Json::array({v.x, v.y, v.z}); }
 
-Json rows(const glm::dmat4& m) {
-  Json out = Json::array();
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) out.push_back(m[column][row]);
-  }
-  return out;
-}
-
 // JSON has no infinities, but a background may be infinite.
 Json number(double value) {
   if (std::isfinite(value)) return value;
@@ -138,7 +130,8 @@ class Reader {
                  ? n.is_number_integer() && (!n.is_number_unsigned() || n.get<std::uint64_t>() <= INT64_MAX)
                  : n.is_number_unsigned();
     };
-    if (!found.is_array() || !std::all_of(found.begin(), found.end(), legal) || found.size() != count.value_or(found.size()))
+    if (!found.is_array() || !std::all_of(found.begin(), found.end(), legal) ||
+        found.size() != count.value_or(found.size()))
       fail(key,
            count ? fmt::format("expected {} whole numbers", *count) : "expected a list of whole numbers from 0 on");
     return found.get<std::vector<T>>();
@@ -187,7 +180,7 @@ Json sourceJson(const Provenance& source, int format) {
     out["grid"] = source.vdb->grid_name;
     const VoxelCoord& origin = source.vdb->index_origin;
     out["indexOrigin"] = Json::array({origin.x, origin.y, origin.z});
-    out["gridAffine"] = rows(source.vdb->world_from_grid);
+    out["gridAffine"] = rowsOf(source.vdb->world_from_grid);
   }
   return out;
 }
@@ -273,11 +266,30 @@ bool countsEachLabel(VolumeClass volume_class, VoxelType type, const ValueRange&
   return sizeOf(type) <= 2 || (range.lo >= 0 && range.hi < static_cast<double>(kMostLabels - 1));
 }
 
+const char* wordOf(VolumeClass volume_class) { return nameIn(kClassNames, volume_class); }
+
+const char* wordOf(PatientFrame frame) { return nameIn(kFrameNames, frame); }
+
+std::array<double, 16> rowsOf(const glm::dmat4& affine) {
+  std::array<double, 16> out;
+  for (int i = 0; i < 16; ++i) out[static_cast<std::size_t>(i)] = affine[i % 4][i / 4];
+  return out;
+}
+
+Extent3 Manifest::spanOf(int level) const {
+  Extent3 out{1, 1, 1};
+  for (int finer = 0; finer < level; ++finer) {
+    const Extent3 by = halvingOf(levels[static_cast<std::size_t>(finer)].geometry);
+    out = {out.x * by.x, out.y * by.y, out.z * by.z};
+  }
+  return out;
+}
+
 std::string manifestText(const Manifest& m) {
   Json levels = Json::array();
   for (const LevelInfo& level : m.levels) {
     levels.push_back({{"dimensions", triple(level.geometry.dims)},
-                      {"affine", rows(level.geometry.world_from_index)},
+                      {"affine", rowsOf(level.geometry.world_from_index)},
                       {"bricks", triple(level.bricks)},
                       {"stored", level.stored_bricks},
                       {"bytes", level.stored_bytes}});
@@ -291,10 +303,10 @@ std::string manifestText(const Manifest& m) {
       {"nanCount", m.nan_count},
       {"histogram", {{"lo", m.histogram.lo}, {"hi", m.histogram.hi}, {"counts", m.histogram.counts}}},
       {"background", number(m.background)},
-      {"class", nameIn(kClassNames, m.volume_class)},
-      {"affine", rows(geometry.world_from_index)},
+      {"class", wordOf(m.volume_class)},
+      {"affine", rowsOf(geometry.world_from_index)},
       {"unit", geometry.unit},
-      {"frame", nameIn(kFrameNames, geometry.frame)},
+      {"frame", wordOf(geometry.frame)},
       {"brickSize", m.brick_size},
       {"apron", m.apron},
       {"cellSize", kCellSize},

@@ -61,6 +61,8 @@ struct Manifest {
   Hash128 index_checksum;
 
   const VolumeGeometry& geometry() const { return levels.front().geometry; }
+  /// Size of a voxel of a level along each axis. unit: voxels of level 0.
+  Extent3 spanOf(int level) const;
 
   /// Lengths in the world per length in the volume's own world; 1 unless `placeIn` has scaled the volume. Not part of
   /// the file.
@@ -79,6 +81,12 @@ inline constexpr std::size_t kMostLabels = 65536;
 /// True if the histogram has a bin per label: labels of 8 and 16 bits, and labels of wider types from 0 to 65534. False
 /// for a volume that holds no labels.
 bool countsEachLabel(VolumeClass volume_class, VoxelType type, const ValueRange& range);
+
+/// The words of manifest.json.
+const char* wordOf(VolumeClass volume_class);
+const char* wordOf(PatientFrame frame);
+/// The affine of manifest.json: row by row. shape: 4 × 4.
+std::array<double, 16> rowsOf(const glm::dmat4& affine);
 
 /// Returns the text of manifest.json, including the checksum.
 std::string manifestText(const Manifest& manifest);
