@@ -1,6 +1,7 @@
 #include "convert/foreign_cache.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -46,11 +47,15 @@ std::optional<std::string> makerOf(const fs::path& store) {
   return std::nullopt;
 }
 
-// Only a store made by a rendering may be replaced, never a store that a user converted.
+// The commands that make a store beside a volume file. Only their stores may be replaced, never a store that a user
+// converted.
+constexpr std::array kDrawingCommands = {"kiln render ", "kiln slice ", "kiln gallery "};
+
 void requireOwn(const fs::path& store, const fs::path& input) {
   if (isNothing(store)) return;
   const std::optional<std::string> maker = makerOf(store);
-  if (maker && maker->starts_with("kiln render ")) return;
+  const auto made = [&](const char* command) { return maker->starts_with(command); };
+  if (maker && std::any_of(kDrawingCommands.begin(), kDrawingCommands.end(), made)) return;
   if (maker && !isStore(store))
     throw Error(ErrorCode::kExists, store, "", "is an unfinished conversion; finish it first, by --resume: " + *maker);
   throw Error(ErrorCode::kExists, store, "",
@@ -69,13 +74,6 @@ fs::path baseOf(const fs::path& input) {
   return error || (named.filename() != "." && named.filename() != "..") ? named : whole;
 }
 
-// True if StoreReader must open the input, or must report why the input is no store.
-bool isForReader(const fs::path& input) {
-  std::error_code ignored;
-  return isStore(input) || !fs::exists(input, ignored) ||
-         (fs::is_directory(input, ignored) && input.extension() == ".kiln");
-}
-
 void requireNoPhantom(const fs::path& input) {
   if (namesPhantom(input)) {
     throw Error(ErrorCode::kUsage, "'" + input.string() +
@@ -90,7 +88,7 @@ fs::path besideOf(const fs::path& input) { return baseOf(input).string() + ".kil
 // True if `input` is for StoreReader; options about voxels are then refused.
 bool namesStore(const fs::path& input, const SourceOptions& source_options) {
   requireNoPhantom(input);
-  if (!isForReader(input)) return false;
+  if (!isForStoreReader(input)) return false;
   requireNoOptions(input, source_options);
   return true;
 }
@@ -107,6 +105,12 @@ bool serves(const fs::path& store, const SourceInfo& info, const ConvertOptions&
 }
 
 }  // namespace
+
+bool isForStoreReader(const fs::path& input) {
+  std::error_code ignored;
+  return isStore(input) || !fs::exists(input, ignored) ||
+         (fs::is_directory(input, ignored) && input.extension() == ".kiln");
+}
 
 bool isStoreOf(const fs::path& store, const SourceInfo& info, std::uint64_t memory_bytes) {
   try {

@@ -65,6 +65,11 @@ TEST_F(SlicesCli, VolumeFile_isConvertedBesideIt) {
   EXPECT_TRUE(there("a.raw.kiln/manifest.json"));
   done({"gallery", in("a.raw"), "-o", in("g.png"), "--dims", "2,3,4", "--type", "u8", "--tf", "grayscale"});
   EXPECT_TRUE(there("g.png"));
+  // A changed file has a new store, whichever command made the old one.
+  for (const std::string command : {"gallery", "slice", "render"}) {
+    writeText(in("a.raw"), command.front() + std::string("BCDEFGHIJKLMNOPQRSTUVWX"));
+    done({command, in("a.raw"), "-o", in("c.png"), "--dims", "2,3,4", "--type", "u8"});
+  }
   refused({"slice", in("a.raw"), "-o", in("a.raw.kiln/b.png"), "--dims", "2,3,4", "--type", "u8"}, 2, "a.raw.kiln");
 }
 

@@ -27,7 +27,7 @@ void run(const GalleryArguments& a, Context& context) {
   outputs.add(a.output);
   GalleryRequest request = a.request;
   request.speed.memory_bytes = parseBytes(a.memory, "--memory");
-  request.store = storeOfInput(a.store, a.source, request.speed.memory_bytes, outputs, context);
+  request.store = storeOfInput(a.store, a.source.resolve(), request.speed.memory_bytes, outputs, context);
   const Gallery gallery = drawGallery(request, context.progress);
   ImageFileOptions file;
   file.writer_bytes = request.speed.memory_bytes - std::min(request.speed.memory_bytes, gallery.sheet.bytes());

@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "convert/foreign_cache.h"
 #include "find_program.h"
+#include "foreign_store.h"
 #include "frame/empty_frame.h"
 #include "job/frame_list.h"
 #include "job/job_names.h"
@@ -448,15 +449,9 @@ void run(const RenderArguments& a, Context& context) {
   if (a.dry_run) return sayCost(a, job, input, besideBytes(job, options), context.progress);
   const OutputFiles outputs = outputsOf(a, job);
   options.store_for = [&](const fs::path& volume) {
-    ConvertOptions conversion;
-    conversion.memory_bytes = job.speed.memory_bytes;
-    conversion.command = context.command_line;
-    conversion.time = timeNow();
-    conversion.labels = input.areLabels(volume);
-    const auto opened = [&](const SourceInfo& info) { outputs.requireNoneOf(info.files); };
-    fs::path store = storeFor(volume, input.of(volume), conversion, context.progress, opened);
-    outputs.requireNone(store);
-    return requiredClass(std::move(store), conversion.labels);
+    const bool labels = input.areLabels(volume);
+    return requiredClass(storeOfInput(volume, input.of(volume), job.speed.memory_bytes, outputs, context, labels),
+                         labels);
   };
   if (a.repeat > 1)
     repeatFrame(a, job, options, context);

@@ -104,7 +104,7 @@ void run(const SliceArguments& a, Context& context) {
   request.memory_bytes = parseBytes(a.memory, "--memory");
   request.colormap = a.colormap;
   if (!a.window.empty()) request.window = parseWindow(a.window, "--window");
-  const StoreReader store(storeOfInput(a.store, a.source, request.memory_bytes, outputs, context),
+  const StoreReader store(storeOfInput(a.store, a.source.resolve(), request.memory_bytes, outputs, context),
                           request.memory_bytes);
   if (a.sheet)
     drawSheet(a, store, request, context);

@@ -1,17 +1,20 @@
 #include "foreign_store.h"
 
 #include "convert/foreign_cache.h"
+#include "source_arguments.h"
 
 namespace kiln::tool {
 
-std::filesystem::path storeOfInput(const std::string& input, const SourceArguments& source, std::uint64_t memory_bytes,
-                                   const OutputFiles& outputs, Context& context) {
+std::filesystem::path storeOfInput(const std::filesystem::path& input, const SourceOptions& source,
+                                   std::uint64_t memory_bytes, const OutputFiles& outputs, Context& context,
+                                   bool labels) {
   ConvertOptions conversion;
   conversion.memory_bytes = memory_bytes;
   conversion.command = context.command_line;
   conversion.time = timeNow();
+  conversion.labels = labels;
   const auto opened = [&](const SourceInfo& info) { outputs.requireNoneOf(info.files); };
-  const std::filesystem::path store = storeFor(input, source.resolve(), conversion, context.progress, opened);
+  std::filesystem::path store = storeFor(input, source, conversion, context.progress, opened);
   outputs.requireNone(store);
   return store;
 }
