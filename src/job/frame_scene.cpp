@@ -35,6 +35,11 @@ VolumeGeometry boxOfAll(const std::vector<const Manifest*>& manifests) {
   return boxAround(volumes);
 }
 
+Clipping withPlanes(Clipping clipping, const std::vector<ClipPlane>& planes) {
+  clipping.planes.insert(clipping.planes.end(), planes.begin(), planes.end());
+  return clipping;
+}
+
 std::vector<const Manifest*> looksOf(const RenderJob& job, const std::vector<const Manifest*>& manifests) {
   if (!job.series) return manifests;
   std::vector<const Manifest*> out;
@@ -79,11 +84,8 @@ SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manife
 
 // Planes that move are left out: the box is the same in all frames.
 Clipping SceneOfJob::clippingOf(std::size_t volume) const {
-  if (job_.volumes.empty()) return job_.picture.clipping;
-  Clipping out = job_.volumes[volume].clipping;
-  const std::vector<ClipPlane>& common = job_.picture.clipping.planes;
-  out.planes.insert(out.planes.end(), common.begin(), common.end());
-  return out;
+  const Clipping& common = job_.picture.clipping;
+  return job_.volumes.empty() ? common : withPlanes(job_.volumes[volume].clipping, common.planes);
 }
 
 FramedBox SceneOfJob::framedBox(const ShownBoxOf& shown_box) const {
@@ -148,17 +150,13 @@ FrameScene SceneOfJob::at(int frame) const {
     out.picture.stereo = between(animation.stereo);
     out.picture.stereo->eye = eye;
   }
-  if (!animation.clip.empty()) {
-    const std::vector<ClipPlane> planes = between(animation.clip);
-    out.picture.clipping.planes.insert(out.picture.clipping.planes.end(), planes.begin(), planes.end());
-  }
-  const std::vector<ClipPlane>& common = out.picture.clipping.planes;
+  if (!animation.clip.empty()) out.picture.clipping = withPlanes(out.picture.clipping, between(animation.clip));
   for (std::size_t i = 0; i < job_.volumes.size(); ++i) {
     const VolumeOptions& volume = job_.volumes[i];
-    VolumeScene scene{functions_[i].at(frame), volume.shading.value_or(out.picture.shading), volume.clipping,
-                      manifests_[i]->world_per_own, manifests_[i]->index_checksum};
+    VolumeScene scene{functions_[i].at(frame), volume.shading.value_or(out.picture.shading),
+                      withPlanes(volume.clipping, out.picture.clipping.planes), manifests_[i]->world_per_own,
+                      manifests_[i]->index_checksum};
     scene.shading.lights = out.picture.shading.lights;
-    scene.clipping.planes.insert(scene.clipping.planes.end(), common.begin(), common.end());
     out.volumes.push_back(std::move(scene));
   }
   return out;

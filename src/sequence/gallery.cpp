@@ -48,16 +48,15 @@ struct Thumbnails {
 class GalleryPainter {
  public:
   GalleryPainter(const GalleryRequest& request, std::size_t presets, Progress& progress)
-      : progress_(progress), job_(jobOf(request)), stores_(storesOf(job_)), total_(presets * galleryViews().size()) {
-    const SceneOfJob scenes(job_, manifestsOf(stores_));
-    const FrameMemory memory = memoryOf(job_, readersOf(stores_), scenes, sheetBytes(presets, request.thumbnail_px));
-    bricks_together_ = memory.bricks_together;
-    band_px_ = memory.band_px;
-    cache_ = std::make_unique<BrickCache>(readersOf(stores_), cacheBytes(memory, job_.speed.memory_bytes, job_.volume),
-                                          ThreadLimit::active() > 1 ? ThreadLimit::active() : 0);
-  }
+      : progress_(progress),
+        job_(jobOf(request)),
+        stores_(storesOf(job_)),
+        total_(presets * galleryViews().size()),
+        memory_(memoryOf(job_, readersOf(stores_), SceneOfJob(job_, manifestsOf(stores_)),
+                         sheetBytes(presets, request.thumbnail_px))),
+        cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, job_.volume), readersOfCache()) {}
 
-  CacheCounts counts() const { return cache_->counts(); }
+  CacheCounts counts() const { return cache_.counts(); }
   const FitReads& fit() const { return fit_; }
 
   Thumbnails draw(const std::string& preset) {
@@ -67,12 +66,9 @@ class GalleryPainter {
     for (int view = 1; view <= static_cast<int>(galleryViews().size()); ++view) {
       progress_.throwIfCancelled("drawing a gallery");
       const FrameScene scene = scenes.at(view);
-      FrameRequest request = requestOf(scene, job_.speed);
-      request.bricks_together = bricks_together_;
-      request.band_px = band_px_;
       FrameStatistics statistics;
       Progress silent;
-      out.pictures.push_back(renderFrame(*cache_, request, silent, statistics));
+      out.pictures.push_back(renderFrame(cache_, requestOf(scene, job_.speed, memory_), silent, statistics));
       if (isVisible(out.pictures.back())) ++out.shown;
       progress_.advance("drawing", "thumbnails", ++done_, total_);
     }
@@ -104,8 +100,8 @@ class GalleryPainter {
   const std::uint64_t total_;
   std::uint64_t done_ = 0;
   FitReads fit_;
-  int bricks_together_ = 1, band_px_ = 64;
-  std::unique_ptr<BrickCache> cache_;
+  const FrameMemory memory_;
+  BrickCache cache_;
 };
 
 Image sheetOf(const std::vector<Thumbnails>& rows, const std::filesystem::path& store, int thumbnail_px) {

@@ -26,9 +26,6 @@ RenderJob withDrawnAovs(RenderJob job) {
   return job;
 }
 
-// With one thread no brick is read ahead, so that statistics repeat exactly.
-unsigned readersOfCache() { return ThreadLimit::active() > 1 ? ThreadLimit::active() : 0; }
-
 BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress) {
   if (!job.picture.skip_damaged) return {};
   return [&progress](const Error& damage) { progress.warn(std::string("drawn without ") + damage.what()); };
@@ -91,6 +88,15 @@ Aovs drawnAovs(const RenderJob& job) {
     out.normal = out.normal || held.normal;
     out.value = out.value || held.value;
   }
+  return out;
+}
+
+unsigned readersOfCache() { return ThreadLimit::active() > 1 ? ThreadLimit::active() : 0; }
+
+FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed, const FrameMemory& memory) {
+  FrameRequest out = requestOf(scene, speed);
+  out.bricks_together = memory.bricks_together;
+  out.band_px = memory.band_px;
   return out;
 }
 
@@ -205,9 +211,7 @@ void OpenedJob::noteDeep(Progress& progress) const {
 }
 
 FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {
-  FrameRequest request = requestOf(scene, job_.speed);
-  request.bricks_together = memory_.bricks_together;
-  request.band_px = memory_.band_px;
+  FrameRequest request = requestOf(scene, job_.speed, memory_);
   if (drawsDeep(job_)) request.deep = job_.output.deep_bound;
   return request;
 }

@@ -89,6 +89,11 @@ class OpenedJob {
   BrickCache cache_;
 };
 
+/// Threads of a cache that read ahead: none with one thread, so that statistics repeat exactly.
+unsigned readersOfCache();
+/// Returns the request of a frame that keeps to a plan of memory.
+FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed, const FrameMemory& memory);
+
 /// Opens the stores of all volumes. throws: as StoreReader.
 std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job);
 std::vector<const StoreReader*> readersOf(const std::vector<std::unique_ptr<StoreReader>>& stores);

@@ -55,10 +55,10 @@ std::string rateText(double frames, double seconds) {
 
 }  // namespace
 
-SequenceReport::SequenceReport(TerminalProgress& progress, ReportKind kind)
-    : progress_(progress), kind_(kind), events_(kind == ReportKind::kEvents) {
-  if (events_) progress_.tellWarnings([](const std::string& sentence) { emit("warning", {{"warning", sentence}}); });
-  if (events_) progress_.tell([this](const TerminalProgress::Numbers& numbers) { drawingGoesOn(numbers); });
+SequenceReport::SequenceReport(TerminalProgress& progress, ReportKind kind) : progress_(progress), kind_(kind) {
+  if (emitsEvents())
+    progress_.tellWarnings([](const std::string& sentence) { emit("warning", {{"warning", sentence}}); });
+  if (emitsEvents()) progress_.tell([this](const TerminalProgress::Numbers& numbers) { drawingGoesOn(numbers); });
 }
 
 SequenceReport::~SequenceReport() {
@@ -86,7 +86,7 @@ double SequenceReport::secondsLeft(std::size_t done) const {
 void SequenceReport::started(const RenderJob& job, const std::vector<int>& frames) {
   begin_ = Clock::now();
   frames_ = frames.size();
-  if (!events_) return;
+  if (!emitsEvents()) return;
   Json outputs = Json::array();
   for (const std::filesystem::path& name : namesOf(job.output)) outputs.push_back(name.string());
   emit("started", {{"volume", job.volume.string()},
@@ -97,13 +97,13 @@ void SequenceReport::started(const RenderJob& job, const std::vector<int>& frame
 
 void SequenceReport::frameStarted(int frame) {
   drawing_ = frame;
-  if (events_) emit("frame_started", {{"frame", frame}});
+  if (emitsEvents()) emit("frame_started", {{"frame", frame}});
 }
 
 void SequenceReport::frameDone(const RenderJob& job, const FrameStatistics& frame, std::size_t done) {
   ++drawn_;
   frameEnded(frame.frame);
-  if (events_)
+  if (emitsEvents())
     return emit("frame_done", {{"frame", frame.frame},
                                {"seconds", frame.wall_s + frame.output_s},
                                {"read_bytes", frame.bricks_read_bytes},
@@ -148,7 +148,7 @@ void SequenceReport::print(const std::string& line) const {
 
 void SequenceReport::frameKept(const RenderJob& job, int frame, std::size_t done) {
   ++kept_;
-  if (events_)
+  if (emitsEvents())
     return emit("frame_kept", {{"frame", frame}, {"files", pathsOf(job, frame)}, {"done", done}, {"frames", frames_}});
   if (frames_ == 1) only_line_ = namesOfFiles(job, frame) + ": kept; it is there and whole";
   showOverall(done);
@@ -156,7 +156,7 @@ void SequenceReport::frameKept(const RenderJob& job, int frame, std::size_t done
 
 void SequenceReport::frameFailed(int frame, const Error& error, std::size_t done) {
   frameEnded(frame);
-  if (events_)
+  if (emitsEvents())
     return emit("frame_failed", {{"frame", frame}, {"error", error.what()}, {"done", done}, {"frames", frames_}});
   progress_.note(fmt::format("frame {} failed: {}", frame, error.what()));
   showOverall(done);
@@ -175,7 +175,7 @@ void SequenceReport::finished(const RenderJob& job, const SequenceResult& result
   const RenderStatistics& s = result.statistics;
   progress_.clear();
   const std::string video = job.output.video.path.string();
-  if (events_)
+  if (emitsEvents())
     return emit("finished", {{"frames", frames_},
                              {"drawn", s.frames.size()},
                              {"kept", s.kept.size()},
@@ -193,7 +193,7 @@ void SequenceReport::finished(const RenderJob& job, const SequenceResult& result
 }
 
 void SequenceReport::ended(const Error& error) {
-  if (events_)
+  if (emitsEvents())
     emit(error.code() == ErrorCode::kCancelled ? "interrupted" : "failed",
          {{"error", error.what()}, {"drawn", drawn_}, {"kept", kept_}, {"frames", frames_}, {"seconds", seconds()}});
 }

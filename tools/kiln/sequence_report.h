@@ -48,12 +48,12 @@ class SequenceReport : public SequenceListener {
   void frameEnded(int frame);
 
   std::string frameLine(const RenderJob& job, const FrameStatistics& frame) const;
+  bool emitsEvents() const { return kind_ == ReportKind::kEvents; }
   // Prints unless the report is quiet.
   void print(const std::string& line) const;
 
   TerminalProgress& progress_;
   const ReportKind kind_;
-  const bool events_;
   Clock::time_point begin_ = Clock::now();
   std::size_t frames_ = 0, drawn_ = 0, kept_ = 0;
   std::optional<int> drawing_;
