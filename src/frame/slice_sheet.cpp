@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "frame/histogram_bars.h"
 #include "image/plot_image.h"
 
 namespace kiln {
@@ -98,17 +99,14 @@ void draw(PlotImage& sheet, const Panel& panel, int x, int y) {
   sheet.fill({cx, cy + kFree, cx + 1, y + panel.image.height}, kCrosshair);
 }
 
-// Bars of the logarithm of counts, and the ends of the window.
+// Draws the bars, and the ends of the window.
 void drawHistogram(PlotImage& sheet, const ValueHistogram& histogram, const Window& window, const PixelRect& rect) {
-  if (histogram.counts.empty() || !(histogram.hi > histogram.lo)) return;
-  const double most = std::log1p(static_cast<double>(std::ranges::max(histogram.counts)));
-  const auto bins = static_cast<double>(histogram.counts.size());
+  if (!(histogram.hi > histogram.lo)) return;
+  const HistogramBars bars(histogram);
   const double width = rect.width();
   for (int x = rect.x0; x < rect.x1; ++x) {
-    const auto bin = static_cast<std::size_t>((x - rect.x0 + 0.5) / width * bins);
-    const double count = static_cast<double>(histogram.counts[bin]);
-    const int height = most > 0 ? static_cast<int>(std::log1p(count) / most * rect.height()) : 0;
-    sheet.fill({x, rect.y1 - height, x + 1, rect.y1}, kSheetBar);
+    const double value = std::lerp(histogram.lo, histogram.hi, (x - rect.x0 + 0.5) / width);
+    sheet.fill({x, rect.y1 - static_cast<int>(bars.at(value) * rect.height()), x + 1, rect.y1}, kSheetBar);
   }
   for (const double end : {window.centre - 0.5 * window.width, window.centre + 0.5 * window.width}) {
     const int x = rect.x0 + static_cast<int>((end - histogram.lo) / (histogram.hi - histogram.lo) * width);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frame/histogram_bars.h"
 #include "image/plot_image.h"
 
 namespace kiln {
@@ -49,14 +50,10 @@ void drawGrid(PlotImage& plot, const ValueRange& range) {
 }
 
 void drawHistogram(PlotImage& plot, const ValueHistogram& histogram, const ValueRange& range) {
-  if (histogram.counts.empty() || !(histogram.hi > histogram.lo)) return;
-  const double most = std::log1p(static_cast<double>(std::ranges::max(histogram.counts)));
-  const auto bins = static_cast<double>(histogram.counts.size());
+  const HistogramBars bars(histogram);
   for (int x = kLeft; x < kRight; ++x) {
-    const double bin = (valueAt(range, x + 0.5) - histogram.lo) / (histogram.hi - histogram.lo) * bins;
-    if (!(bin >= 0 && bin < bins) || !(most > 0)) continue;
-    const double count = static_cast<double>(histogram.counts[static_cast<std::size_t>(bin)]);
-    plot.fill({x, kBottom - static_cast<int>(std::log1p(count) / most * (kBottom - kTop)), x + 1, kBottom}, kBar);
+    const int height = static_cast<int>(bars.at(valueAt(range, x + 0.5)) * (kBottom - kTop));
+    plot.fill({x, kBottom - height, x + 1, kBottom}, kBar);
   }
 }
 
