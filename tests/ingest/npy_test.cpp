@@ -1,8 +1,6 @@
 // NumPy arrays. Known because the test writes the header as text and the voxels one by one, in either order.
 #include <gtest/gtest.h>
 
-#include <thread>
-
 #include "ingest/open_source.h"
 #include "support/volumes/foreign_files.h"
 #include "support/volumes/npy_files.h"
@@ -49,21 +47,7 @@ TEST(IngestNpy, SeveralThreadsReadFortranOrderAtOnce) {
   const ForeignVolume volume = randomVolume({40, 30, 20}, VoxelType::f64, 221);
   const auto source = openSource(files.write("a.npy", npyFile(volume, kFortran)));
   ASSERT_EQ(source->order(), ReadOrder::kAnyBox);
-  std::vector<int> wrong(4, 0);
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t t = 0; t < wrong.size(); ++t) {
-      threads.emplace_back([&, t] {
-        for (std::int64_t z = 0; z < 20; ++z) {
-          const VoxelBox box = {{static_cast<std::int64_t>(t), 2, z}, {33, 29, z + 1}};
-          std::vector<std::byte> out(static_cast<std::size_t>(box.count()) * 8);
-          source->read(box, out);
-          if (out != volume.box(box)) ++wrong[t];
-        }
-      });
-    }
-  }
-  EXPECT_EQ(wrong, std::vector<int>(4, 0));
+  expectThreadsReadBack(volume, *source);
 }
 
 // Known: each text is the same dictionary for Python's ast.literal_eval, or NumPy's form under Python 2.

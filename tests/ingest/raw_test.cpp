@@ -3,7 +3,6 @@
 #include <sys/stat.h>
 
 #include <cstring>
-#include <thread>
 
 #include "ingest/bytes/linear_source.h"
 #include "ingest/open_source.h"
@@ -57,21 +56,7 @@ TEST(IngestRaw, SeveralThreadsReadAtOnce) {
   const ForeignVolume volume = randomVolume({40, 30, 20}, VoxelType::i16, 31);
   const auto path = files.write("v.raw", volume.stored(true));
   const auto source = openSource(path, optionsOf(volume, true));
-  std::vector<int> wrong(4, 0);
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t t = 0; t < wrong.size(); ++t) {
-      threads.emplace_back([&, t] {
-        for (std::int64_t z = 0; z < 20; ++z) {
-          const VoxelBox box = {{static_cast<std::int64_t>(t), 2, z}, {33, 29, z + 1}};
-          std::vector<std::byte> out(static_cast<std::size_t>(box.count()) * 2);
-          source->read(box, out);
-          if (out != volume.box(box)) ++wrong[t];
-        }
-      });
-    }
-  }
-  EXPECT_EQ(wrong, std::vector<int>(4, 0));
+  expectThreadsReadBack(volume, *source);
 }
 
 TEST(IngestRaw, LinearMapRoundsOnceAndSaturates) {

@@ -12,6 +12,7 @@
 #include <iterator>
 #include <limits>
 #include <random>
+#include <thread>
 
 #include "ingest/open_source.h"
 
@@ -175,6 +176,22 @@ void expectReadsBack(const ForeignVolume& volume, const std::function<std::uniqu
 void expectReadsBack(const ForeignVolume& volume, const fs::path& path, std::uint64_t seed) {
   expectReadsBack(
       volume, [&] { return openSource(path); }, seed);
+}
+
+void expectThreadsReadBack(const ForeignVolume& volume, VolumeSource& source) {
+  std::vector<int> wrong(4, 0);
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t t = 0; t < wrong.size(); ++t) {
+      threads.emplace_back([&, t] {
+        for (std::int64_t z = 0; z < volume.dims.z; ++z) {
+          const VoxelBox box = {{static_cast<std::int64_t>(t), 2, z}, {33, 29, z + 1}};
+          if (readBox(source, box) != volume.box(box)) ++wrong[t];
+        }
+      });
+    }
+  }
+  EXPECT_EQ(wrong, std::vector<int>(4, 0));
 }
 
 void expectRefused(const fs::path& path, ErrorCode code, const std::string& part, const SourceOptions& options) {

@@ -69,6 +69,9 @@ void expectReadsBack(const ForeignVolume& volume, const std::function<std::uniqu
                      std::uint64_t seed);
 /// Expects that the file or folder at `path` returns exactly `volume`.
 void expectReadsBack(const ForeignVolume& volume, const std::filesystem::path& path, std::uint64_t seed);
+/// Expects that four threads reading boxes of the same source at once all read the voxels of `volume`.
+/// requires: any box can be read from the source, and `volume` has at least 33 × 29 × 1 voxels.
+void expectThreadsReadBack(const ForeignVolume& volume, VolumeSource& source);
 /// Expects that opening and reading `path` fails with `code` and a single line that contains `part`.
 void expectRefused(const std::filesystem::path& path, ErrorCode code, const std::string& part,
                    const SourceOptions& options = {});
