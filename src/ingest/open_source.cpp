@@ -173,6 +173,13 @@ std::string withArticle(const std::string& format) {
 
 constexpr const char* kStore = "a store";
 
+// Refuses an option that chooses one of several `parts`, in a format that has none.
+void refusePart(bool given, const fs::path& path, const char* option, const std::string& format, const char* parts) {
+  if (!given) return;
+  const std::string owner = format.starts_with("a ") ? format + " has" : format + " files have";
+  throw Error(ErrorCode::kUsage, path, option, owner + " no " + parts + "; leave the option out");
+}
+
 void requireOptionsApply(const fs::path& path, const std::string& format, const SourceOptions& options) {
   const auto refuse = [&](bool given, const std::string& option, const std::string& where) {
     if (given) {
@@ -189,6 +196,9 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   refuse(options.grid_name && !vdb, "--grid", "OpenVDB files");
   refuse(options.series.has_value() && !dicom, "--series", "DICOM files");
   refuse(options.allow_irregular && !slices, "--allow-irregular", "TIFF and DICOM files");
+  refusePart(options.channel.has_value(), path, "--channel", format, "channels");
+  refusePart(options.time.has_value(), path, "--time", format, "times");
+  refusePart(options.scale.has_value(), path, "--scale", format, "scales");
   refuse(options.spacing && (vdb || format == kStore), "--spacing", "files without axes of their own");
   if (!options.spacing) return;
   for (int axis = 0; axis < 3; ++axis) {

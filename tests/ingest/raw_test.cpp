@@ -50,6 +50,17 @@ TEST(IngestRaw, BoxesLargerThanAChunkReadBack) {
   }
 }
 
+TEST(IngestRaw, OptionsThatChooseAPart_areRefusedByFormatsWithoutParts) {
+  const ForeignFiles files;
+  SourceOptions channel, time, scale;
+  channel.channel = "2", time.time = 0, scale.scale = 1;
+  const auto nrrd = files.write("x.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n\n1");
+  expectRefused(nrrd, ErrorCode::kUsage, "x.nrrd: --channel: NRRD files have no channels; leave", channel);
+  expectRefused(nrrd, ErrorCode::kUsage, "x.nrrd: --time: NRRD files have no times", time);
+  expectRefused(nrrd, ErrorCode::kUsage, "x.nrrd: --scale: NRRD files have no scales", scale);
+  expectRefused("phantom:head:8x8x8", ErrorCode::kUsage, "a phantom has no channels", channel);
+}
+
 TEST(IngestRaw, SeveralThreadsReadAtOnce) {
   // Known: as above; kAnyBox promises any thread.
   const ForeignFiles files;

@@ -112,6 +112,9 @@ SourceOptions SourceArguments::resolve() const {
   }
   if (!grid.empty()) out.grid_name = grid;
   if (!series.empty()) out.series = series;
+  out.channel = channel;
+  out.time = time;
+  out.scale = scale;
   out.allow_irregular = allow_irregular;
   return out;
 }
@@ -128,6 +131,9 @@ void addSourceArguments(CLI::App& command, SourceArguments& a) {
   add("--spacing", "X,Y,Z", a.spacing, "Spacing in world units, of a file that has no axes.");
   add("--grid", "NAME", a.grid, "OpenVDB: grid to read.");
   add("--series", "UID", a.series, "DICOM: series to read, if there are several.");
+  add("--channel", "NAME|N", a.channel, "Of several channels: the one to read, by name or by number from 0.");
+  add("--time", "N", a.time, "Of several times: the one to read, from 0.")->check(wholeNumberFrom(0));
+  add("--scale", "N", a.scale, "Of several resolutions: the one to read; 0 is the finest.")->check(wholeNumberFrom(0));
   command
       .add_flag("--allow-irregular", a.allow_irregular,
                 "DICOM: accept slices that are tilted, missing, unequally spaced (the median distance is used) or "

@@ -46,6 +46,8 @@ CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional
 
 struct SourceArguments {
   std::string dims, type, endian, spacing, grid, series;
+  std::optional<std::string> channel;
+  std::optional<std::int64_t> time, scale;
   std::uint64_t skip = 0;
   bool allow_irregular = false;
   /// throws: Error kUsage naming the option.

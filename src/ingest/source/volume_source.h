@@ -73,6 +73,9 @@ struct SourceOptions {
   std::optional<glm::dvec3> spacing;     // replaces the spacing of a file without directions
   std::optional<std::string> grid_name;  // OpenVDB
   std::optional<std::string> series;     // DICOM: the UID of the series, for directories of several series
+  std::optional<std::string> channel;    // of several channels: a name, or a number from 0
+  std::optional<std::int64_t> time;      // of several times: a number from 0
+  std::optional<std::int64_t> scale;     // of several resolutions: 0 is the finest
   bool allow_irregular = false;          // DICOM, TIFF: accept slices unequally spaced, tilted, different or missing
   /// Upper bound for VolumeSource::heldBytes. unit: bytes.
   std::uint64_t memory_bytes = UINT64_MAX;
