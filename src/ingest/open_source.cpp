@@ -22,7 +22,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-enum class Format { kUnknown, kNrrd, kMetaImage, kNifti, kNpy, kVdb, kTiff, kDicom, kForeign };
+enum class Format { kUnknown, kNrrd, kMetaImage, kNifti, kNpy, kMrc, kMgh, kVdb, kTiff, kDicom, kForeign };
 
 struct Finding {
   Format format = Format::kUnknown;
@@ -60,10 +60,10 @@ constexpr Magic kMagics[] = {
     {0, "CDF\x02"sv, Format::kForeign, "NetCDF"},
     {0, "GIF8"sv, Format::kForeign, "GIF"},
     {0, "%PDF"sv, Format::kForeign, "PDF"},
-    {208, "MAP "sv, Format::kForeign, "MRC"},
+    {208, "MAP "sv, Format::kMrc, "MRC"},
 };
 
-constexpr std::string_view kSpokenWithAn[] = {"HDF5", "XML", "xz", "OpenEXR", "OpenVDB", "MRC"};
+constexpr std::string_view kSpokenWithAn[] = {"HDF5", "XML", "xz", "OpenEXR", "OpenVDB", "MRC", "MGH"};
 
 std::string firstBytes(const File& file) {
   std::string bytes(512, '\0');
@@ -112,19 +112,47 @@ Finding byName(const fs::path& path) {
   if (endsWith(path, {".nrrd", ".nhdr"})) return {Format::kNrrd, "NRRD"};
   if (endsWith(path, {".mhd", ".mha"})) return {Format::kMetaImage, "MetaImage"};
   if (endsWith(path, {".nii", ".nii.gz", ".hdr", ".hdr.gz"})) return {Format::kNifti, "NIfTI"};
+  if (endsWith(path, {".mrc", ".mrcs", ".ccp4", ".mrc.gz", ".mrcs.gz", ".ccp4.gz"})) return {Format::kMrc, "MRC"};
+  if (endsWith(path, {".mgh", ".mgz", ".mgh.gz"})) return {Format::kMgh, "MGH"};
   if (endsWith(path, {".npy"})) return {Format::kNpy, "NumPy"};
   if (endsWith(path, {".vdb"})) return {Format::kVdb, "OpenVDB"};
   return {};
 }
 
+// True if the bytes begin with the length of a NIfTI or ANALYZE header, in either byte order.
+bool isNiftiHeader(const std::string& bytes) {
+  constexpr std::string_view kLengths[] = {"\x5c\x01\0\0"sv, "\0\0\x01\x5c"sv, "\x1c\x02\0\0"sv, "\0\0\x02\x1c"sv};
+  return std::any_of(std::begin(kLengths), std::end(kLengths),
+                     [&](std::string_view length) { return bytes.starts_with(length); });
+}
+
+fs::path niftiHeaderOf(const fs::path& image) {
+  const fs::path stem = image.extension() == ".gz" ? fs::path(image).replace_extension() : image;
+  return fs::path(stem).replace_extension(".hdr");
+}
+
 // The .img file of a NIfTI pair has no magic; the header beside it identifies the format.
 bool isNiftiVoxels(const fs::path& path) {
   if (!endsWith(path, {".img", ".img.gz"})) return false;
-  const fs::path stem = path.extension() == ".gz" ? fs::path(path).replace_extension() : path;
-  const fs::path header = fs::path(stem).replace_extension(".hdr");
+  const fs::path header = niftiHeaderOf(path);
   std::error_code ignored;
-  if (fs::is_regular_file(header, ignored)) return byBytes(firstBytes(File(header))).format == Format::kNifti;
+  if (fs::is_regular_file(header, ignored)) return isNiftiHeader(firstBytes(File(header)));
   return fs::is_regular_file(header.string() + ".gz", ignored);
+}
+
+// Refuses an .img whose header is missing. requires: nothing else identifies the file.
+void requireHeaderOfImage(const fs::path& path) {
+  if (!endsWith(path, {".img", ".img.gz"})) return;
+  const fs::path header = niftiHeaderOf(path);
+  std::error_code ignored;
+  if (!fs::exists(header, ignored))
+    throw Error(ErrorCode::kNotFound, path, "",
+                "the header of this image, " + inQuotes(header.filename().string()) +
+                    ", is missing; put it beside this file, or give --dims and --type of headerless raw voxels");
+}
+
+bool isReadInGzip(Format format) {
+  return format == Format::kNifti || format == Format::kMrc || format == Format::kMgh;
 }
 
 Finding identify(const fs::path& path, bool described) {
@@ -134,10 +162,10 @@ Finding identify(const fs::path& path, bool described) {
   if (found.format != Format::kUnknown) return found;
   if (bytes.starts_with("\x1f\x8b")) {
     const Finding inside = byBytes(firstDecompressedBytes(path));
-    if (inside.format == Format::kNifti) return inside;
+    if (isReadInGzip(inside.format)) return inside;
     if (!inside.name.empty()) return {Format::kForeign, "gzip-compressed " + inside.name};
     found = byName(path);
-    return found.format == Format::kNifti ? found : Finding{Format::kForeign, "gzip-compressed"};
+    return isReadInGzip(found.format) ? found : Finding{Format::kForeign, "gzip-compressed"};
   }
   return byName(path);
 }
@@ -188,6 +216,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
     }
   };
   const bool raw = format == "raw", vdb = format == "OpenVDB", dicom = format == "DICOM";
+  const bool has_times = format == "MRC" || format == "NIfTI" || format == "MGH";
   const bool slices = dicom || format == "TIFF";
   refuse(options.dims && !raw, "--dims", "headerless raw data");
   refuse(options.type && !raw, "--type", "headerless raw data");
@@ -197,7 +226,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   refuse(options.series.has_value() && !dicom, "--series", "DICOM files");
   refuse(options.allow_irregular && !slices, "--allow-irregular", "TIFF and DICOM files");
   refusePart(options.channel.has_value(), path, "--channel", format, "channels");
-  refusePart(options.time.has_value(), path, "--time", format, "times");
+  refusePart(options.time && !has_times, path, "--time", format, "times");
   refusePart(options.scale.has_value(), path, "--scale", format, "scales");
   refuse(options.spacing && (vdb || format == kStore), "--spacing", "files without axes of their own");
   if (!options.spacing) return;
@@ -222,7 +251,7 @@ void requireNoOptions(const fs::path& store, const SourceOptions& options) {
 }
 
 VolumeFormat volumeFormatOf(const fs::path& path) {
-  constexpr std::string_view kVolumes[] = {"HDF5", "VTK", "NetCDF", "MRC", "gzip-compressed"};
+  constexpr std::string_view kVolumes[] = {"HDF5", "VTK", "NetCDF", "gzip-compressed"};
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return {};
   const Finding found = identify(path, false);
@@ -268,6 +297,10 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
       return openNifti(input, options);
     case Format::kNpy:
       return openNpy(input, options);
+    case Format::kMrc:
+      return openMrc(input, options);
+    case Format::kMgh:
+      return openMgh(input, options);
     case Format::kVdb:
       return openVdb(input, options);
     case Format::kTiff:
@@ -281,8 +314,10 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
       break;
   }
   if (!described) {
+    requireHeaderOfImage(input);
     throw Error(ErrorCode::kUsage, input, "",
-                "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, TIFF, DICOM, OpenVDB); if it is headerless "
+                "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, MRC, MGH, TIFF, DICOM, OpenVDB); if it is "
+                "headerless "
                 "raw voxels, give --dims and --type, for example --dims 256,256,113 --type u16" +
                     headerBeside(input));
   }

@@ -1,5 +1,5 @@
-// NIfTI-1. Known because the files are written here byte by byte from the offsets of nifti1.h, with voxel i a known
-// function of i. Real files are also read by a second, simpler decoder (zlib's gzread).
+// NIfTI and ANALYZE. Known because the files are written here byte by byte from the offsets of nifti1.h and nifti2.h,
+// with voxel i a known function of i. Real files are also read by a second, simpler decoder (zlib's gzread).
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -78,32 +78,125 @@ class Nifti : public ::testing::Test {
     EXPECT_EQ(found, code) << what;
     EXPECT_NE(what.find(says), std::string::npos) << what;
   }
+  void expectContainers(const Type& t, bool big, bool second);
   test::ScratchDirectory directory_;
 };
+
+// Expects the values back from a single file and a pair, raw and in gzip, of either version.
+void Nifti::expectContainers(const Type& t, bool big, bool second) {
+  NiftiHeader h;
+  h.datatype = t.code, h.bitpix = t.bits, h.big_endian = big;
+  if (second) h.sizeof_hdr = 540, h.magic = "n+2";
+  h.vox_offset = static_cast<float>(h.sizeof_hdr + 20);  // an extension of 16 bytes lies before
+  const Bytes voxels = voxelsOf(t, big), whole = test::niftiFile(h, voxels);
+  test::writeBytes(directory_ / "a.nii", whole);
+  test::writeBytes(directory_ / "b.nii.gz", test::gzipped(whole));
+  h.vox_offset = 0, h.magic = second ? "ni2" : "ni1";
+  test::writeBytes(directory_ / "c.hdr", test::niftiHeader(h));
+  test::writeBytes(directory_ / "c.img", voxels);
+  test::writeBytes(directory_ / "d.hdr.gz", test::gzipped(test::niftiHeader(h)));
+  test::writeBytes(directory_ / "d.img.gz", test::gzipped(voxels));
+  for (const char* name : {"a.nii", "b.nii.gz", "c.hdr", "c.img", "d.hdr.gz", "d.img.gz"}) {
+    const auto source = openSource(directory_ / name);
+    EXPECT_EQ(source->info().format, second ? "NIfTI-2" : "NIfTI-1");
+    EXPECT_EQ(source->info().type, t.type);
+    EXPECT_EQ(source->info().geometry.dims, (Extent3{5, 4, 3}));
+    const std::vector<double> values = readAll(*source);
+    for (int i = 0; i < kVoxels; ++i)
+      ASSERT_EQ(values[static_cast<std::size_t>(i)], valueAt(i, t)) << name << " " << t.code;
+  }
+}
 
 TEST_F(Nifti, EveryTypeOrderAndContainerGivesTheValuesBack) {
   for (const Type& t : kTypes) {
     for (const bool big : {false, true}) {
-      NiftiHeader h;
-      h.datatype = t.code, h.bitpix = t.bits, h.big_endian = big;
-      h.vox_offset = 368;  // an extension of 16 bytes lies before
-      const Bytes voxels = voxelsOf(t, big), whole = test::niftiFile(h, voxels);
-      test::writeBytes(directory_ / "a.nii", whole);
-      test::writeBytes(directory_ / "b.nii.gz", test::gzipped(whole));
-      h.vox_offset = 0, h.magic = "ni1";
-      test::writeBytes(directory_ / "c.hdr", test::niftiHeader(h));
-      test::writeBytes(directory_ / "c.img", voxels);
-      test::writeBytes(directory_ / "d.hdr.gz", test::gzipped(test::niftiHeader(h)));
-      test::writeBytes(directory_ / "d.img.gz", test::gzipped(voxels));
-      for (const char* name : {"a.nii", "b.nii.gz", "c.hdr", "c.img", "d.hdr.gz", "d.img.gz"}) {
-        const auto source = openNifti(directory_ / name, {});
-        EXPECT_EQ(source->info().type, t.type);
-        EXPECT_EQ(source->info().geometry.dims, (Extent3{5, 4, 3}));
-        const std::vector<double> values = readAll(*source);
-        for (int i = 0; i < kVoxels; ++i)
-          ASSERT_EQ(values[static_cast<std::size_t>(i)], valueAt(i, t)) << name << " " << t.code;
-      }
+      for (const bool second : {false, true}) expectContainers(t, big, second);
     }
+  }
+}
+
+// The fields of NIfTI-2 have other offsets and types; their meaning is the same.
+TEST_F(Nifti, SecondVersionHasTheGeometryOfTheFirst) {
+  for (const int code : {1, 2, 3}) {
+    NiftiHeader h;
+    h.sform_code = code & 1, h.qform_code = code >> 1;
+    h.pixdim = {-1, 2, 3, 4};
+    h.quatern = {0.5f, 0.25f, 0.125f, 10, 20, 30};
+    h.srow = {-2, 0.5f, 0, 90, 0, 3, 0.25f, -126, 0, 0, 4, -72};
+    h.scl_slope = 0.5f, h.scl_inter = 3, h.xyzt_units = 3;
+    const glm::dmat4 first = affine(h);
+    h.sizeof_hdr = 540, h.magic = "n+2", h.vox_offset = 544;
+    const auto source = open(h, voxelsOf(kTypes[0], false));
+    EXPECT_EQ(source->info().geometry.world_from_index, first);
+    EXPECT_EQ(source->info().geometry.unit, "um");
+    EXPECT_EQ(source->info().type, VoxelType::f32);
+    EXPECT_EQ(readAll(*source)[7], valueAt(7, kTypes[0]) / 2 + 3);
+  }
+}
+
+// dim[4] counts the times, one volume behind the other.
+TEST_F(Nifti, SeriesIsOneVolumeByTime) {
+  NiftiHeader h;
+  h.dim = {4, 5, 4, 1, 3, 1, 1, 1};
+  const Bytes whole = test::niftiFile(h, voxelsOf(kTypes[0], false));
+  test::writeBytes(directory_ / "a.nii", whole);
+  test::writeBytes(directory_ / "a.nii.gz", test::gzipped(whole));
+  for (const char* name : {"a.nii", "a.nii.gz"}) {
+    SourceOptions options;
+    options.time = 2;
+    const auto source = openSource(directory_ / name, options);
+    EXPECT_EQ(source->info().format, "NIfTI-1, time 2");
+    EXPECT_EQ(readAll(*source)[3], valueAt(43, kTypes[0]));
+    EXPECT_TRUE(source->info().notes.empty());
+  }
+  try {
+    openSource(directory_ / "a.nii");
+    ADD_FAILURE() << "was opened";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kUsage);
+    EXPECT_NE(std::string(error.what()).find("holds 3 times; choose one with --time, from 0 to 2"), std::string::npos);
+  }
+}
+
+// ANALYZE has no magic. The fields behind vox_offset mean other things there.
+TEST_F(Nifti, AnalyzePairHasSpacingAlone) {
+  NiftiHeader h;
+  h.magic = "", h.vox_offset = 0, h.pixdim = {0, 2, 3, 4}, h.datatype = 4, h.bitpix = 16;
+  h.scl_slope = 5, h.intent_code = 1007, h.sform_code = 1, h.qform_code = 1, h.xyzt_units = 3;
+  for (const bool big : {false, true}) {
+    h.big_endian = big;
+    test::writeBytes(directory_ / "c.hdr", test::niftiHeader(h));
+    test::writeBytes(directory_ / "c.img", voxelsOf(kTypes[1], big));
+    for (const char* name : {"c.hdr", "c.img"}) {
+      const auto source = openSource(directory_ / name);
+      EXPECT_EQ(source->info().format, "ANALYZE 7.5");
+      EXPECT_EQ(source->info().type, VoxelType::i16);
+      EXPECT_EQ(source->info().geometry.worldOf({1, 1, 1}), glm::dvec3(2, 3, 4));
+      EXPECT_EQ(source->info().geometry.frame, PatientFrame::kUnknown);
+      EXPECT_EQ(readAll(*source)[9], valueAt(9, kTypes[1]));
+      ASSERT_EQ(source->info().notes.size(), 1u);
+      EXPECT_NE(source->info().notes[0].find("no directions"), std::string::npos);
+    }
+  }
+}
+
+TEST_F(Nifti, MissingHalfOfAPairIsNamed) {
+  const auto expectMissing = [&](const char* name, const std::string& says) {
+    try {
+      openSource(directory_ / name);
+      ADD_FAILURE() << "was opened";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kNotFound);
+      EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
+    }
+  };
+  test::writeBytes(directory_ / "only.img", Bytes(kVoxels));
+  expectMissing("only.img", "the header of this image, 'only.hdr', is missing");
+  for (const char* magic : {"ni1", ""}) {
+    NiftiHeader h;
+    h.magic = magic, h.vox_offset = 0;
+    test::writeBytes(directory_ / "alone.hdr", test::niftiHeader(h));
+    expectMissing("alone.hdr", "the image of this pair, 'alone.img', is missing");
   }
 }
 
@@ -223,12 +316,12 @@ TEST_F(Nifti, ScaleIsAppliedInDoubleAndRoundedOnce) {
 
 TEST_F(Nifti, RefusesByName) {
   NiftiHeader h;
-  h.sizeof_hdr = 540;
-  expectRefusal(h, ErrorCode::kUnsupported, "NIfTI-2");
+  h.sizeof_hdr = 540, h.vox_offset = 544;
+  expectRefusal(h, ErrorCode::kFormat, "byte 4: the header has the length of NIfTI-2");
   h = {}, h.magic = "";
   expectRefusal(h, ErrorCode::kUnsupported, "ANALYZE");
   h = {}, h.dim = {4, 5, 4, 3, 12, 1, 1, 1};
-  expectRefusal(h, ErrorCode::kUnsupported, "a time series of 12 volumes");
+  expectRefusal(h, ErrorCode::kUsage, "holds 12 times");
   h = {}, h.dim = {5, 5, 4, 3, 1, 3, 1, 1};
   expectRefusal(h, ErrorCode::kUnsupported, "3 values a voxel");
   h.intent_code = 1007;
@@ -281,27 +374,37 @@ TEST_F(Nifti, HostileNumbersAreFormatErrors) {
   expectRefusal(h, ErrorCode::kFormat, "bitpix");
 }
 
+NiftiHeader secondVersion() {
+  NiftiHeader h;
+  h.sizeof_hdr = 540, h.magic = "n+2", h.vox_offset = 544;
+  return h;
+}
+
 // Each truncated file lacks a voxel, or gzip's own checksum and length at its end.
 TEST_F(Nifti, EveryTruncationIsAnError) {
-  const Bytes whole = test::niftiFile({}, voxelsOf(kTypes[0], false)), packed = test::gzipped(whole);
-  for (const Bytes* file : {&whole, &packed}) {
-    for (std::size_t n = 0; n < file->size(); ++n) {
-      test::writeBytes(directory_ / "a.nii", Bytes(file->begin(), file->begin() + static_cast<std::ptrdiff_t>(n)));
-      EXPECT_THROW(readAll(*openNifti(directory_ / "a.nii", {})), Error) << n;
+  for (const NiftiHeader& header : {NiftiHeader(), secondVersion()}) {
+    const Bytes whole = test::niftiFile(header, voxelsOf(kTypes[0], false)), packed = test::gzipped(whole);
+    for (const Bytes* file : {&whole, &packed}) {
+      for (std::size_t n = 0; n < file->size(); ++n) {
+        test::writeBytes(directory_ / "a.nii", Bytes(file->begin(), file->begin() + static_cast<std::ptrdiff_t>(n)));
+        EXPECT_THROW(readAll(*openNifti(directory_ / "a.nii", {})), Error) << n;
+      }
     }
   }
 }
 
 // Every bit of the header in turn: a volume or an Error, and a volume fits into the file.
 TEST_F(Nifti, FlippedHeaderBitsNeverCrash) {
-  const Bytes whole = test::niftiFile({}, voxelsOf(kTypes[0], false));
-  for (std::size_t bit = 0; bit < 348 * 8; ++bit) {
-    Bytes file = whole;
-    file[bit / 8] = static_cast<std::uint8_t>(file[bit / 8] ^ (1u << (bit % 8)));
-    test::writeBytes(directory_ / "a.nii", file);
-    try {
-      EXPECT_LE(readAll(*openNifti(directory_ / "a.nii", {})).size(), whole.size()) << bit;
-    } catch (const Error&) {
+  for (const NiftiHeader& header : {NiftiHeader(), secondVersion()}) {
+    const Bytes whole = test::niftiFile(header, voxelsOf(kTypes[0], false));
+    for (std::size_t bit = 0; bit < static_cast<std::size_t>(header.sizeof_hdr) * 8; ++bit) {
+      Bytes file = whole;
+      file[bit / 8] = static_cast<std::uint8_t>(file[bit / 8] ^ (1u << (bit % 8)));
+      test::writeBytes(directory_ / "a.nii", file);
+      try {
+        EXPECT_LE(readAll(*openNifti(directory_ / "a.nii", {})).size(), whole.size()) << bit;
+      } catch (const Error&) {
+      }
     }
   }
 }

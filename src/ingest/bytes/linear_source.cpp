@@ -29,13 +29,19 @@ ValueMap mapOf(const SourceInfo& info, const LinearData& data) {
   return {data.stored_type, info.type, data.big_endian != machine_big_endian, data.slope, data.intercept};
 }
 
+// requires: openLinear has checked the product.
+std::uint64_t volumeBytes(const SourceInfo& info, const ValueMap& map) {
+  return static_cast<std::uint64_t>(info.geometry.dims.count()) * sizeOf(map.from);
+}
+
 class RawSource : public VolumeSource {
  public:
   RawSource(SourceInfo info, const LinearData& data, File file)
       : info_(std::move(info)),
         map_(mapOf(info_, data)),
         file_(std::move(file)),
-        first_byte_(data.offset_bytes + data.skip_decompressed_bytes) {}
+        first_byte_(data.offset_bytes + data.skip_decompressed_bytes +
+                    static_cast<std::uint64_t>(data.part) * volumeBytes(info_, map_)) {}
 
   const SourceInfo& info() const override { return info_; }
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
@@ -96,7 +102,9 @@ class StreamSource : public VolumeSource {
         map_(mapOf(info_, data)),
         stream_(std::move(file), data.offset_bytes,
                 data.encoding == DataEncoding::kGzip ? StreamWrapper::kGzip : StreamWrapper::kZlib),
-        skip_bytes_(data.skip_decompressed_bytes) {}
+        skip_bytes_(data.skip_decompressed_bytes + static_cast<std::uint64_t>(data.part) * volumeBytes(info_, map_)),
+        rest_bytes_(static_cast<std::uint64_t>(data.parts - data.part - 1) * volumeBytes(info_, map_)),
+        has_trailer_(data.has_trailer) {}
 
   const SourceInfo& info() const override { return info_; }
   ReadOrder order() const override { return ReadOrder::kForward; }
@@ -115,6 +123,8 @@ class StreamSource : public VolumeSource {
   ValueMap map_;
   InflateStream stream_;
   std::uint64_t skip_bytes_;
+  std::uint64_t rest_bytes_;  // of further volumes behind this one
+  bool has_trailer_;
   std::uint64_t next_voxel_ = 0;  // in the order of the file
 };
 
@@ -160,12 +170,24 @@ void StreamSource::finish() {
     stream_.skip(now * sizeOf(map_.from), place());
     next_voxel_ += now;
   }
-  for (std::string& note : stream_.finish()) info_.notes.push_back(std::move(note));
+  stream_.skip(rest_bytes_, "after the last slice");
+  std::vector<std::string> notes = stream_.finish();
+  if (has_trailer_) return;
+  for (std::string& note : notes) info_.notes.push_back(std::move(note));
+}
+
+// Returns the size of all volumes in the data.
+std::uint64_t allBytes(const Extent3& dims, const LinearData& data) {
+  const std::uint64_t one = checkedBytes(dims, data.stored_type, data.file);
+  const auto parts = static_cast<std::uint64_t>(data.parts);
+  if (parts > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()) / one)
+    throw Error(ErrorCode::kFormat, data.file, "dimensions", "the volumes would have more than 2^63 bytes");
+  return parts * one;
 }
 
 }  // namespace
 
-std::uint64_t checkedBytes(const Extent3& dims, VoxelType type, const std::filesystem::path& path) {
+std::uint64_t checkedBytes(const Extent3& dims, StoredType type, const std::filesystem::path& path) {
   constexpr std::int64_t kMaxDim = std::numeric_limits<std::int32_t>::max();
   std::int64_t bytes = static_cast<std::int64_t>(sizeOf(type));
   for (int axis = 0; axis < 3; ++axis) {
@@ -183,7 +205,7 @@ std::uint64_t checkedBytes(const Extent3& dims, VoxelType type, const std::files
 }
 
 std::unique_ptr<VolumeSource> openLinear(SourceInfo info, const LinearData& data) {
-  const std::uint64_t bytes = checkedBytes(info.geometry.dims, data.stored_type, data.file);
+  const std::uint64_t bytes = allBytes(info.geometry.dims, data);
   checkedBytes(info.geometry.dims, info.type, data.file);
   File file(data.file);
   const auto fail = [&](const std::string& what) { throw Error(ErrorCode::kFormat, data.file, "", what); };
@@ -205,7 +227,7 @@ std::unique_ptr<VolumeSource> openLinear(SourceInfo info, const LinearData& data
          std::to_string(data.offset_bytes) + (skip ? " + " + std::to_string(skip) : "") +
          "; the file is cut short or the header is wrong");
   }
-  if (const std::uint64_t rest = available - skip - bytes; rest > 0)
+  if (const std::uint64_t rest = available - skip - bytes; rest > 0 && !data.has_trailer)
     info.notes.push_back(fmt::format("{}: {} byte{} behind the header's dimensions not read",
                                      data.file.filename().string(), rest, rest == 1 ? "" : "s"));
   return std::make_unique<RawSource>(std::move(info), data, std::move(file));

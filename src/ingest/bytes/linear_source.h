@@ -2,6 +2,7 @@
 // stream. Either byte order, and an optional linear map from stored to real values.
 #pragma once
 
+#include "ingest/bytes/stored_type.h"
 #include "ingest/source/volume_source.h"
 
 namespace kiln {
@@ -15,11 +16,15 @@ struct LinearData {
   std::uint64_t offset_bytes = 0;
   /// Bytes of the decompressed stream to drop before the first voxel.
   std::uint64_t skip_decompressed_bytes = 0;
-  VoxelType stored_type = VoxelType::u8;
+  StoredType stored_type = VoxelType::u8;
   bool big_endian = false;
   /// value = stored * slope + intercept, in double, rounded once to `info.type`. Exactly (1, 0) copies the bytes.
   double slope = 1;
   double intercept = 0;
+  /// The data hold `parts` volumes of `info.geometry.dims`, one behind the other; volume `part` is read.
+  std::int64_t part = 0, parts = 1;
+  /// True if the format has further fields behind the voxels, which are then passed over without a note.
+  bool has_trailer = false;
 };
 
 /// Opens the voxels that a header describes. The finish() of a compressed source adds a note to `info().notes` for
@@ -34,6 +39,6 @@ std::unique_ptr<VolumeSource> openDescribed(const std::filesystem::path& header,
 /// Returns the size of `dims` voxels of `type`. unit: bytes.
 /// throws: Error kFormat naming `path` if a dimension is not positive or above 2³¹-1 (OpenVDB's coordinates), or the
 /// product overflows 63 bits.
-std::uint64_t checkedBytes(const Extent3& dims, VoxelType type, const std::filesystem::path& path);
+std::uint64_t checkedBytes(const Extent3& dims, StoredType type, const std::filesystem::path& path);
 
 }  // namespace kiln

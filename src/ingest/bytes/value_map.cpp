@@ -26,7 +26,7 @@ void swapBytes(std::byte* data, std::size_t count, std::size_t size) noexcept {
 }
 
 bool ValueMap::leavesFloat() const {
-  const double most = withVoxelType(from, []<class T>(std::type_identity<T>) {
+  const double most = withVoxelType(from.voxel(), []<class T>(std::type_identity<T>) {
     if constexpr (std::is_floating_point_v<T>) return 1e8;
     return std::max(-static_cast<double>(std::numeric_limits<T>::lowest()),
                     static_cast<double>(std::numeric_limits<T>::max()));
@@ -42,14 +42,17 @@ bool ValueMap::mergesInFloat() const {
 }
 
 void ValueMap::apply(const std::byte* in, std::size_t count, std::byte* out) const noexcept {
-  withVoxelType(from, [&](auto from_type) {
+  withStoredType(from, [&](auto from_type) {
     withVoxelType(to, [&](auto to_type) {
       using From = typename decltype(from_type)::type;
       using To = typename decltype(to_type)::type;
+      // A sum with 0 would lose the sign of -0.
+      const bool plain = slope == 1 && intercept == 0;
       for (std::size_t i = 0; i < count; ++i) {
         From stored;
         std::memcpy(&stored, in + i * sizeof(From), sizeof(From));
-        const To value = rounded<To>(static_cast<double>(stored) * slope + intercept);
+        const auto exact = static_cast<double>(stored);
+        const To value = rounded<To>(plain ? exact : exact * slope + intercept);
         std::memcpy(out + i * sizeof(To), &value, sizeof(To));
       }
     });

@@ -1,7 +1,7 @@
 // Turns the bytes of a file into values: swaps the byte order and applies a linear map to another type.
 #pragma once
 
-#include "grid/voxel_type.h"
+#include "ingest/bytes/stored_type.h"
 
 namespace kiln {
 
@@ -11,7 +11,8 @@ void swapBytes(std::byte* data, std::size_t count, std::size_t size) noexcept;
 /// value = stored * slope + intercept, in double, rounded once to `to`. Integers saturate, and NaN becomes 0 in
 /// integers.
 struct ValueMap {
-  VoxelType from, to;
+  StoredType from;
+  VoxelType to;
   /// True if the file's byte order differs from the machine's.
   bool swap = false;
   double slope = 1, intercept = 0;
@@ -22,7 +23,7 @@ struct ValueMap {
   /// True if neighbouring 16-bit stored values may become equal as 32-bit floats, for example with a large offset.
   bool mergesInFloat() const;
   /// True if stored bytes and values are equal, except for the byte order.
-  bool copies() const { return from == to && slope == 1 && intercept == 0; }
+  bool copies() const { return !from.isHalf() && from.voxel() == to && slope == 1 && intercept == 0; }
   /// Converts `count` stored values to the machine's byte order, in place.
   void order(std::byte* data, std::size_t count) const noexcept {
     if (swap && sizeOf(from) > 1) swapBytes(data, count, sizeOf(from));

@@ -1,21 +1,19 @@
-// NIfTI-1: a header of 348 bytes, then voxels x fastest, in the header's file (.nii, .nii.gz) or in a second file (.hdr
-// and .img).
-// Invariant: every field is checked before it is used as a size, an offset or a factor.
-// Source: nifti1.h, the format's defining header, https://nifti.nimh.nih.gov/nifti-1.
+// NIfTI-1, NIfTI-2 and ANALYZE 7.5: a header, then voxels x fastest, in the header's file (.nii, .nii.gz) or in a
+// second file (.hdr and .img). A series over time is one volume for each time. ANALYZE has spacings and no directions,
+// and programs disagree on its left and right, so its frame stays unknown. Invariant: every field is checked before it
+// is used as a size, an offset or a factor. Sources: nifti1.h and nifti2.h, the formats' defining headers,
+// https://nifti.nimh.nih.gov.
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "ingest/bytes/inflate_stream.h"
 #include "ingest/bytes/linear_source.h"
 #include "ingest/bytes/value_map.h"
 #include "ingest/nifti/nifti_geometry.h"
 #include "ingest/nifti/nifti_header.h"
+#include "ingest/source/chosen_part.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"
 
@@ -23,31 +21,12 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-using enum NiftiHeader::Field;
-
-// The four bytes of the extension flag lie between header and voxels.
-constexpr double kFirstVoxelByte = 352;
+using enum NiftiField;
 
 struct NiftiFiles {
   fs::path header, voxels;
-  bool gzip_header = false, gzip_voxels = false;
+  bool gzip_voxels = false;
 };
-
-// A header begins with its own length, which differs from gzip's magic number in either byte order.
-bool isGzip(const fs::path& path) {
-  std::array<std::byte, 2> first{};
-  return File(path).readSomeAt(0, first) == 2 && first[0] == std::byte{0x1f} && first[1] == std::byte{0x8b};
-}
-
-NiftiHeader readHeader(const NiftiFiles& files) {
-  std::array<std::byte, NiftiHeader::kBytes> bytes{};
-  if (files.gzip_header) {
-    InflateStream(File(files.header), 0, StreamWrapper::kGzip).read(bytes, "header");
-  } else {
-    File(files.header).readAt(0, bytes);
-  }
-  return NiftiHeader(bytes, files.header);
-}
 
 // Returns the image beside a .hdr, or the header beside an .img.
 fs::path partner(const fs::path& path, const char* extension) {
@@ -59,30 +38,44 @@ fs::path partner(const fs::path& path, const char* extension) {
   return !fs::exists(plain, ignored) && fs::exists(gzip, ignored) ? gzip : plain;
 }
 
+bool isNamedSingle(const fs::path& path) {
+  return (path.extension() == ".gz" ? path.stem() : path.filename()).extension() == ".nii";
+}
+
+// throws: Error kNotFound if one file of a pair is missing.
+void requirePartner(const fs::path& path, const fs::path& input, const char* half) {
+  std::error_code unknown;
+  if (path != input && !fs::exists(path, unknown))
+    throw Error(ErrorCode::kNotFound, input, "",
+                fmt::format("the {} of this pair, {}, is missing; put it beside this file", half,
+                            inQuotes(path.filename().string())));
+}
+
 NiftiFiles filesOf(const fs::path& input) {
   const fs::path name = input.extension() == ".gz" ? input.stem() : input.filename();
   NiftiFiles files;
   files.header = name.extension() == ".img" ? partner(input, ".hdr") : input;
-  files.gzip_header = isGzip(files.header);
+  requirePartner(files.header, input, "header");
   return files;
 }
 
 void findVoxels(NiftiFiles& files, const NiftiHeader& header, const fs::path& input) {
   if (!header.pair() && files.header != input) {
-    header.fail("byte 344", "holds its own voxels, but an .img stands beside it");
+    header.refuse("holds its own voxels, but an .img stands beside it");
   }
   files.voxels = !header.pair() ? files.header : files.header == input ? partner(input, ".img") : input;
+  requirePartner(files.voxels, input, "image");
   std::error_code unknown;
   if (header.pair() && fs::equivalent(files.header, files.voxels, unknown))
-    header.fail("byte 344", inQuotes(files.voxels.filename().string()) +
-                                ", the file of its voxels, is this header itself; put the voxels there");
+    header.refuse(inQuotes(files.voxels.filename().string()) +
+                  ", the file of its voxels, is this header itself; put the voxels there");
   // The voxels of a plain .img may begin with gzip's magic number, so the file name decides.
-  files.gzip_voxels = header.pair() ? files.voxels.extension() == ".gz" : files.gzip_header;
+  files.gzip_voxels = header.pair() ? files.voxels.extension() == ".gz" : isGzip(files.header);
 }
 
 void refuseIntent(const NiftiHeader& header) {
   const auto name = [&]() -> const char* {
-    switch (header.i16(kIntentCode)) {
+    switch (header.integer(kIntentCode)) {
       case 1004:
         return "matrix";
       case 1005:
@@ -109,7 +102,7 @@ void refuseIntent(const NiftiHeader& header) {
 }
 
 VoxelType typeOf(const NiftiHeader& header) {
-  switch (header.i16(kDatatype)) {
+  switch (header.integer(kDatatype)) {
     case 2:
       return VoxelType::u8;
     case 4:
@@ -145,36 +138,36 @@ VoxelType typeOf(const NiftiHeader& header) {
     case 2304:
       header.refuse("holds RGBA32 colours, not one value a voxel");
     default:
-      header.fail("byte 70", fmt::format("data type {} is not one of NIfTI-1's", header.i16(kDatatype)));
+      header.fail(kDatatype, 0, fmt::format("data type {} is not one of NIfTI's", header.integer(kDatatype)));
   }
 }
 
 void takeScale(const NiftiHeader& header, LinearData& data, VoxelType& type, std::vector<std::string>& notes) {
-  const double slope = header.f32(kSclSlope), intercept = header.f32(kSclInter);
+  const double slope = header.real(kSclSlope), intercept = header.real(kSclInter);
   if (!std::isfinite(slope))
     notes.push_back(fmt::format("scl_slope is {}, which is no factor; values are taken as they are stored", slope));
   if (!std::isfinite(slope) || slope == 0 || (slope == 1 && intercept == 0)) return;
   if (!std::isfinite(intercept))
-    header.fail("byte 116", fmt::format("scl_inter is {}, not a finite number, but scl_slope is", intercept));
+    header.fail(kSclInter, 0, fmt::format("scl_inter is {}, not a finite number, but scl_slope is", intercept));
   data.slope = slope;
   data.intercept = intercept;
   // The 24 bits of a float hold a 16-bit stored value and most of the factor; 32-bit integers need a double.
-  const bool narrow = sizeOf(data.stored_type) <= 2 || data.stored_type == VoxelType::f32;
+  const bool narrow = sizeOf(data.stored_type) <= 2 || data.stored_type.voxel() == VoxelType::f32;
   const ValueMap map = {data.stored_type, VoxelType::f32, false, slope, intercept};
   type = narrow && !map.mergesInFloat() ? VoxelType::f32 : VoxelType::f64;
   if (narrow && map.leavesFloat())
-    header.fail("byte 112",
+    header.fail(kSclSlope, 0,
                 fmt::format("scl_slope {:g} and scl_inter {:g} take values beyond what a float can hold, "
                             "{:g} to {:g}; correct the header",
                             slope, intercept, std::numeric_limits<float>::min(), std::numeric_limits<float>::max()));
 }
 
 void takeOffset(const NiftiHeader& header, const NiftiFiles& files, LinearData& data) {
-  const double offset = header.f32(kVoxOffset);
-  const double least = header.pair() ? 0 : kFirstVoxelByte;
+  const double offset = header.real(kVoxOffset);
+  const std::int64_t least = header.pair() ? 0 : header.leastOffset();
   // 2^62 leaves room for later additions to the offset.
-  if (!(offset >= least && offset < 0x1p62) || offset != std::floor(offset)) {
-    header.fail("byte 108", fmt::format("vox_offset is {}; a whole number from {} is legal", offset, least));
+  if (!(offset >= static_cast<double>(least) && offset < 0x1p62) || offset != std::floor(offset)) {
+    header.fail(kVoxOffset, 0, fmt::format("vox_offset is {}; a whole number from {} is legal", offset, least));
   }
   data.file = files.voxels;
   data.encoding = files.gzip_voxels ? DataEncoding::kGzip : DataEncoding::kRaw;
@@ -182,10 +175,10 @@ void takeOffset(const NiftiHeader& header, const NiftiFiles& files, LinearData& 
 }
 
 void requireBits(const NiftiHeader& header, VoxelType type) {
-  const int bits = header.i16(kBitpix), expected = static_cast<int>(sizeOf(type) * 8);
+  const std::int64_t bits = header.integer(kBitpix), expected = static_cast<std::int64_t>(sizeOf(type) * 8);
   // Some writers leave bitpix at 0.
   if (bits != 0 && bits != expected) {
-    header.fail("byte 72", fmt::format("bitpix is {}, but the data type has {} bits", bits, expected));
+    header.fail(kBitpix, 0, fmt::format("bitpix is {}, but the data type has {} bits", bits, expected));
   }
 }
 
@@ -193,17 +186,23 @@ void requireBits(const NiftiHeader& header, VoxelType type) {
 
 std::unique_ptr<VolumeSource> openNifti(const fs::path& input, const SourceOptions& options) {
   NiftiFiles files = filesOf(input);
-  const NiftiHeader header = readHeader(files);
+  const NiftiHeader header(files.header);
+  if (header.version() == NiftiVersion::kAnalyze && isNamedSingle(files.header))
+    header.refuse("is ANALYZE 7.5 or damaged (no magic of NIfTI at byte 344); ANALYZE files are named .hdr and .img");
   findVoxels(files, header, input);
   refuseIntent(header);
 
   SourceInfo info;
-  info.format = "NIfTI-1";
+  LinearData data;
+  data.parts = niftiTimes(header);
+  data.part = chosenTime(options, data.parts, input);
+  info.format = header.name() + partOf("time", data.part, data.parts);
   info.geometry = niftiGeometry(header, options, info.notes);
 
-  LinearData data;
+  if (header.version() == NiftiVersion::kAnalyze)
+    info.notes.push_back("ANALYZE 7.5 has no directions: its axes and values are taken as stored");
   data.stored_type = info.type = typeOf(header);
-  requireBits(header, data.stored_type);
+  requireBits(header, info.type);
   data.big_endian = header.bigEndian();
   takeScale(header, data, info.type, info.notes);
   takeOffset(header, files, data);

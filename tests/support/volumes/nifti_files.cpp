@@ -23,6 +23,35 @@ void putFloat(Bytes& out, std::size_t at, float value, bool big_endian) {
   put(out, at, std::bit_cast<std::int32_t>(value), 4, big_endian);
 }
 
+void putDouble(Bytes& out, std::size_t at, double value, bool big_endian) {
+  put(out, at, std::bit_cast<std::int64_t>(value), 8, big_endian);
+}
+
+// Byte offsets of nifti2.h.
+Bytes nifti2Header(const NiftiHeader& h) {
+  Bytes out(540);
+  const bool big = h.big_endian;
+  put(out, 0, h.sizeof_hdr, 4, big);
+  std::memcpy(out.data() + 4, h.magic, std::min<std::size_t>(std::strlen(h.magic), 4));
+  std::memcpy(out.data() + 8, "\r\n\x1a\n", 4);
+  put(out, 12, h.datatype, 2, big);
+  put(out, 14, h.bitpix, 2, big);
+  for (std::size_t i = 0; i < 8; ++i) {
+    put(out, 16 + 8 * i, h.dim[i], 8, big);
+    putDouble(out, 104 + 8 * i, h.pixdim[i], big);
+  }
+  put(out, 168, static_cast<std::int64_t>(h.vox_offset), 8, big);
+  putDouble(out, 176, h.scl_slope, big);
+  putDouble(out, 184, h.scl_inter, big);
+  put(out, 344, h.qform_code, 4, big);
+  put(out, 348, h.sform_code, 4, big);
+  for (std::size_t i = 0; i < 6; ++i) putDouble(out, 352 + 8 * i, h.quatern[i], big);
+  for (std::size_t i = 0; i < 12; ++i) putDouble(out, 400 + 8 * i, h.srow[i], big);
+  put(out, 500, h.xyzt_units, 4, big);
+  put(out, 504, h.intent_code, 4, big);
+  return out;
+}
+
 }  // namespace
 
 void appendInteger(Bytes& out, std::int64_t value, std::size_t size, bool big_endian) {
@@ -50,6 +79,7 @@ void appendValue(Bytes& out, double value, int datatype, bool big_endian) {
 }
 
 Bytes niftiHeader(const NiftiHeader& h) {
+  if (h.sizeof_hdr == 540) return nifti2Header(h);
   Bytes out(348);
   const bool big = h.big_endian;
   put(out, 0, h.sizeof_hdr, 4, big);

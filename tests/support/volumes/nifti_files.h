@@ -1,4 +1,4 @@
-// NIfTI-1 files written byte by byte from the offsets in nifti1.h, independently of the tested reader.
+// NIfTI files written byte by byte from the offsets in nifti1.h and nifti2.h, independently of the tested reader.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct NiftiHeader {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// The 348 bytes.
+/// The 348 bytes of NIfTI-1, or the 540 of NIfTI-2 if `sizeof_hdr` is 540.
 Bytes niftiHeader(const NiftiHeader& header);
 /// Returns the header, zeros up to vox_offset, and `voxels` unchanged.
 Bytes niftiFile(const NiftiHeader& header, const Bytes& voxels);

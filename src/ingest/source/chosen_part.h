@@ -1,0 +1,23 @@
+// The one volume that a user chose of a file of several channels, times or resolutions.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "ingest/source/volume_source.h"
+
+namespace kiln {
+
+/// Returns the number of the chosen time; 0 if the file has one time and the user chose none.
+/// throws: Error kUsage, with the legal numbers, if there are several and none is chosen, or the number is too large.
+std::int64_t chosenTime(const SourceOptions& options, std::int64_t count, const std::filesystem::path& file);
+
+/// Returns the number of the chosen channel, by its number or its name; an empty name is no name. A name that is a
+/// number counts as a number. throws: as chosenTime, with the names.
+std::int64_t chosenChannel(const SourceOptions& options, std::span<const std::string> names,
+                           const std::filesystem::path& file);
+
+/// Returns ", time 2" for SourceInfo::format; empty if there is one part only.
+std::string partOf(const char* kind, std::int64_t part, std::int64_t count);
+
+}  // namespace kiln
