@@ -22,7 +22,21 @@ namespace {
 
 using namespace std::string_view_literals;
 
-enum class Format { kUnknown, kNrrd, kMetaImage, kNifti, kNpy, kMrc, kMgh, kVdb, kTiff, kDicom, kForeign };
+enum class Format {
+  kUnknown,
+  kNrrd,
+  kMetaImage,
+  kNifti,
+  kNpy,
+  kMrc,
+  kMgh,
+  kVti,
+  kLegacyVtk,
+  kVdb,
+  kTiff,
+  kDicom,
+  kForeign
+};
 
 struct Finding {
   Format format = Format::kUnknown;
@@ -47,8 +61,8 @@ constexpr Magic kMagics[] = {
     {0, "\x89PNG\r\n\x1a\n"sv, Format::kForeign, "PNG"},
     {0, "\xff\xd8\xff"sv, Format::kForeign, "JPEG"},
     {0, "\x89HDF\r\n\x1a\n"sv, Format::kForeign, "HDF5"},
-    {0, "# vtk DataFile"sv, Format::kForeign, "VTK"},
-    {0, "<VTKFile"sv, Format::kForeign, "VTK XML"},
+    {0, "# vtk DataFile"sv, Format::kLegacyVtk, "VTK"},
+    {0, "<VTKFile"sv, Format::kVti, "VTK"},
     {0, "<?xml"sv, Format::kForeign, "XML"},
     {0, "PK\x03\x04"sv, Format::kForeign, "ZIP"},
     {0, "BZh"sv, Format::kForeign, "bzip2"},
@@ -95,6 +109,8 @@ bool endsWith(const fs::path& path, std::initializer_list<const char*> endings) 
 Finding byBytes(const std::string& bytes) {
   if (sliceFormatOf(bytes) == SliceFormat::kTiff) return {Format::kTiff, "TIFF"};
   if (sliceFormatOf(bytes) == SliceFormat::kDicom) return {Format::kDicom, "DICOM"};
+  // The XML declaration may stand before the first element.
+  if (bytes.starts_with("<?xml") && bytes.find("<VTKFile") != std::string::npos) return {Format::kVti, "VTK"};
   for (const Magic& magic : kMagics) {
     if (bytes.size() > magic.offset && std::string_view(bytes).substr(magic.offset).starts_with(magic.bytes)) {
       return {magic.format, magic.name};
@@ -114,6 +130,8 @@ Finding byName(const fs::path& path) {
   if (endsWith(path, {".nii", ".nii.gz", ".hdr", ".hdr.gz"})) return {Format::kNifti, "NIfTI"};
   if (endsWith(path, {".mrc", ".mrcs", ".ccp4", ".mrc.gz", ".mrcs.gz", ".ccp4.gz"})) return {Format::kMrc, "MRC"};
   if (endsWith(path, {".mgh", ".mgz", ".mgh.gz"})) return {Format::kMgh, "MGH"};
+  if (endsWith(path, {".vti"})) return {Format::kVti, "VTK"};
+  if (endsWith(path, {".vtk"})) return {Format::kLegacyVtk, "VTK"};
   if (endsWith(path, {".npy"})) return {Format::kNpy, "NumPy"};
   if (endsWith(path, {".vdb"})) return {Format::kVdb, "OpenVDB"};
   return {};
@@ -225,7 +243,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   refuse(options.grid_name && !vdb, "--grid", "OpenVDB files");
   refuse(options.series.has_value() && !dicom, "--series", "DICOM files");
   refuse(options.allow_irregular && !slices, "--allow-irregular", "TIFF and DICOM files");
-  refusePart(options.channel.has_value(), path, "--channel", format, "channels");
+  refusePart(options.channel && format != "VTK", path, "--channel", format, "channels");
   refusePart(options.time && !has_times, path, "--time", format, "times");
   refusePart(options.scale.has_value(), path, "--scale", format, "scales");
   refuse(options.spacing && (vdb || format == kStore), "--spacing", "files without axes of their own");
@@ -251,7 +269,7 @@ void requireNoOptions(const fs::path& store, const SourceOptions& options) {
 }
 
 VolumeFormat volumeFormatOf(const fs::path& path) {
-  constexpr std::string_view kVolumes[] = {"HDF5", "VTK", "NetCDF", "gzip-compressed"};
+  constexpr std::string_view kVolumes[] = {"HDF5", "NetCDF", "gzip-compressed"};
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return {};
   const Finding found = identify(path, false);
@@ -301,6 +319,10 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
       return openMrc(input, options);
     case Format::kMgh:
       return openMgh(input, options);
+    case Format::kVti:
+      return openVti(input, options);
+    case Format::kLegacyVtk:
+      return openLegacyVtk(input, options);
     case Format::kVdb:
       return openVdb(input, options);
     case Format::kTiff:
@@ -315,11 +337,12 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
   }
   if (!described) {
     requireHeaderOfImage(input);
-    throw Error(ErrorCode::kUsage, input, "",
-                "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, MRC, MGH, TIFF, DICOM, OpenVDB); if it is "
-                "headerless "
-                "raw voxels, give --dims and --type, for example --dims 256,256,113 --type u16" +
-                    headerBeside(input));
+    throw Error(
+        ErrorCode::kUsage, input, "",
+        "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, MRC, MGH, VTK, TIFF, DICOM, OpenVDB); if it is "
+        "headerless "
+        "raw voxels, give --dims and --type, for example --dims 256,256,113 --type u16" +
+            headerBeside(input));
   }
   return openRaw(input, options);
 }

@@ -127,7 +127,6 @@ TEST(IngestOpen, WhatIsNotReadIsRefusedByName) {
   refused("b", "\x89PNG\r\n\x1a\n rest"sv, "PNG");
   refused("c", "\xff\xd8\xff\xe0"sv, "JPEG");
   refused("d", "\x89HDF\r\n\x1a\n"sv, "HDF5");
-  refused("e", "# vtk DataFile Version 3.0\n"sv, "VTK");
   refused("f", "PK\x03\x04"sv, "ZIP");
   refused("g", std::string(128, '\0') + "DICM", "no pixel data; it is a DICOM file");
   refused("h.nrrd.gz", gzipped("NRRD0004\n"), "gzip-compressed NRRD");

@@ -14,7 +14,6 @@ namespace kiln {
 namespace {
 
 constexpr std::size_t kInputBytes = 1 << 18;
-constexpr std::size_t kSkipBytes = 1 << 16;
 
 // zlib.h: adding 16 selects the gzip wrapper alone, a negative number selects a stream without wrapper.
 int windowBits(StreamWrapper wrapper) {
@@ -110,15 +109,6 @@ void InflateStream::read(std::span<std::byte> out, const std::string& where) {
     fail(where,
          "the compressed data end here, before the last voxel; the header's dimensions are too large or data are "
          "missing");
-  }
-}
-
-void InflateStream::skip(std::uint64_t count, const std::string& where) {
-  std::vector<std::byte> dropped(static_cast<std::size_t>(std::min<std::uint64_t>(count, kSkipBytes)));
-  while (count > 0) {
-    const std::size_t now = static_cast<std::size_t>(std::min<std::uint64_t>(count, dropped.size()));
-    read(std::span(dropped).first(now), where);
-    count -= now;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/file.h"
+#include "ingest/bytes/byte_stream.h"
 
 namespace kiln {
 
@@ -14,25 +15,21 @@ enum class StreamWrapper { kGzip, kZlib, kNone };
 /// Decompresses from `offset_bytes` of `file` to its end. Consecutive members of a gzip stream are one stream (RFC 1952
 /// §2.2). Zero bytes after the last member are padding, as for gzip(1).
 /// cost: kHeldBytes, whatever the length.
-class InflateStream {
+class InflateStream : public ByteStream {
  public:
   /// The input buffer and the state of zlib (zlib.h: 44 KiB). unit: bytes.
   static constexpr std::uint64_t kHeldBytes = 320 << 10;
 
   /// throws: Error kIo if zlib has no memory.
   InflateStream(File file, std::uint64_t offset_bytes, StreamWrapper wrapper);
-  ~InflateStream();
+  ~InflateStream() override;
 
   /// Returns the number of bytes written to `out`: its size, or fewer if the stream ended with a verified checksum.
   /// throws: Error kFormat, with the byte of the file and `where` ("slice 3"), for a cut or damaged stream; kIo.
   std::size_t readSome(std::span<std::byte> out, const std::string& where);
-  /// Fills `out`. throws: as readSome, and kFormat if the stream ends too early.
-  void read(std::span<std::byte> out, const std::string& where);
-  /// Reads `count` bytes and drops them. throws: as read.
-  void skip(std::uint64_t count, const std::string& where);
-  /// Reads to the end of the stream, so that its checksum is verified. Returns a note for the user if the stream is
-  /// longer than the bytes read so far, or other bytes follow the stream. throws: as readSome.
-  std::vector<std::string> finish();
+  void read(std::span<std::byte> out, const std::string& where) override;
+  std::vector<std::string> finish() override;
+  std::uint64_t heldBytes() const override { return kHeldBytes; }
 
  private:
   struct Decoder;

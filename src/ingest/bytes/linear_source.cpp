@@ -1,5 +1,5 @@
 // Voxels in linear order, by two sources. `RawSource` gathers any box by pread, from any thread. `StreamSource` reads a
-// compressed stream forward and holds one chunk beside the caller's buffer.
+// compressed stream or a text forward and holds one chunk beside the caller's buffer.
 // Invariant: all sizes are checked against 63 bits and the file before the first voxel is read, so no later offset
 // overflows.
 #include "ingest/bytes/linear_source.h"
@@ -13,20 +13,38 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "ingest/bytes/bzip2_stream.h"
 #include "ingest/bytes/gather_rows.h"
 #include "ingest/bytes/inflate_stream.h"
+#include "ingest/bytes/text_stream.h"
 #include "ingest/bytes/value_map.h"
 
 namespace kiln {
 namespace {
 
 constexpr std::size_t kChunkBytes = 1 << 20;
-// Upper bound for the expansion by deflate (zlib's technical notes, "Maximum Compression Factor").
-constexpr std::uint64_t kMaxExpansion = 1032;
+
+// Upper bound for the bytes of voxels that one byte of the file can hold.
+std::uint64_t mostExpansion(DataEncoding encoding) {
+  switch (encoding) {
+    case DataEncoding::kGzip:
+    case DataEncoding::kZlib:
+      return 1032;  // zlib's technical notes, "Maximum Compression Factor"
+    case DataEncoding::kBzip2:
+      return 1 << 22;  // measured on zeros: 1.4 million
+    case DataEncoding::kDecimal:
+      return 8;  // a digit of an f64, and no blank behind the last one
+    case DataEncoding::kRaw:
+    case DataEncoding::kHex:
+      break;
+  }
+  return 1;
+}
 
 ValueMap mapOf(const SourceInfo& info, const LinearData& data) {
   const bool machine_big_endian = std::endian::native == std::endian::big;
-  return {data.stored_type, info.type, data.big_endian != machine_big_endian, data.slope, data.intercept};
+  const bool swapped = data.big_endian != machine_big_endian && data.encoding != DataEncoding::kDecimal;
+  return {data.stored_type, info.type, swapped, data.slope, data.intercept};
 }
 
 // requires: openLinear has checked the product.
@@ -95,13 +113,28 @@ void RawSource::gather(const VoxelBox& box, std::byte* out) const {
   for (std::int64_t z = 0; z < n.z; ++z) gatherRows(file_, first + z * slice, n.y, row, line, out + z * n.y * row);
 }
 
+std::unique_ptr<ByteStream> openStream(const LinearData& data, File file) {
+  switch (data.encoding) {
+    case DataEncoding::kBzip2:
+      return std::make_unique<Bzip2Stream>(std::move(file), data.offset_bytes);
+    case DataEncoding::kDecimal:
+      return std::make_unique<DecimalStream>(std::move(file), data.offset_bytes, data.stored_type.voxel());
+    case DataEncoding::kHex:
+      return std::make_unique<HexStream>(std::move(file), data.offset_bytes);
+    default:
+      break;
+  }
+  const bool gzip = data.encoding == DataEncoding::kGzip;
+  return std::make_unique<InflateStream>(std::move(file), data.offset_bytes,
+                                         gzip ? StreamWrapper::kGzip : StreamWrapper::kZlib);
+}
+
 class StreamSource : public VolumeSource {
  public:
   StreamSource(SourceInfo info, const LinearData& data, File file)
       : info_(std::move(info)),
         map_(mapOf(info_, data)),
-        stream_(std::move(file), data.offset_bytes,
-                data.encoding == DataEncoding::kGzip ? StreamWrapper::kGzip : StreamWrapper::kZlib),
+        stream_(openStream(data, std::move(file))),
         skip_bytes_(data.skip_decompressed_bytes + static_cast<std::uint64_t>(data.part) * volumeBytes(info_, map_)),
         rest_bytes_(static_cast<std::uint64_t>(data.parts - data.part - 1) * volumeBytes(info_, map_)),
         has_trailer_(data.has_trailer) {}
@@ -110,18 +143,18 @@ class StreamSource : public VolumeSource {
   ReadOrder order() const override { return ReadOrder::kForward; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
   void finish() override;
-  std::uint64_t decodeBytes() const override { return InflateStream::kHeldBytes + (map_.copies() ? 0 : kChunkBytes); }
+  std::uint64_t decodeBytes() const override { return stream_->heldBytes() + (map_.copies() ? 0 : kChunkBytes); }
 
  private:
   std::uint64_t sliceVoxels() const { return info_.geometry.dims.x * info_.geometry.dims.y; }
   std::uint64_t leftInSlice() const { return sliceVoxels() - next_voxel_ % sliceVoxels(); }
   std::string place() const { return "slice " + std::to_string(next_voxel_ / sliceVoxels()); }
   void readRun(std::uint64_t voxels, std::byte* out);
-  void skipPrefix() { stream_.skip(std::exchange(skip_bytes_, 0), "before slice 0"); }
+  void skipPrefix() { stream_->skip(std::exchange(skip_bytes_, 0), "before slice 0"); }
 
   SourceInfo info_;
   ValueMap map_;
-  InflateStream stream_;
+  std::unique_ptr<ByteStream> stream_;
   std::uint64_t skip_bytes_;
   std::uint64_t rest_bytes_;  // of further volumes behind this one
   bool has_trailer_;
@@ -149,14 +182,14 @@ void StreamSource::readRun(std::uint64_t voxels, std::byte* out) {
   const std::size_t size = sizeOf(map_.from);
   next_voxel_ += voxels;
   if (map_.copies()) {
-    stream_.read({out, voxels * size}, where);
+    stream_->read({out, voxels * size}, where);
     map_.order(out, voxels);
     return;
   }
   std::vector<std::byte> stored(std::min(voxels * size, kChunkBytes));
   for (std::size_t done = 0; done < voxels;) {
     const std::size_t now = std::min(voxels - done, stored.size() / size);
-    stream_.read(std::span(stored).first(now * size), where);
+    stream_->read(std::span(stored).first(now * size), where);
     map_.order(stored.data(), now);
     map_.apply(stored.data(), now, out + done * sizeOf(map_.to));
     done += now;
@@ -167,11 +200,11 @@ void StreamSource::finish() {
   skipPrefix();
   for (const std::uint64_t end = sliceVoxels() * info_.geometry.dims.z; next_voxel_ < end;) {
     const std::uint64_t now = leftInSlice();
-    stream_.skip(now * sizeOf(map_.from), place());
+    stream_->skip(now * sizeOf(map_.from), place());
     next_voxel_ += now;
   }
-  stream_.skip(rest_bytes_, "after the last slice");
-  std::vector<std::string> notes = stream_.finish();
+  stream_->skip(rest_bytes_, "after the last slice");
+  std::vector<std::string> notes = stream_->finish();
   if (has_trailer_) return;
   for (std::string& note : notes) info_.notes.push_back(std::move(note));
 }
@@ -215,9 +248,10 @@ std::unique_ptr<VolumeSource> openLinear(SourceInfo info, const LinearData& data
   }
   const std::uint64_t available = file.size() - data.offset_bytes;
   if (data.encoding != DataEncoding::kRaw) {
-    if (bytes / kMaxExpansion > available || data.skip_decompressed_bytes / kMaxExpansion > available) {
+    const std::uint64_t most = mostExpansion(data.encoding);
+    if (bytes / most > available || data.skip_decompressed_bytes / most > available) {
       fail("the header's dimensions and skips need " + std::to_string(bytes) + " bytes, more than " +
-           std::to_string(available) + " compressed bytes can hold");
+           std::to_string(available) + " bytes of compressed data or text can hold");
     }
     return std::make_unique<StreamSource>(std::move(info), data, std::move(file));
   }

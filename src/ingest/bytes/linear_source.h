@@ -1,5 +1,5 @@
-// Voxels as raw, NRRD, MetaImage and NIfTI files store them: x fastest, at an offset of a file or in a gzip or zlib
-// stream. Either byte order, and an optional linear map from stored to real values.
+// Voxels as most formats store them: x fastest, at an offset of a file, in a compressed stream or as text. Either byte
+// order, and an optional linear map from stored to real values.
 #pragma once
 
 #include "ingest/bytes/stored_type.h"
@@ -7,12 +7,13 @@
 
 namespace kiln {
 
-enum class DataEncoding { kRaw, kGzip, kZlib };
+/// kDecimal and kHex are text.
+enum class DataEncoding { kRaw, kGzip, kZlib, kBzip2, kDecimal, kHex };
 
 struct LinearData {
   std::filesystem::path file;
   DataEncoding encoding = DataEncoding::kRaw;
-  /// Begin of the data or of the compressed stream. unit: bytes into the file.
+  /// Begin of the data, of the compressed stream or of the text. unit: bytes into the file.
   std::uint64_t offset_bytes = 0;
   /// Bytes of the decompressed stream to drop before the first voxel.
   std::uint64_t skip_decompressed_bytes = 0;

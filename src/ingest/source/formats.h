@@ -13,6 +13,8 @@ std::unique_ptr<VolumeSource> openNifti(const std::filesystem::path& input, cons
 std::unique_ptr<VolumeSource> openNpy(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openMrc(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openMgh(const std::filesystem::path& input, const SourceOptions& options);
+std::unique_ptr<VolumeSource> openVti(const std::filesystem::path& input, const SourceOptions& options);
+std::unique_ptr<VolumeSource> openLegacyVtk(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openVdb(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openDicom(const SliceFiles& input, const SourceOptions& options);

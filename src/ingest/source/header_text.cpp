@@ -47,7 +47,7 @@ bool namesSeveral(const std::string& name) {
 }  // namespace
 
 bool HeaderLines::refill() {
-  if (offset_ + (buffer_.size() - used_) > kMaxHeaderBytes || buffer_.size() - used_ > kMaxLineBytes) {
+  if (offset_ - begin_ + (buffer_.size() - used_) > kMaxHeaderBytes || buffer_.size() - used_ > kMaxLineBytes) {
     throw Error(ErrorCode::kFormat, file_.path(), "line " + std::to_string(number_),
                 "the text header has no end; the file is damaged, or of another format than its first line");
   }

@@ -14,7 +14,8 @@ namespace kiln {
 /// Reads the text lines at the front of a file whose rest may be binary. Line ends are LF or CRLF.
 class HeaderLines {
  public:
-  explicit HeaderLines(const File& file) : file_(file) {}
+  /// Begins at byte `offset` of the file.
+  explicit HeaderLines(const File& file, std::uint64_t offset = 0) : file_(file), begin_(offset), offset_(offset) {}
   /// Returns the next line without its end, or empty at the end of the file. throws: Error kFormat if a line or the
   /// header is too long to be text.
   std::optional<std::string> next();
@@ -29,7 +30,7 @@ class HeaderLines {
   const File& file_;
   std::string buffer_;
   std::size_t used_ = 0;
-  std::uint64_t offset_ = 0;
+  std::uint64_t begin_, offset_;
   int number_ = 0;
 };
 

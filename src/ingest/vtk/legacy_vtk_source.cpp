@@ -1,0 +1,280 @@
+// Legacy files of VTK with STRUCTURED_POINTS: a text header, then one array behind the other, as text or big-endian.
+// Arrays in front of the chosen one are passed over; in a text file, where their lengths are unknown, only the first
+// array is read.
+// Source: VTK File Formats, docs.vtk.org/en/latest/design_documents/VTKFileFormats.html.
+#include <fmt/format.h>
+
+#include <array>
+#include <glm/mat3x3.hpp>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "ingest/bytes/linear_source.h"
+#include "ingest/source/chosen_part.h"
+#include "ingest/source/formats.h"
+#include "ingest/source/header_text.h"
+#include "ingest/vtk/vtk_types.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr VtkTypeName kLegacyTypes[] = {{"unsigned_char", VoxelType::u8},   {"char", VoxelType::i8},
+                                        {"unsigned_short", VoxelType::u16}, {"short", VoxelType::i16},
+                                        {"unsigned_int", VoxelType::u32},   {"int", VoxelType::i32},
+                                        {"float", VoxelType::f32},          {"double", VoxelType::f64}};
+// Types that are passed over only. unit: bytes.
+constexpr std::pair<std::string_view, std::size_t> kPassedTypes[] = {
+    {"long", 8}, {"unsigned_long", 8}, {"vtktypeint64", 8}, {"vtktypeuint64", 8}, {"vtkidtype", 4}};
+
+struct LegacyArray {
+  std::string name, type;
+  bool of_cells = false, is_scalars = false;
+  std::int64_t components = 1;
+  std::uint64_t begin = 0;
+};
+
+struct LegacyHeader {
+  bool binary = false;
+  std::array<std::int64_t, 6> extent{};
+  glm::dvec3 origin{0}, spacing{1};
+  std::vector<LegacyArray> arrays;
+};
+
+/// Reads a file line by line, and passes over the arrays between the lines of a binary file.
+class LegacyReader {
+ public:
+  explicit LegacyReader(const File& file) : file_(file), lines_(std::in_place, file) {}
+  LegacyHeader read();
+
+ private:
+  using Words = std::vector<std::string>;
+  void readStart();
+  bool takeGrid(const std::string& key, const Words& line);
+  /// Each returns false behind the last array that can be found.
+  bool takeAttribute(const std::string& key, const Words& line);
+  bool takeScalars(const Words& line);
+  bool takeFields(const Words& line);
+  bool addArray(const LegacyArray& array, std::int64_t tuples);
+  void takeCount(const Words& line, bool of_cells);
+  void passOverMetadata();
+  std::optional<Words> nextWords();
+  std::int64_t whole(const Words& line, std::size_t at) const;
+  glm::dvec3 three(const Words& line) const;
+  [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kFormat) const {
+    throw Error(code, file_.path(), fmt::format("byte {}", line_begin_), what);
+  }
+
+  const File& file_;
+  std::optional<HeaderLines> lines_;
+  std::uint64_t line_begin_ = 0;
+  LegacyHeader header_;
+  bool has_dimensions_ = false, of_cells_ = false;
+  std::int64_t tuples_ = 0;  // 0 before POINT_DATA and CELL_DATA
+};
+
+std::optional<LegacyReader::Words> LegacyReader::nextWords() {
+  while (true) {
+    line_begin_ = lines_->endOffset();
+    const std::optional<std::string> line = lines_->next();
+    if (!line) return std::nullopt;
+    if (Words found = words(*line); !found.empty()) return found;
+  }
+}
+
+std::int64_t LegacyReader::whole(const Words& line, std::size_t at) const {
+  const auto value = at < line.size() ? integerOf(line[at]) : std::nullopt;
+  if (!value || *value < 1 || *value > INT64_MAX / 8)
+    fail(fmt::format("{} needs a whole number above 0 (found {})", inQuotes(line[0]),
+                     at < line.size() ? inQuotes(line[at]) : "none"));
+  return *value;
+}
+
+glm::dvec3 LegacyReader::three(const Words& line) const {
+  glm::dvec3 out(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto at = static_cast<std::size_t>(axis) + 1;
+    const auto value = at < line.size() ? doubleOf(line[at]) : std::nullopt;
+    if (!value) fail(fmt::format("{} needs three numbers", inQuotes(line[0])));
+    out[axis] = *value;
+  }
+  return out;
+}
+
+void LegacyReader::readStart() {
+  if (!lines_->next().value_or("").starts_with("# vtk DataFile")) fail("does not begin with '# vtk DataFile'");
+  lines_->next();  // a title
+  const Words kind = nextWords().value_or(Words{""});
+  if (lowered(kind[0]) != "ascii" && lowered(kind[0]) != "binary")
+    fail(inQuotes(kind[0]) + " is neither ASCII nor BINARY");
+  header_.binary = lowered(kind[0]) == "binary";
+  const Words set = nextWords().value_or(Words{""});
+  if (lowered(set[0]) != "dataset" || set.size() < 2) fail("'DATASET' is expected (found " + inQuotes(set[0]) + ")");
+  if (lowered(set[1]) != "structured_points")
+    fail("holds " + inQuotes(set[1]) + ", not STRUCTURED_POINTS; resample it to an image", ErrorCode::kUnsupported);
+}
+
+bool LegacyReader::takeGrid(const std::string& key, const Words& line) {
+  if (key == "dimensions") {
+    for (std::size_t axis = 0; axis < 3; ++axis) header_.extent[2 * axis + 1] = whole(line, axis + 1) - 1;
+    has_dimensions_ = true;
+  } else if (key == "spacing" || key == "aspect_ratio") {
+    header_.spacing = three(line);
+  } else if (key == "origin") {
+    header_.origin = three(line);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void LegacyReader::takeCount(const Words& line, bool of_cells) {
+  if (!has_dimensions_) fail("'DIMENSIONS' is missing before " + inQuotes(line[0]));
+  of_cells_ = of_cells;
+  tuples_ = whole(line, 1);
+  std::int64_t expected = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::int64_t steps = header_.extent[2 * axis + 1],
+                       n = of_cells ? std::max<std::int64_t>(steps, 1) : steps + 1;
+    expected = expected > INT64_MAX / n ? INT64_MAX : expected * n;
+  }
+  if (tuples_ != expected)
+    fail(fmt::format("{} says {} values, but the dimensions have {}", inQuotes(line[0]), tuples_, expected));
+}
+
+// Adds an array whose data begin behind the last line, and passes over the data.
+bool LegacyReader::addArray(const LegacyArray& array, std::int64_t tuples) {
+  LegacyArray added = array;
+  added.of_cells = of_cells_;
+  added.begin = lines_->endOffset();
+  if (tuples_ > 0 && tuples == tuples_) header_.arrays.push_back(added);
+  if (!header_.binary) return false;
+  std::uint64_t size = 0;
+  const std::string type = lowered(array.type);
+  if (const auto known = vtkTypeNamed(kLegacyTypes, type)) size = sizeOf(*known);
+  for (const auto& [name, bytes] : kPassedTypes)
+    if (type == name) size = bytes;
+  if (size == 0) return false;
+  const auto values = static_cast<std::uint64_t>(array.components);
+  const std::uint64_t room = file_.size() - added.begin;
+  // A cut array is the last one; opening it names the length.
+  if (static_cast<std::uint64_t>(tuples) > room / size / values) return false;
+  lines_.emplace(file_, added.begin + static_cast<std::uint64_t>(tuples) * values * size);
+  return true;
+}
+
+bool LegacyReader::takeScalars(const Words& line) {
+  if (line.size() < 3) fail("'SCALARS' needs a name and a type");
+  LegacyArray array{line[1], line[2]};
+  array.is_scalars = true;
+  array.components = line.size() > 3 ? whole(line, 3) : 1;
+  const Words table = nextWords().value_or(Words{""});
+  if (lowered(table[0]) != "lookup_table") fail("'LOOKUP_TABLE' is expected behind 'SCALARS'");
+  return addArray(array, tuples_);
+}
+
+bool LegacyReader::takeFields(const Words& line) {
+  constexpr std::int64_t kMostFields = 4096;
+  const std::int64_t count = whole(line, 2);
+  if (count > kMostFields) fail(fmt::format("holds more than {} arrays", kMostFields));
+  for (std::int64_t i = 0; i < count; ++i) {
+    std::optional<Words> field = nextWords();
+    if (field && lowered((*field)[0]) == "metadata") {
+      passOverMetadata();
+      field = nextWords();
+    }
+    if (!field || field->size() < 4) fail("an array of a FIELD needs a name, components, a length and a type");
+    LegacyArray array{(*field)[0], (*field)[3]};
+    array.components = whole(*field, 1);
+    if (!addArray(array, whole(*field, 2))) return false;
+  }
+  return true;
+}
+
+// Metadata end with an empty line.
+void LegacyReader::passOverMetadata() {
+  for (auto line = lines_->next(); line && !trimmed(*line).empty(); line = lines_->next()) continue;
+}
+
+bool LegacyReader::takeAttribute(const std::string& key, const Words& line) {
+  const auto array = [&](std::size_t type_at, std::int64_t components) {
+    if (line.size() <= type_at) fail(inQuotes(line[0]) + " needs a name and a type");
+    return addArray({line[1], line[type_at], false, false, components}, tuples_);
+  };
+  if (key == "point_data" || key == "cell_data") return takeCount(line, key == "cell_data"), true;
+  if (key == "metadata") return passOverMetadata(), true;
+  if (key == "field") return takeFields(line);
+  if (tuples_ == 0) fail(inQuotes(line[0]) + " is not expected before POINT_DATA or CELL_DATA");
+  if (key == "scalars") return takeScalars(line);
+  if (key == "vectors" || key == "normals") return array(2, 3);
+  if (key == "tensors") return array(2, 9);
+  if (key == "texture_coordinates") return array(3, whole(line, 2));
+  if (key == "color_scalars")
+    return addArray({line.size() > 1 ? line[1] : "", "unsigned_char", false, false, whole(line, 2)}, tuples_);
+  if (key == "lookup_table") return addArray({"", "unsigned_char", false, false, 4}, whole(line, 2));
+  fail(inQuotes(line[0]) + " is not a keyword of VTK");
+}
+
+LegacyHeader LegacyReader::read() {
+  readStart();
+  while (const std::optional<Words> line = nextWords()) {
+    const std::string key = lowered((*line)[0]);
+    if (tuples_ == 0 && takeGrid(key, *line)) continue;
+    if (!takeAttribute(key, *line)) break;
+  }
+  return std::move(header_);
+}
+
+bool isReadableLegacy(const LegacyArray& array) {
+  return array.components == 1 && vtkTypeNamed(kLegacyTypes, lowered(array.type));
+}
+
+// Returns the array that the user chose, else the first scalars, else the only array of one value a point or cell.
+const LegacyArray& chosenLegacyArray(const LegacyHeader& header, const SourceOptions& options, const fs::path& path,
+                                     std::string& choice) {
+  std::vector<const LegacyArray*> readable;
+  std::vector<std::string> names;
+  for (const LegacyArray& array : header.arrays) {
+    if (!isReadableLegacy(array)) continue;
+    readable.push_back(&array);
+    names.push_back(array.name);
+  }
+  if (readable.empty())
+    throw Error(ErrorCode::kUnsupported, path, "",
+                header.arrays.empty()
+                    ? "holds no array of values at its points or cells"
+                    : fmt::format("holds no array of one value a point or cell that is read (found {} of {} x {})",
+                                  inQuotes(header.arrays[0].name), header.arrays[0].components,
+                                  inQuotes(header.arrays[0].type)));
+  if (!options.channel) {
+    for (const LegacyArray* array : readable)
+      if (array->is_scalars) return *array;
+  }
+  const std::int64_t channel = chosenChannel(options, names, path);
+  choice = partOf("channel", channel, static_cast<std::int64_t>(readable.size()));
+  return *readable[static_cast<std::size_t>(channel)];
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openLegacyVtk(const fs::path& input, const SourceOptions& options) {
+  const File file(input);
+  const LegacyHeader header = LegacyReader(file).read();
+  std::string choice;
+  const LegacyArray& array = chosenLegacyArray(header, options, input, choice);
+  SourceInfo info;
+  info.format = "VTK structured points" + choice;
+  info.type = *vtkTypeNamed(kLegacyTypes, lowered(array.type));
+  info.geometry =
+      vtkGeometry(input, header.extent, array.of_cells, header.origin, header.spacing, glm::dmat3(1.0), options);
+  LinearData data;
+  data.file = input;
+  data.encoding = header.binary ? DataEncoding::kRaw : DataEncoding::kDecimal;
+  data.offset_bytes = array.begin;
+  data.stored_type = info.type;
+  data.big_endian = true;
+  data.has_trailer = true;
+  return openDescribed(input, std::move(info), data);
+}
+
+}  // namespace kiln

@@ -1,0 +1,129 @@
+// Legacy files of VTK. Known because the test writes the header as text and the voxels big-endian or as numbers.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "ingest/open_source.h"
+#include "support/volumes/foreign_files.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr const char* kLegacyTypes[] = {"unsigned_char", "char", "unsigned_short", "short",
+                                        "unsigned_int",  "int",  "float",          "double"};
+
+std::string legacyStart(const Extent3& dims, bool binary, const std::string& kind = "POINT_DATA") {
+  const int cell = kind == "CELL_DATA" ? 1 : 0;
+  return fmt::format(
+      "# vtk DataFile Version 3.0\na title\n{}\nDATASET STRUCTURED_POINTS\nDIMENSIONS {} {} {}\nSPACING 1 1.25 2\n"
+      "ORIGIN 10 20 30\n{} {}\n",
+      binary ? "BINARY" : "ASCII", dims.x + cell, dims.y + cell, dims.z + cell, kind, dims.count());
+}
+
+std::string legacyData(const ForeignVolume& volume, bool binary) {
+  if (binary) return volume.stored(true) + "\n";
+  std::string out;
+  withVoxelType(volume.type, [&]<class T>(std::type_identity<T>) {
+    for (std::size_t at = 0; at < volume.voxels.size(); at += sizeof(T)) {
+      T value;
+      std::memcpy(&value, &volume.voxels[at], sizeof(T));
+      out += fmt::format("{}{}", value, at % 24 == 0 ? "\n" : " ");
+    }
+  });
+  return out + "\n";
+}
+
+std::string legacyScalars(const ForeignVolume& volume, bool binary, const std::string& name = "v") {
+  return fmt::format("SCALARS {} {}\nLOOKUP_TABLE default\n", name, kLegacyTypes[static_cast<int>(volume.type)]) +
+         legacyData(volume, binary);
+}
+
+TEST(IngestLegacyVtk, EveryTypeReadsBackFromBytesAndText) {
+  const ForeignFiles files;
+  for (const VoxelType type : kAllTypes) {
+    for (const bool binary : {false, true}) {
+      SCOPED_TRACE(testing::Message() << nameOf(type) << " binary " << binary);
+      const ForeignVolume volume = randomVolume({13, 9, 7}, type, 501);
+      const auto path = files.write("a.vtk", legacyStart(volume.dims, binary) + legacyScalars(volume, binary));
+      expectReadsBack(volume, path, 502);
+      EXPECT_EQ(openSource(path)->order(), binary ? ReadOrder::kAnyBox : ReadOrder::kForward);
+    }
+  }
+}
+
+TEST(IngestLegacyVtk, PointsAndCellsHaveTheirPlaces) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 511);
+  const auto points = openSource(files.write("a.vtk", legacyStart(volume.dims, true) + legacyScalars(volume, true)));
+  EXPECT_EQ(points->info().geometry.worldOf({0, 0, 0}), glm::dvec3(10, 20, 30));
+  EXPECT_EQ(points->info().geometry.worldOf({1, 1, 1}), glm::dvec3(11, 21.25, 32));
+  const auto cells =
+      openSource(files.write("b.vtk", legacyStart(volume.dims, true, "CELL_DATA") + legacyScalars(volume, true)));
+  EXPECT_EQ(cells->info().geometry.worldOf({0, 0, 0}), glm::dvec3(10.5, 20.625, 31));
+  EXPECT_TRUE(readWhole(*cells) == volume.voxels);
+}
+
+// Known: other arrays stand in front of and behind the voxels, with metadata as VTK 5 writes them.
+TEST(IngestLegacyVtk, ArrayAmongOthersIsFound) {
+  const ForeignFiles files;
+  const ForeignVolume first = randomVolume(kFewVoxels, VoxelType::u16, 521);
+  const ForeignVolume second = randomVolume(kFewVoxels, VoxelType::f32, 522);
+  const std::string vectors(60 * 3 * 4, '\n');
+  const std::string whole =
+      legacyStart(first.dims, true) + "VECTORS flow float\n" + vectors + "\n" +
+      "METADATA\nINFORMATION 0\n\nFIELD FieldData 2\nn 1 1 vtktypeint64\n12345678\nw 1 60 float\n" +
+      second.stored(true) + "\n" + legacyScalars(first, true);
+  const auto path = files.write("a.vtk", whole);
+  expectReadsBack(first, path, 523);
+  SourceOptions options;
+  options.channel = "w";
+  expectReadsBack(
+      second, [&] { return openSource(path, options); }, 524);
+  options.channel = "x";
+  expectRefused(path, ErrorCode::kUsage, "'x' is none of the channels 0 to 1: 0 ('w'), 1 ('v')", options);
+}
+
+TEST(IngestLegacyVtk, OtherDataAreRefused) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 531);
+  const std::string whole = legacyStart(volume.dims, false) + legacyScalars(volume, false);
+  const auto refused = [&](const std::string& from, const std::string& to, ErrorCode code, const std::string& part) {
+    std::string wrong = whole;
+    ASSERT_NE(wrong.find(from), std::string::npos) << from;
+    expectRefused(files.write("a.vtk", wrong.replace(wrong.find(from), from.size(), to)), code, part);
+  };
+  refused("STRUCTURED_POINTS", "POLYDATA", ErrorCode::kUnsupported, "holds 'POLYDATA', not STRUCTURED_POINTS");
+  refused("ASCII", "XML", ErrorCode::kFormat, "neither ASCII nor BINARY");
+  refused("unsigned_char", "long", ErrorCode::kUnsupported, "found 'v' of 1 x 'long'");
+  refused("unsigned_char", "unsigned_char 3", ErrorCode::kUnsupported, "found 'v' of 3");
+  refused("LOOKUP_TABLE", "TABLE", ErrorCode::kFormat, "'LOOKUP_TABLE' is expected");
+  refused("POINT_DATA 60", "POINT_DATA 61", ErrorCode::kFormat, "says 61 values, but the dimensions have 60");
+  refused("DIMENSIONS 5 4 3", "DIMENSIONS 5 4", ErrorCode::kFormat, "'DIMENSIONS' needs a whole number");
+  refused("DIMENSIONS 5", "DIMENSIONS 0", ErrorCode::kFormat, "above 0 (found '0')");
+  refused("DIMENSIONS 5 4 3\n", "", ErrorCode::kFormat, "'DIMENSIONS' is missing");
+  refused("SPACING", "PLACING", ErrorCode::kFormat, "'PLACING' is not expected");
+  refused("SPACING 1", "SPACING x", ErrorCode::kFormat, "needs three numbers");
+  refused("default\n", "default\n256 ", ErrorCode::kFormat, "'256' is not a value of type u8");
+}
+
+void expectCutRefused(const std::filesystem::path& path) {
+  EXPECT_THROW(readWhole(*openSource(path)), Error) << std::filesystem::file_size(path);
+}
+
+TEST(IngestLegacyVtk, EveryCutIsNoticedAndFlipsAreHarmless) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::i16, 541);
+  std::string whole = legacyStart(volume.dims, true) + legacyScalars(volume, true);
+  expectNoCutGoesUnnoticed(volume, files, "a.vtk", whole, files.directory() / "a.vtk");
+  expectBitFlipsAreHarmless(files, "a.vtk", whole, whole.size() - volume.voxels.size(), files.directory() / "a.vtk",
+                            542);
+  // A number that is cut short is a number, so the last digit is not cut.
+  whole = legacyStart(volume.dims, false) + legacyScalars(volume, false);
+  whole = whole.substr(0, whole.find_last_not_of(" \n") + 2);
+  for (std::size_t length = 0; length + 8 < whole.size(); ++length)
+    expectCutRefused(files.write("a.vtk", whole.substr(0, length)));
+}
+
+}  // namespace
+}  // namespace kiln::test

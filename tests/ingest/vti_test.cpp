@@ -1,0 +1,293 @@
+// Images of VTK in XML. Known because the test writes the XML as text and puts the bytes together by VTK's description:
+// lengths, blocks and base64. The compressors are the libraries' own.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <lz4.h>
+#include <lzma.h>
+
+#include <algorithm>
+
+#include "ingest/open_source.h"
+#include "support/volumes/foreign_files.h"
+#include "support/volumes/header_writer.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr const char* kVtiTypes[] = {"UInt8", "Int8", "UInt16", "Int16", "UInt32", "Int32", "Float32", "Float64"};
+constexpr const char* kCompressors[] = {"", "vtkZLibDataCompressor", "vtkLZ4DataCompressor", "vtkLZMADataCompressor"};
+
+struct VtiLayout {
+  /// 0 none, 1 zlib, 2 LZ4, 3 LZMA.
+  int codec = 0;
+  /// "ascii", "binary", "raw" and "base64" (both appended).
+  std::string format = "raw";
+  bool big = false, wide = false;
+  std::size_t block_bytes = 64;
+  std::string scalars = " Scalars=\"v\"", kind = "PointData";
+  std::string extent, image;
+  std::string more_arrays;
+};
+
+std::string base64(std::string_view bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      bits = bits << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0);
+    for (std::size_t k = 0; k < 4; ++k) out += i + k > bytes.size() ? '=' : kDigits[bits >> (18 - 6 * k) & 63];
+  }
+  return out;
+}
+
+std::string packed(std::string_view bytes, int codec) {
+  if (codec == 1) return zlibbed(bytes);
+  std::string out(bytes.size() + 4096, '\0');
+  if (codec == 2) {
+    out.resize(static_cast<std::size_t>(
+        LZ4_compress_default(bytes.data(), out.data(), static_cast<int>(bytes.size()), static_cast<int>(out.size()))));
+    return out;
+  }
+  std::size_t size = 0;
+  EXPECT_EQ(lzma_easy_buffer_encode(0, LZMA_CHECK_CRC32, nullptr, reinterpret_cast<const std::uint8_t*>(bytes.data()),
+                                    bytes.size(), reinterpret_cast<std::uint8_t*>(out.data()), &size, out.size()),
+            LZMA_OK);
+  out.resize(size);
+  return out;
+}
+
+std::string lengthsOf(const std::vector<std::size_t>& numbers, const VtiLayout& layout) {
+  std::string out(numbers.size() * (layout.wide ? 8 : 4), '\0');
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (layout.wide)
+      putNumber(out, 8 * i, static_cast<std::uint64_t>(numbers[i]), layout.big);
+    else
+      putNumber(out, 4 * i, static_cast<std::uint32_t>(numbers[i]), layout.big);
+  }
+  return out;
+}
+
+// The bytes of an array as they stand in the file.
+std::string arrayBytes(const std::string& stored, const VtiLayout& layout) {
+  const bool text = layout.format == "binary" || layout.format == "base64";
+  const auto written = [&](const std::string& bytes) { return text ? base64(bytes) : bytes; };
+  if (layout.codec == 0) return written(lengthsOf({stored.size()}, layout) + stored);
+  const std::size_t last = stored.size() % layout.block_bytes;
+  std::vector<std::size_t> lengths = {(stored.size() + layout.block_bytes - 1) / layout.block_bytes, layout.block_bytes,
+                                      last};
+  std::string blocks;
+  for (std::size_t at = 0; at < stored.size(); at += layout.block_bytes) {
+    const std::string block = packed(std::string_view(stored).substr(at, layout.block_bytes), layout.codec);
+    lengths.push_back(block.size());
+    blocks += block;
+  }
+  return written(lengthsOf(lengths, layout)) + written(blocks);
+}
+
+std::string decimals(const ForeignVolume& volume) {
+  std::string out;
+  withVoxelType(volume.type, [&]<class T>(std::type_identity<T>) {
+    for (std::size_t at = 0; at < volume.voxels.size(); at += sizeof(T)) {
+      T value;
+      std::memcpy(&value, &volume.voxels[at], sizeof(T));
+      out += fmt::format("{}{}", at % 24 == 0 ? "\n  " : " ", value);
+    }
+  });
+  return out + "\n";
+}
+
+std::string vtiFile(const ForeignVolume& volume, const VtiLayout& layout) {
+  const Extent3& n = volume.dims;
+  const int cell = layout.kind == "CellData" ? 1 : 0;
+  const std::string extent = !layout.extent.empty()
+                                 ? layout.extent
+                                 : fmt::format("0 {} 0 {} 0 {}", n.x - 1 + cell, n.y - 1 + cell, n.z - 1 + cell);
+  const bool appended = layout.format == "raw" || layout.format == "base64";
+  std::string out = fmt::format(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" byte_order=\"{}\" header_type=\"{}\"{}>\n"
+      "<ImageData WholeExtent=\"{}\" {}>\n<Piece Extent=\"{}\">\n<{}{}>\n{}",
+      layout.big ? "BigEndian" : "LittleEndian", layout.wide ? "UInt64" : "UInt32",
+      layout.codec == 0 ? "" : fmt::format(" compressor=\"{}\"", kCompressors[layout.codec]), extent,
+      layout.image.empty() ? "Origin=\"0 0 0\" Spacing=\"1 1 1\"" : layout.image, extent, layout.kind, layout.scalars,
+      layout.more_arrays);
+  const std::string stored = volume.stored(layout.big);
+  out += fmt::format("<DataArray type=\"{}\" Name=\"v\" format=\"{}\"", kVtiTypes[static_cast<int>(volume.type)],
+                     appended ? "appended" : layout.format);
+  if (appended)
+    out += " offset=\"5\"/>\n";
+  else
+    out += ">\n    " + (layout.format == "ascii" ? decimals(volume) : arrayBytes(stored, layout)) + "\n</DataArray>\n";
+  out += fmt::format("</{}>\n</Piece>\n</ImageData>\n", layout.kind);
+  if (appended)
+    out += "<AppendedData encoding=\"" + layout.format + "\">\n   _other" + arrayBytes(stored, layout) +
+           "\n</AppendedData>\n";
+  return out + "</VTKFile>\n";
+}
+
+TEST(IngestVti, EveryFormatCodecAndOrderReadsBack) {
+  const ForeignFiles files;
+  for (const VoxelType type : {VoxelType::u8, VoxelType::i16, VoxelType::f32, VoxelType::f64}) {
+    const ForeignVolume volume = randomVolume({13, 9, 7}, type, 401);
+    for (const char* format : {"raw", "base64", "binary", "ascii"}) {
+      for (int codec = 0; codec < (format == std::string("ascii") ? 1 : 4); ++codec) {
+        for (const bool big : {false, true}) {
+          SCOPED_TRACE(testing::Message() << nameOf(type) << " " << format << " codec " << codec << " big " << big);
+          VtiLayout layout;
+          layout.format = format, layout.codec = codec, layout.big = big, layout.wide = codec % 2 == 0;
+          // 819 voxels: the last block is shorter, or there is a single one.
+          layout.block_bytes = type == VoxelType::u8 ? 4096 : 100;
+          expectReadsBack(volume, files.write("a.vti", vtiFile(volume, layout)), 402);
+        }
+      }
+    }
+  }
+  // Blocks that fill the array exactly have no last one.
+  const ForeignVolume even = randomVolume({8, 4, 4}, VoxelType::u16, 403);
+  VtiLayout layout;
+  layout.codec = 1;
+  expectReadsBack(even, files.write("a.vti", vtiFile(even, layout)), 404);
+}
+
+TEST(IngestVti, SeveralThreadsReadCompressedBlocksAtOnce) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({40, 30, 20}, VoxelType::u16, 411);
+  VtiLayout layout;
+  layout.codec = 2, layout.block_bytes = 1000;
+  const auto source = openSource(files.write("a.vti", vtiFile(volume, layout)));
+  ASSERT_EQ(source->order(), ReadOrder::kAnyBox);
+  source->keepDecoded(5000);
+  expectThreadsReadBack(volume, *source);
+}
+
+// Known: a point lies at origin + direction * (spacing * index), and indices begin at the extent.
+TEST(IngestVti, ExtentDirectionAndCellsAreTheAffine) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 421);
+  VtiLayout layout;
+  layout.extent = "10 14 -3 0 7 9";
+  layout.image = "Origin=\"100 200 300\" Spacing=\"2 3 4\"";
+  const auto plain = openSource(files.write("a.vti", vtiFile(volume, layout)));
+  EXPECT_EQ(plain->info().geometry.dims, volume.dims);
+  EXPECT_EQ(plain->info().geometry.worldOf({0, 0, 0}), glm::dvec3(120, 191, 328));
+  EXPECT_EQ(plain->info().geometry.worldOf({1, 1, 1}), glm::dvec3(122, 194, 332));
+  layout.image += " Direction=\"0 -1 0 1 0 0 0 0 1\"";
+  const auto turned = openSource(files.write("b.vti", vtiFile(volume, layout)));
+  EXPECT_EQ(turned->info().geometry.worldOf({0, 0, 0}), glm::dvec3(100 + 9, 200 + 20, 328));
+  EXPECT_EQ(turned->info().geometry.worldOf({1, 0, 0}), glm::dvec3(109, 222, 328));
+  EXPECT_EQ(turned->info().geometry.worldOf({0, 1, 0}), glm::dvec3(106, 220, 328));
+  layout.kind = "CellData", layout.extent = "10 15 -3 1 7 10", layout.image = "Origin=\"0 0 0\" Spacing=\"2 3 4\"";
+  const auto cells = openSource(files.write("c.vti", vtiFile(volume, layout)));
+  EXPECT_EQ(cells->info().geometry.dims, volume.dims);
+  EXPECT_EQ(cells->info().geometry.worldOf({0, 0, 0}), glm::dvec3(21, -7.5, 30));
+  EXPECT_TRUE(readWhole(*cells) == volume.voxels);
+  SourceOptions options;
+  options.spacing = glm::dvec3(1, 1, 1);
+  EXPECT_EQ(openSource(files.directory() / "c.vti", options)->info().geometry.worldOf({0, 0, 0}),
+            glm::dvec3(10.5, -2.5, 7.5));
+  expectRefused(files.directory() / "b.vti", ErrorCode::kUsage, "--spacing", options);
+}
+
+TEST(IngestVti, ActiveScalarsOrTheChosenArray_areRead) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::i16, 431);
+  VtiLayout layout;
+  layout.format = "ascii";
+  std::string zeros;
+  for (int i = 0; i < 60; ++i) zeros += " 7";
+  layout.more_arrays =
+      "<DataArray type=\"UInt8\" Name=\"w\" format=\"ascii\">" + zeros +
+      "</DataArray><DataArray type=\"Float32\" Name=\"flow\" NumberOfComponents=\"3\" format=\"ascii\"/>";
+  expectReadsBack(volume, files.write("a.vti", vtiFile(volume, layout)), 432);
+  layout.scalars = "";
+  const auto path = files.write("a.vti", vtiFile(volume, layout));
+  expectRefused(path, ErrorCode::kUsage, "holds 2 channels; choose one with --channel, from 0 to 1: 0 ('w'), 1 ('v')");
+  SourceOptions options;
+  for (const char* name : {"w", "0"}) {
+    options.channel = name;
+    const auto source = openSource(path, options);
+    EXPECT_EQ(source->info().type, VoxelType::u8);
+    EXPECT_EQ(source->info().format, "VTK image, channel 0");
+    EXPECT_TRUE(readWhole(*source) == std::vector<std::byte>(60, std::byte{7}));
+  }
+  options.channel = "flow";
+  expectRefused(path, ErrorCode::kUsage, "--channel: 'flow' is none of the channels", options);
+}
+
+TEST(IngestVti, OtherDataAreRefusedByName) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 441);
+  const std::string whole = vtiFile(volume, {});
+  const auto refused = [&](const std::string& from, const std::string& to, ErrorCode code, const std::string& part) {
+    std::string wrong = whole;
+    ASSERT_NE(wrong.find(from), std::string::npos) << from;
+    expectRefused(files.write("a.vti", wrong.replace(wrong.find(from), from.size(), to)), code, part);
+  };
+  refused("\"ImageData\"", "\"UnstructuredGrid\"", ErrorCode::kUnsupported, "'UnstructuredGrid', not an image");
+  refused("\"ImageData\"", "\"PImageData\"", ErrorCode::kUnsupported, "pieces of an image in other files");
+  refused("</Piece>", "</Piece><Piece Extent=\"0 1 0 1 0 1\"></Piece>", ErrorCode::kUnsupported, "several pieces");
+  refused("\"UInt8\"", "\"Int64\"", ErrorCode::kUnsupported, "found 'v' of 1 x 'Int64'");
+  refused("Name=\"v\"", "Name=\"v\" NumberOfComponents=\"3\"", ErrorCode::kUnsupported, "found 'v' of 3 x 'UInt8'");
+  refused("header_type", "compressor=\"zip\" header_type", ErrorCode::kUnsupported, "'zip' is not a compressor");
+  refused("<VTKFile", "<!DOCTYPE a [<!ENTITY b \"c\">]><VTKFile", ErrorCode::kFormat, "document type");
+  refused("LittleEndian", "Middle", ErrorCode::kFormat, "'Middle' is no byte order");
+  refused("Piece Extent=\"0 4", "Piece Extent=\"0 x", ErrorCode::kFormat, "Extent: expected 6 numbers");
+  refused("Piece Extent=\"0 4", "Piece Extent=\"5 4", ErrorCode::kFormat, "the extent along x is 5 to 4");
+  refused("Piece Extent=\"0 4", "Piece Extent=\"0 5", ErrorCode::kFormat, "the array has 60 bytes");
+  refused("offset=\"5\"", "offset=\"5000\"", ErrorCode::kFormat, "beyond the end");
+  refused("offset=\"5\"", "offset=\"-1\"", ErrorCode::kFormat, "offset is -1");
+  refused("_other", "other", ErrorCode::kFormat, "underscore");
+  refused("<PointData", "<PointData><a", ErrorCode::kFormat, "damaged");
+  std::string deep = whole;
+  for (int i = 0; i < 40; ++i) deep.insert(deep.find("<PointData"), "<a>");
+  expectRefused(files.write("a.vti", deep), ErrorCode::kFormat, "nested too deeply");
+  expectRefused(files.write("a.vti", "<VTKFile " + std::string(3 << 20, 'x')), ErrorCode::kFormat, "no end");
+}
+
+// Lengths that lie are refused before memory is taken for them.
+TEST(IngestVti, HostileLengthsAreFormatErrors) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u16, 451);
+  VtiLayout layout;
+  layout.codec = 1, layout.wide = true;
+  const std::string whole = vtiFile(volume, layout);
+  const std::size_t table = whole.find("_other") + 6;
+  const auto refused = [&](std::size_t at, std::uint64_t value, const std::string& part) {
+    std::string wrong = whole;
+    putNumber(wrong, table + 8 * at, value);
+    expectRefused(files.write("a.vti", wrong), ErrorCode::kFormat, part);
+  };
+  for (const std::uint64_t value : {std::uint64_t{0}, std::uint64_t{1} << 62, UINT64_MAX}) {
+    refused(0, value, "blocks of");
+    refused(1, value, "blocks of");
+    refused(2, value, value == 0 ? "blocks of" : "blocks of");
+  }
+  refused(3, UINT64_MAX, "packed bytes");
+  refused(3, 1, "damaged");
+  refused(4, 1 << 20, "packed bytes");
+}
+
+TEST(IngestVti, EveryCutIsNoticedAndFlipsAreHarmless) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u16, 461);
+  for (const char* format : {"raw", "base64", "binary", "ascii"}) {
+    for (const int codec : {0, 1}) {
+      if (codec == 1 && format == std::string("ascii")) continue;
+      SCOPED_TRACE(format);
+      VtiLayout layout;
+      layout.format = format, layout.codec = codec;
+      std::string whole = vtiFile(volume, layout);
+      // The XML behind appended data is not read.
+      const std::size_t end = whole.find("\n</AppendedData>");
+      if (end != std::string::npos)
+        whole.resize(end);
+      else
+        whole.pop_back();
+      expectNoCutGoesUnnoticed(volume, files, "a.vti", whole, files.directory() / "a.vti");
+      expectBitFlipsAreHarmless(files, "a.vti", whole, whole.size(), files.directory() / "a.vti", 462);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test
