@@ -2,6 +2,8 @@
 // too.
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "ingest/open_source.h"
 #include "support/volumes/foreign_files.h"
 
@@ -67,6 +69,26 @@ TEST(IngestMetaImage, GeometryIsAsItkReadsIt) {
   EXPECT_EQ(size->info().geometry.unit, "um");
 }
 
+TEST(IngestMetaImage, ListPatternAndTextReadBack) {
+  // Known: as above; two files hold two slices each.
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({7, 5, 4}, VoxelType::i16, 115);
+  const std::string bytes = volume.stored(true);
+  files.write("s1.raw", bytes.substr(0, bytes.size() / 2)), files.write("s2.raw", bytes.substr(bytes.size() / 2));
+  for (const char* names : {"LIST\ns1.raw\ns2.raw\n", "LIST 3D\ns1.raw\ns2.raw", "s%d.raw 1 2 1\n"})
+    expectReadsBack(
+        volume, files.write("a.mhd", metaImageHeader(volume, true, std::string("ElementDataFile = ") + names)), 116);
+  std::string text;
+  for (std::size_t i = 0; i < volume.voxels.size(); i += 2) {
+    std::int16_t value;
+    std::memcpy(&value, &volume.voxels[i], 2);
+    text += std::to_string(value) + (i % 14 == 12 ? "\n" : " ");
+  }
+  std::string header = metaImageHeader(volume, true, "ElementDataFile = LOCAL\n");
+  header.replace(header.find("BinaryData = True"), 17, "BinaryData = False");
+  expectReadsBack(volume, files.write("t.mha", header + text), 117);
+}
+
 TEST(IngestMetaImage, WhatIsNotReadIsRefusedByName) {
   // Known: each header is legal, or wrong in exactly the field that the message must name.
   const ForeignFiles files;
@@ -78,11 +100,13 @@ TEST(IngestMetaImage, WhatIsNotReadIsRefusedByName) {
   refused(start + "ElementType = MET_LONG_LONG\n" + local, ErrorCode::kUnsupported, "MET_LONG_LONG");
   refused(start + "ElementType = MET_FLOAT_ARRAY\n" + local, ErrorCode::kUnsupported, "vector, tensor or colour");
   refused(start + u8 + "ElementNumberOfChannels = 3\n" + local, ErrorCode::kUnsupported, "vector, tensor or colour");
-  refused(start + u8 + "BinaryData = False\n" + local, ErrorCode::kUnsupported, "text");
+  refused(start + u8 + "BinaryData = False\n" + local, ErrorCode::kFormat, "is not a value of type u8");
+  refused(start + u8 + "BinaryData = False\nCompressedData = True\n" + local, ErrorCode::kFormat,
+          "text is not compressed");
   refused("ObjectType = Tube\nNDims = 3\n" + local, ErrorCode::kUnsupported, "Tube");
   refused("ObjectType = Image\nNDims = 2\nDimSize = 2 2\n" + u8 + local, ErrorCode::kUnsupported, "2-D");
-  refused(start + u8 + "ElementDataFile = LIST\n", ErrorCode::kUnsupported, "LIST");
-  refused(start + u8 + "ElementDataFile = s%03d.raw 1 9 1\n", ErrorCode::kUnsupported, "s%03d.raw");
+  refused(start + u8 + "ElementDataFile = LIST\na.raw\n", ErrorCode::kNotFound, "'a.raw' is missing");
+  refused(start + u8 + "ElementDataFile = s%03d.raw 1 9 1\n", ErrorCode::kNotFound, "'s001.raw' is missing");
   refused(start + u8 + "ElementDataFile = gone.raw\n", ErrorCode::kNotFound, "gone.raw");
   refused(start + u8 + "DimSize = 2 2 2\n" + local, ErrorCode::kFormat, "line 5: DimSize");
   refused(start + u8 + "Offset = 1 2 3\nOrigin = 1 2 4\n" + local, ErrorCode::kFormat, "line 6: Origin: contradicts");

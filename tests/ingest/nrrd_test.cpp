@@ -1,4 +1,6 @@
 // NRRD, written here as text and bytes by the format's definition, and real files with known contents.
+#include <bzlib.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,6 +29,38 @@ std::string withCrLf(const std::string& text) {
   return out;
 }
 
+std::string bzipped(const std::string& bytes) {
+  std::string out(bytes.size() + bytes.size() / 100 + 600, '\0');
+  auto size = static_cast<unsigned>(out.size());
+  EXPECT_EQ(BZ2_bzBuffToBuffCompress(out.data(), &size, const_cast<char*>(bytes.data()),
+                                     static_cast<unsigned>(bytes.size()), 1, 0, 0),
+            BZ_OK);
+  out.resize(size);
+  return out;
+}
+
+std::string inHex(const std::string& bytes) {
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(bytes[i]);
+    out += i % 2 == 0 ? fmt::format("{:02x}", byte) : fmt::format("{:02X}", byte);
+    if (i % 35 == 34) out += "\n";
+  }
+  return out + "\n";
+}
+
+std::string asText(const ForeignVolume& volume) {
+  std::string out;
+  withVoxelType(volume.type, [&]<class T>(std::type_identity<T>) {
+    for (std::size_t at = 0; at < volume.voxels.size(); at += sizeof(T)) {
+      T value;
+      std::memcpy(&value, &volume.voxels[at], sizeof(T));
+      out += fmt::format("{}{}", value, at % 40 == 0 ? "\n" : at % 24 == 0 ? ", " : " ");
+    }
+  });
+  return out + "\n";
+}
+
 void expectAffine(const SourceInfo& info, const glm::dmat4& expected) {
   for (int c = 0; c < 4; ++c) {
     for (int r = 0; r < 4; ++r) EXPECT_EQ(info.geometry.world_from_index[c][r], expected[c][r]) << c << "," << r;
@@ -51,6 +85,11 @@ TEST(IngestNrrd, EveryTypeOrderEncodingAndPlaceReadsBack) {
       check(files.write("gz.nrrd", nrrdHeader(volume, big, "encoding: gz\n\n") + gzipped(bytes)));
       check(files.write("two.nrrd", nrrdHeader(volume, big, "encoding: gzip\n\n") + gzipped(bytes.substr(0, 9)) +
                                         gzipped(bytes.substr(9)) + std::string(5, '\0')));
+      check(files.write("bz2.nrrd", nrrdHeader(volume, big, "encoding: bzip2\n\n") + bzipped(bytes)));
+      check(files.write("twobz2.nrrd", nrrdHeader(volume, big, "encoding: bz2\n\n") + bzipped(bytes.substr(0, 9)) +
+                                           bzipped(bytes.substr(9))));
+      check(files.write("hex.nrrd", nrrdHeader(volume, big, "encoding: hex\n\n") + inHex(bytes)));
+      check(files.write("text.nrrd", nrrdHeader(volume, big, "encoding: ascii\n\n") + asText(volume)));
       files.write("skip.raw", "ab\ncd\nxyz" + bytes);
       check(files.write("skip.nhdr", nrrdHeader(volume, big, skips + "encoding: raw\ndatafile: ./skip.raw\n")));
       files.write("skip.gz", "ab\ncd\n" + gzipped("xyz" + bytes));
@@ -94,6 +133,83 @@ TEST(IngestNrrd, GeometryIsAsTheFormatSays) {
   expectRefused(own, ErrorCode::kUsage, "--spacing", options);
 }
 
+// Known: the voxels are cut into files of whole slices. Each file begins with bytes that the header skips.
+TEST(IngestNrrd, ListAndPatternOfFilesReadBack) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({13, 9, 12}, VoxelType::u16, 71);
+  const std::string bytes = volume.stored(true);
+  for (const std::size_t count : {12u, 4u}) {
+    std::string list, packed;
+    const std::size_t length = bytes.size() / count;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string part = bytes.substr(i * length, length), number = fmt::format("{:03}", 7 + 2 * i);
+      files.write("s" + number + ".raw", "skip" + part);
+      files.write("s" + number + ".gz", gzipped(part));
+      list += "./s" + number + ".raw\n";
+      packed += "s" + number + ".gz\n";
+    }
+    const std::string raw = "byte skip: 4\nencoding: raw\ndata file: ", last = std::to_string(5 + 2 * count);
+    const auto path = files.write("list.nhdr", nrrdHeader(volume, true, raw + "LIST\n" + list));
+    expectReadsBack(volume, path, 72);
+    EXPECT_EQ(openSource(path)->order(), ReadOrder::kAnyBox);
+    EXPECT_EQ(openSource(path)->info().files.size(), count + 1);
+    expectReadsBack(volume, files.write("deep.nhdr", nrrdHeader(volume, true, raw + "LIST 2\r\n" + list)), 73);
+    expectReadsBack(volume, files.write("a.nhdr", nrrdHeader(volume, true, raw + "s%03d.raw 7 " + last + " 2\n")), 74);
+    expectReadsBack(
+        volume,
+        files.write("end.nhdr", nrrdHeader(volume, true,
+                                           "byte skip: -1\nencoding: raw\ndata file: s%03d.raw 7 " + last + " 2 2\n")),
+        75);
+    expectReadsBack(volume,
+                    files.write("gz.nhdr", nrrdHeader(volume, true, "encoding: gzip\ndata file: LIST\n" + packed)), 76);
+  }
+}
+
+TEST(IngestNrrd, FileOfAListThatIsShortOrMissing_isNamed) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({5, 4, 6}, VoxelType::u8, 81);
+  const std::string list = nrrdHeader(volume, false, "encoding: raw\ndata file: LIST\na\nb\nc\n");
+  const auto path = files.write("l.nhdr", list);
+  files.write("a", std::string(40, 'a')), files.write("c", std::string(40, 'c'));
+  expectRefused(path, ErrorCode::kNotFound, "the data file 'b' is missing");
+  files.write("b", std::string(39, 'b'));
+  expectRefused(path, ErrorCode::kFormat, "b: the file has 39 bytes, but the header's dimensions need 40");
+  files.write("b", std::string(41, 'b'));
+  EXPECT_EQ(openSource(path)->info().notes,
+            std::vector<std::string>{"b: 1 byte behind the header's dimensions not read"});
+  files.write("l.nhdr", list + "d\n");
+  files.write("d", std::string(40, 'd'));
+  expectRefused(path, ErrorCode::kFormat, "names 4 data files for 6 slices");
+}
+
+TEST(IngestNrrd, CutTextAndPackedData_areNoticed) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::i16, 91);
+  const std::string bytes = volume.stored(false);
+  const auto path = files.directory() / "c.nrrd";
+  for (const std::string& whole : {nrrdHeader(volume, false, "encoding: bzip2\n\n") + bzipped(bytes),
+                                   nrrdHeader(volume, false, "encoding: hex\n\n") + inHex(bytes)}) {
+    expectNoCutGoesUnnoticed(volume, files, "c.nrrd", whole, path);
+  }
+  // A number that is cut short is a number; the missing line end is noted.
+  const ForeignVolume pair = {{2, 1, 1}, VoxelType::i16, {}};
+  const std::string header = nrrdHeader(pair, false, "encoding: ascii\n\n");
+  const auto notesOf = [&](const std::string& numbers) {
+    const auto source = openSource(files.write("c.nrrd", header + numbers));
+    readWhole(*source);
+    return source->info().notes;
+  };
+  EXPECT_TRUE(notesOf("1 300\n").empty());
+  ASSERT_EQ(notesOf("1 30").size(), 1u);
+  EXPECT_NE(notesOf("1 30")[0].find("its last number may be cut short"), std::string::npos);
+  ASSERT_EQ(notesOf("1 30 7").size(), 1u);
+  EXPECT_NE(notesOf("1 30 7")[0].find("not read, from byte"), std::string::npos);
+  expectRefused(files.write("c.nrrd", header + "1\n"), ErrorCode::kFormat, "the numbers end here");
+  expectRefused(files.write("c.nrrd", header + "1 40000\n"), ErrorCode::kFormat, "'40000' is not a value of type i16");
+  expectRefused(files.write("c.nrrd", header + "1 2.5\n"), ErrorCode::kFormat, "'2.5' is not a value of type i16");
+  expectRefused(files.write("c.nrrd", header + "1 " + std::string(5000, '1')), ErrorCode::kFormat, "too long");
+}
+
 TEST(IngestNrrd, WhatIsNotReadIsRefusedByName) {
   // Known: each header is legal, or wrong in exactly the field that the message must name.
   const ForeignFiles files;
@@ -101,9 +217,10 @@ TEST(IngestNrrd, WhatIsNotReadIsRefusedByName) {
     expectRefused(files.write("r.nrrd", "NRRD0004\n" + text + "\n" + std::string(64, 'x')), code, part);
   };
   const std::string base = "dimension: 3\nsizes: 2 2 2\n", u8 = "type: uchar\n" + base;
-  for (const char* encoding : {"ascii", "text", "hex", "bzip2"}) {
-    refused(u8 + "encoding: " + encoding + "\n", ErrorCode::kUnsupported, encoding);
-  }
+  refused(u8 + "encoding: bzip2\n", ErrorCode::kFormat, "damaged");
+  refused(u8 + "encoding: text\n", ErrorCode::kFormat, "is not a value of type u8");
+  refused(u8 + "encoding: hex\n", ErrorCode::kFormat, "is no hexadecimal digit");
+  refused(u8 + "encoding: zip\n", ErrorCode::kFormat, "'zip' is not an encoding");
   refused("type: int64\n" + base + "encoding: raw\n", ErrorCode::kUnsupported, "64-bit");
   refused("type: block\n" + base + "encoding: raw\n", ErrorCode::kUnsupported, "block");
   refused("type: quux\n" + base + "encoding: raw\n", ErrorCode::kFormat, "quux");
@@ -114,9 +231,15 @@ TEST(IngestNrrd, WhatIsNotReadIsRefusedByName) {
   refused("type: uchar\ndimension: 4\nkinds: vector domain domain domain\nsizes: 3 2 2 2\nencoding: raw\n",
           ErrorCode::kUnsupported, vectors);
   refused(u8 + "kinds: RGB-color domain domain\nencoding: raw\n", ErrorCode::kUnsupported, vectors);
-  refused(u8 + "encoding: raw\ndata file: LIST\na.raw\n", ErrorCode::kUnsupported, "spread over several files");
-  refused(u8 + "encoding: raw\ndata file: LIST 2\n", ErrorCode::kUnsupported, "LIST");
-  refused(u8 + "encoding: raw\ndata file: a%03d.raw 1 9 1\n", ErrorCode::kUnsupported, "a%03d.raw");
+  refused(u8 + "encoding: raw\ndata file: LIST\na.raw\n", ErrorCode::kNotFound, "the data file 'a.raw' is missing");
+  refused(u8 + "encoding: raw\ndata file: a%03d.raw 1 9 1\n", ErrorCode::kNotFound, "'a001.raw' is missing");
+  for (const char* pattern : {"a%s.raw", "a%d%d.raw", "a%99d.raw", "a%n.raw", "a%"})
+    refused(u8 + "encoding: raw\ndata file: " + pattern + " 1 9 1\n", ErrorCode::kFormat, "is no pattern");
+  for (const char* count : {"1 9 0", "9 1 1", "1 9000000000 1", "-9223372036854775808 9223372036854775807 1"})
+    refused(u8 + "encoding: raw\ndata file: a%d.raw " + count + "\n", ErrorCode::kFormat, "counts no files");
+  // A list at the end of the header.
+  expectRefused(files.write("empty.nhdr", "NRRD0004\n" + u8 + "encoding: raw\ndata file: LIST 2\n"), ErrorCode::kFormat,
+                "the list names no data file");
   refused(u8 + "encoding: raw\ndata file: gone.raw\n", ErrorCode::kNotFound, "gone.raw");
   refused(u8 + "encoding: raw\nsizes: 2 2 2\n", ErrorCode::kFormat, "line 6: sizes");
   refused(u8 + "encoding: raw\nspace: LPS\nspace dimension: 3\n", ErrorCode::kFormat, "line 7");

@@ -1,4 +1,4 @@
-// MetaImage (.mhd with a data file, .mha with the data inside), read as ITK reads it: row i of TransformMatrix is the
+// MetaImage (.mhd with data files, .mha with the data inside), read as ITK reads it: row i of TransformMatrix is the
 // direction of axis i, and ElementDataFile is the last field.
 // Source: MetaIO's documentation (itk.org/Wiki/MetaIO) and itkMetaImageIO.
 // Differs: ITK assumes the LPS frame always; here the frame is LPS only if AnatomicalOrientation gives an orientation,
@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "ingest/bytes/linear_source.h"
+#include "ingest/bytes/stacked_source.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"
 
@@ -29,10 +29,12 @@ std::string keyOf(const std::string& name) {
 struct Header {
   HeaderFields fields;
   std::uint64_t end_offset = 0;
+  /// The names behind "ElementDataFile = LIST".
+  std::vector<std::string> listed;
 };
 
 Header readHeader(const File& file) {
-  Header header{HeaderFields(file.path()), 0};
+  Header header{HeaderFields(file.path()), 0, {}};
   HeaderLines lines(file);
   while (std::optional<std::string> line = lines.next()) {
     if (trimmed(*line).empty()) continue;
@@ -46,6 +48,9 @@ Header readHeader(const File& file) {
     header.fields.add({keyOf(name), name, trimmed(line->substr(split + 1)), lines.number()}, true);
     if (name == "ElementDataFile") {
       header.end_offset = lines.endOffset();
+      if (!namesList(header.fields.find(name)->value)) return header;
+      while (const std::optional<std::string> listed = lines.next())
+        if (!trimmed(*listed).empty()) header.listed.push_back(trimmed(*listed));
       return header;
     }
   }
@@ -134,10 +139,6 @@ void requireScalarMetaImage(const HeaderFields& fields) {
       fields.unsupported(*map, "values with a linear map are not read; remove the line to get the stored values");
     }
   }
-  if (!flag(fields, "BinaryData", true)) {
-    fields.unsupported(*fields.find("BinaryData"),
-                       "values written as text are not read; write it with BinaryData = True");
-  }
 }
 
 VolumeGeometry geometryOf(const HeaderFields& fields, const SourceOptions& options) {
@@ -174,13 +175,18 @@ VolumeGeometry geometryOf(const HeaderFields& fields, const SourceOptions& optio
   return geometry;
 }
 
-// Returns the data file and the begin of the data in it.
-LinearData dataOf(const Header& header, const Extent3& dims, VoxelType type) {
+std::vector<std::filesystem::path> dataFilesOf(const Header& header) {
+  const HeaderField& name = header.fields.require("ElementDataFile");
+  if (lowered(name.value) == "local") return {header.fields.path()};
+  return header.fields.dataFiles(name, header.listed);
+}
+
+// Returns the begin of the data in one data file, which holds `dims` voxels.
+LinearData dataOf(const Header& header, const std::filesystem::path& file, const Extent3& dims, VoxelType type) {
   const HeaderFields& fields = header.fields;
-  const HeaderField& name = fields.require("ElementDataFile");
-  const bool local = lowered(name.value) == "local";
+  const bool local = file == fields.path();
   LinearData data;
-  data.file = local ? fields.path() : fields.dataFile(name);
+  data.file = file;
   data.stored_type = type;
   data.big_endian = flag(fields, "BinaryDataByteOrderMSB", false);
   data.offset_bytes = local ? header.end_offset : 0;
@@ -204,7 +210,10 @@ LinearData dataOf(const Header& header, const Extent3& dims, VoxelType type) {
       data.offset_bytes = found - bytes;
     }
   }
-  if (compressed) {
+  if (!flag(fields, "BinaryData", true)) {
+    if (compressed) fields.fail(*fields.find("BinaryData"), "contradicts CompressedData; text is not compressed");
+    data.encoding = DataEncoding::kDecimal;
+  } else if (compressed) {
     std::byte magic[2] = {};
     File(data.file).readSomeAt(data.offset_bytes, magic);
     const bool gzip = magic[0] == std::byte{0x1f} && magic[1] == std::byte{0x8b};
@@ -223,8 +232,11 @@ std::unique_ptr<VolumeSource> openMetaImage(const std::filesystem::path& input, 
   info.format = "MetaImage";
   info.type = elementType(header.fields);
   info.geometry = geometryOf(header.fields, options);
-  const LinearData data = dataOf(header, info.geometry.dims, info.type);
-  return openDescribed(input, std::move(info), data);
+  const std::vector<std::filesystem::path> files = dataFilesOf(header);
+  const Extent3 part = partOfFile(info.geometry.dims, files.size(), input);
+  std::vector<LinearData> data;
+  for (const std::filesystem::path& file : files) data.push_back(dataOf(header, file, part, info.type));
+  return openStacked(input, std::move(info), std::move(data));
 }
 
 }  // namespace kiln

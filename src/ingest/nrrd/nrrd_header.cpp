@@ -63,7 +63,7 @@ const Names& fieldNames() {
 }  // namespace
 
 NrrdHeader readNrrdHeader(const File& file) {
-  NrrdHeader header{HeaderFields(file.path()), 0, false};
+  NrrdHeader header{HeaderFields(file.path()), 0, false, {}};
   HeaderLines lines(file);
   const std::string magic = lines.next().value_or("");
   const bool versioned = magic.size() == 8 && magic.starts_with("NRRD") && doubleOf(magic.substr(4)).has_value();
@@ -86,8 +86,10 @@ NrrdHeader readNrrdHeader(const File& file) {
     if (name == fieldNames().end()) failAt(file, lines.number(), inQuotes(written) + " is not a field of NRRD");
     header.fields.add({name->second, written, trimmed(line->substr(colon + 1)), lines.number()});
     // The lines behind "data file: LIST" are names of files and no fields.
-    if (name->second == "data file" && header.fields.find("data file")->value.starts_with("LIST"))
-      header.fields.dataFile(*header.fields.find("data file"));
+    if (name->second == "data file" && namesList(header.fields.find("data file")->value)) {
+      while (const std::optional<std::string> listed = lines.next())
+        if (!trimmed(*listed).empty()) header.listed.push_back(trimmed(*listed));
+    }
   }
   header.end_offset = lines.endOffset();
   return header;

@@ -11,6 +11,8 @@ struct NrrdHeader {
   std::uint64_t end_offset = 0;
   /// True if the header ends with the empty line that must precede attached data.
   bool closed = false;
+  /// The names behind "data file: LIST".
+  std::vector<std::string> listed;
 };
 
 /// throws: Error kFormat if the file is not NRRD, or a line is not a NRRD field; kUnsupported for a later version.

@@ -1,4 +1,4 @@
-// NRRD 1 to 5, attached (.nrrd) or with a separate data file (.nhdr): finds the scalar type and the bytes of the
+// NRRD 1 to 5, attached (.nrrd) or with data files of its own (.nhdr): finds the scalar type and the bytes of the
 // voxels.
 // Source: teem.sourceforge.net/nrrd/format.html.
 #include <fmt/format.h>
@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
-#include "ingest/bytes/linear_source.h"
+#include "ingest/bytes/stacked_source.h"
 #include "ingest/nrrd/nrrd_geometry.h"
 #include "ingest/nrrd/nrrd_header.h"
 #include "ingest/source/formats.h"
@@ -118,28 +118,29 @@ DataEncoding encodingOf(const HeaderFields& fields) {
   const std::string name = lowered(field.value);
   if (name == "raw") return DataEncoding::kRaw;
   if (name == "gzip" || name == "gz") return DataEncoding::kGzip;
-  for (const char* other : {"txt", "text", "ascii", "hex", "bz2", "bzip2"}) {
-    if (name == other) fields.unsupported(field, inQuotes(field.value) + " is not read; write the file as raw or gzip");
-  }
+  if (name == "bzip2" || name == "bz2") return DataEncoding::kBzip2;
+  if (name == "txt" || name == "text" || name == "ascii") return DataEncoding::kDecimal;
+  if (name == "hex") return DataEncoding::kHex;
   fields.fail(field, inQuotes(field.value) + " is not an encoding of NRRD");
 }
 
-bool bigEndian(const HeaderFields& fields, VoxelType type) {
-  if (sizeOf(type) == 1 && !fields.find("endian")) return false;
+bool bigEndian(const HeaderFields& fields, VoxelType type, DataEncoding encoding) {
+  const bool ordered = sizeOf(type) > 1 && encoding != DataEncoding::kDecimal;
+  if (!ordered && !fields.find("endian")) return false;
   const HeaderField& field = fields.require("endian");
   const std::string name = lowered(field.value);
   if (name != "big" && name != "little") fields.fail(field, inQuotes(field.value) + " is neither big nor little");
   return name == "big";
 }
 
-std::filesystem::path dataFileOf(const NrrdHeader& header) {
+std::vector<std::filesystem::path> dataFilesOf(const NrrdHeader& header) {
   const HeaderField* field = header.fields.find("data file");
   if (!field) {
-    if (header.closed) return header.fields.path();
+    if (header.closed) return {header.fields.path()};
     throw Error(ErrorCode::kFormat, header.fields.path(), "end of the file",
                 "the header ends without the empty line before the data, and names no data file");
   }
-  return header.fields.dataFile(*field);
+  return header.fields.dataFiles(*field, header.listed);
 }
 
 // Returns the position behind `lines` line ends. unit: bytes.
@@ -155,13 +156,14 @@ std::uint64_t afterLines(const File& file, std::uint64_t offset, std::int64_t li
   return offset;
 }
 
-LinearData dataOf(const NrrdHeader& header, const Extent3& dims, VoxelType type) {
+// Describes one data file, which holds `dims` voxels.
+LinearData dataOf(const NrrdHeader& header, const std::filesystem::path& path, const Extent3& dims, VoxelType type) {
   const HeaderFields& fields = header.fields;
   LinearData data;
-  data.file = dataFileOf(header);
+  data.file = path;
   data.encoding = encodingOf(fields);
   data.stored_type = type;
-  data.big_endian = bigEndian(fields, type);
+  data.big_endian = bigEndian(fields, type, data.encoding);
   const File file(data.file);
   const auto skip = [&](const char* key, std::int64_t least) {
     const HeaderField* field = fields.find(key);
@@ -174,7 +176,8 @@ LinearData dataOf(const NrrdHeader& header, const Extent3& dims, VoxelType type)
   data.offset_bytes = afterLines(file, first, skip("line skip", 0));
   if (byte_skip >= 0) {
     // In a compressed file, lines are skipped before decompression and bytes after it.
-    data.skip_decompressed_bytes = static_cast<std::uint64_t>(byte_skip);
+    const bool text = data.encoding == DataEncoding::kDecimal || data.encoding == DataEncoding::kHex;
+    (text ? data.offset_bytes : data.skip_decompressed_bytes) += static_cast<std::uint64_t>(byte_skip);
     return data;
   }
   const std::uint64_t bytes = checkedBytes(dims, type, fields.path());
@@ -227,8 +230,11 @@ std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const
     info.notes.push_back(std::move(note));
   if (std::string note = noteOfUnknown(header.fields, info.geometry, options); !note.empty())
     info.notes.push_back(std::move(note));
-  const LinearData data = dataOf(header, info.geometry.dims, info.type);
-  return openDescribed(input, std::move(info), data);
+  const std::vector<std::filesystem::path> files = dataFilesOf(header);
+  const Extent3 part = partOfFile(info.geometry.dims, files.size(), input);
+  std::vector<LinearData> data;
+  for (const std::filesystem::path& file : files) data.push_back(dataOf(header, file, part, info.type));
+  return openStacked(input, std::move(info), std::move(data));
 }
 
 }  // namespace kiln

@@ -36,12 +36,41 @@ std::vector<T> numbers(const HeaderFields& fields, const HeaderField& field, std
   return out;
 }
 
-// True for "LIST", or a pattern like "slice%03d.raw 1 10 1". requires: at least one word.
-bool namesSeveral(const std::string& name) {
-  const std::vector<std::string> parts = words(name);
-  if (parts[0] == "LIST") return true;
-  return parts.size() >= 4 && name.find('%') != std::string::npos && integerOf(parts[1]) && integerOf(parts[2]) &&
+// True for a pattern like "slice%03d.raw 1 10 1". requires: at least one word.
+bool isPattern(const std::vector<std::string>& parts) {
+  return parts.size() >= 4 && parts[0].find('%') != std::string::npos && integerOf(parts[1]) && integerOf(parts[2]) &&
          integerOf(parts[3]);
+}
+
+/// A name with one number of at least `width` digits between two texts.
+struct NumberedFile {
+  std::string before, after;
+  std::size_t width = 1;
+  bool zeros = false;
+
+  std::string of(std::int64_t number) const {
+    std::string digits = std::to_string(number);
+    if (digits.size() < width) digits.insert(number < 0 && zeros ? 1 : 0, width - digits.size(), zeros ? '0' : ' ');
+    return before + digits + after;
+  }
+};
+
+// Parses printf's conversion of a whole number, %d, %3d or %03d; nothing for other conversions, and for several.
+std::optional<NumberedFile> numberedFile(const std::string& pattern) {
+  constexpr std::size_t kWidest = 20;
+  NumberedFile out;
+  std::size_t at = pattern.find('%');
+  out.before = pattern.substr(0, at);
+  out.zeros = ++at < pattern.size() && pattern[at] == '0';
+  std::size_t width = 0;
+  for (; at < pattern.size() && std::isdigit(static_cast<unsigned char>(pattern[at])) != 0 && width <= kWidest; ++at)
+    width = 10 * width + static_cast<std::size_t>(pattern[at] - '0');
+  if (at >= pattern.size() || std::string_view("diu").find(pattern[at]) == std::string_view::npos || width > kWidest)
+    return std::nullopt;
+  out.width = std::max<std::size_t>(width, 1);
+  out.after = pattern.substr(at + 1);
+  if (out.after.find('%') != std::string::npos) return std::nullopt;
+  return out;
 }
 
 }  // namespace
@@ -138,12 +167,37 @@ void HeaderFields::replace(std::string_view key, std::string value) {
   found->value = std::move(value);
 }
 
-std::filesystem::path HeaderFields::dataFile(const HeaderField& field) const {
-  const std::string& name = field.value;
-  if (words(name).empty() || name.find('\0') != std::string::npos) fail(field, "names no data file");
-  if (namesSeveral(name)) {
-    unsupported(field, "data spread over several files (" + inQuotes(name) + ") are not read; join them");
+bool namesList(std::string_view value) { return value == "LIST" || value.starts_with("LIST "); }
+
+std::vector<std::string> HeaderFields::namesOf(const HeaderField& field, const std::vector<std::string>& listed) const {
+  constexpr std::int64_t kMostFiles = 1'000'000;
+  if (namesList(field.value)) {
+    if (listed.empty()) fail(field, "the list names no data file");
+    return listed;
   }
+  const std::vector<std::string> parts = words(field.value);
+  if (parts.empty()) fail(field, "names no data file");
+  if (!isPattern(parts)) return {field.value};
+  const std::optional<NumberedFile> file = numberedFile(parts[0]);
+  if (!file) fail(field, inQuotes(parts[0]) + " is no pattern with one number such as %d or %03d");
+  const std::int64_t first = *integerOf(parts[1]), last = *integerOf(parts[2]), step = *integerOf(parts[3]);
+  const bool far = std::max(std::abs(static_cast<double>(first)), std::abs(static_cast<double>(last))) > 1e15;
+  if (far || step == 0 || (last - first) / step < 0 || (last - first) / step >= kMostFiles)
+    fail(field, inQuotes(field.value) + " counts no files, or more than a million");
+  std::vector<std::string> out;
+  for (std::int64_t i = 0; i <= (last - first) / step; ++i) out.push_back(file->of(first + i * step));
+  return out;
+}
+
+std::vector<std::filesystem::path> HeaderFields::dataFiles(const HeaderField& field,
+                                                           const std::vector<std::string>& listed) const {
+  std::vector<std::filesystem::path> out;
+  for (const std::string& name : namesOf(field, listed)) out.push_back(dataFile(field, name));
+  return out;
+}
+
+std::filesystem::path HeaderFields::dataFile(const HeaderField& field, const std::string& name) const {
+  if (words(name).empty() || name.find('\0') != std::string::npos) fail(field, "names no data file");
   const std::filesystem::path file = path_.parent_path() / name;
   std::error_code error;
   const auto status = std::filesystem::status(file, error);

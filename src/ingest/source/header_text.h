@@ -34,6 +34,9 @@ class HeaderLines {
   int number_ = 0;
 };
 
+/// True if the value of a field of data files says that the following lines of the header are the names.
+bool namesList(std::string_view value);
+
 /// One field of a header. `key` is the format reader's name of the field, `written` the file's spelling.
 struct HeaderField {
   std::string key, written, value;
@@ -69,12 +72,16 @@ class HeaderFields {
   void dropAxes(std::string_view key, const std::vector<bool>& dropped);
   /// Replaces the value of a field. requires: the field exists.
   void replace(std::string_view key, std::string value);
-  /// Returns the data file named by the field, relative to this header's folder. throws: Error kNotFound naming both
-  /// files; kFormat for an empty name, for the header itself and for anything but a regular file; kUnsupported for a
-  /// list or a series.
-  std::filesystem::path dataFile(const HeaderField& field) const;
+  /// Returns the data files named by the field, relative to this header's folder: one name; "LIST", whose names are the
+  /// lines `listed`; or a pattern with the first number, the last and the step, "s%03d.raw 0 61 1".
+  /// throws: Error kNotFound naming header and file; kFormat for an empty name or list, a pattern other than %d, the
+  /// header itself and anything but a regular file.
+  std::vector<std::filesystem::path> dataFiles(const HeaderField& field, const std::vector<std::string>& listed) const;
 
  private:
+  std::filesystem::path dataFile(const HeaderField& field, const std::string& name) const;
+  std::vector<std::string> namesOf(const HeaderField& field, const std::vector<std::string>& listed) const;
+
   std::filesystem::path path_;
   std::vector<HeaderField> fields_;
 };
