@@ -38,7 +38,7 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   }
   manifest.source.format = info.format;
   for (const fs::path& file : info.files) manifest.source.files.push_back(file.string());
-  manifest.source.state = stateOf(info.files);
+  manifest.source.state = stateOf(info.files, info.trees);
   manifest.source.command = options.command;
   manifest.source.time = options.time;
   manifest.source.vdb = info.vdb;
@@ -161,7 +161,7 @@ class Build {
   // A store must not mix bricks of two states of the source.
   void requireUnchanged() const {
     const std::vector<fs::path>& files = source_.info().files;
-    if (isStateOf(draft_.source.state, files)) return;
+    if (isStateOf(draft_.source.state, files, source_.info().trees)) return;
     throw Error(ErrorCode::kFormat, lastChanged(files), "",
                 "was changed while it was converted, so that bricks of two states were made; convert it again once "
                 "no program writes to it");

@@ -116,7 +116,7 @@ bool isStoreOf(const fs::path& store, const SourceInfo& info, std::uint64_t memo
   try {
     const Manifest manifest = StoreReader(store, memory_bytes).manifest();
     return (manifest.source.state.empty() ? isYounger(store, info.files)
-                                          : isStateOf(manifest.source.state, info.files)) &&
+                                          : isStateOf(manifest.source.state, info.files, info.trees)) &&
            sameVolume(manifest, info);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::kBudget) throw;

@@ -218,6 +218,7 @@ std::string withArticle(const std::string& format) {
 }
 
 constexpr const char* kStore = "a store";
+constexpr const char* kZarr = "Zarr";
 
 // Refuses an option that chooses one of several `parts`, in a format that has none.
 void refusePart(bool given, const fs::path& path, const char* option, const std::string& format, const char* parts) {
@@ -243,9 +244,10 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   refuse(options.grid_name && !vdb, "--grid", "OpenVDB files");
   refuse(options.series.has_value() && !dicom, "--series", "DICOM files");
   refuse(options.allow_irregular && !slices, "--allow-irregular", "TIFF and DICOM files");
-  refusePart(options.channel && format != "VTK", path, "--channel", format, "channels");
-  refusePart(options.time && !has_times, path, "--time", format, "times");
-  refusePart(options.scale.has_value(), path, "--scale", format, "scales");
+  const bool zarr = format == kZarr;
+  refusePart(options.channel && !zarr && format != "VTK", path, "--channel", format, "channels");
+  refusePart(options.time && !zarr && !has_times, path, "--time", format, "times");
+  refusePart(options.scale && !zarr, path, "--scale", format, "scales");
   refuse(options.spacing && (vdb || format == kStore), "--spacing", "files without axes of their own");
   if (!options.spacing) return;
   for (int axis = 0; axis < 3; ++axis) {
@@ -255,6 +257,10 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
 }
 
 std::unique_ptr<VolumeSource> openDirectory(const fs::path& input, const SourceOptions& options) {
+  if (isZarrFolder(input)) {
+    requireOptionsApply(input, kZarr, options);
+    return openZarr(input, options);
+  }
   SliceFiles slices = slicesIn(input);
   const bool dicom = slices.format == SliceFormat::kDicom;
   requireOptionsApply(input, dicom ? "DICOM" : "TIFF", options);

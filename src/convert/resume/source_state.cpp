@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <cstring>
 #include <system_error>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/folder.h"
 #include "base/hash.h"
 #include "base/path_status.h"
 #include "base/same_file.h"
@@ -29,8 +32,48 @@ std::vector<fs::path> regularFiles(const std::vector<fs::path>& files) {
   return out;
 }
 
-std::string stampOf(const std::vector<fs::path>& regular, bool named) {
-  std::string all;
+// A sum of hashes, which does not depend on the order of files.
+class TreeSum {
+ public:
+  void add(std::string_view text) {
+    const Hash128 hash = hashOf(text);
+    for (std::size_t half = 0; half < 2; ++half) {
+      std::uint64_t value;
+      std::memcpy(&value, hash.bytes.data() + half * sizeof value, sizeof value);
+      sum_[half] += value;
+    }
+    ++count_;
+  }
+  std::string text() const {
+    return count_ == 0 ? "" : fmt::format("{} files {:016x} {:016x}\n", count_, sum_[0], sum_[1]);
+  }
+
+ private:
+  std::array<std::uint64_t, 2> sum_{};
+  std::uint64_t count_ = 0;
+};
+
+/// The stamps and the change times of all files of the trees.
+struct TreeState {
+  std::string stamp, clock;
+};
+
+TreeState stateOfTrees(const std::vector<fs::path>& trees) {
+  TreeSum stamps, clocks;
+  for (const fs::path& tree : trees) {
+    forEachEntryBelow(tree, [&](const fs::directory_entry& entry) {
+      if (!entry.is_regular_file()) return Walk::kGoOn;
+      const std::string name = entry.path().lexically_relative(tree).string();
+      stamps.add(fmt::format("{} {} {}", name, entry.file_size(), entry.last_write_time().time_since_epoch().count()));
+      clocks.add(fmt::format("{} {}", name, changeTimeNs(entry.path())));
+      return Walk::kGoOn;
+    });
+  }
+  return {stamps.text(), clocks.text()};
+}
+
+std::string stampOf(const std::vector<fs::path>& regular, bool named, const TreeState& trees) {
+  std::string all = trees.stamp;
   for (const fs::path& file : regular) {
     std::error_code error;
     const std::uintmax_t size = fs::file_size(file, error);
@@ -43,8 +86,8 @@ std::string stampOf(const std::vector<fs::path>& regular, bool named) {
   return toHex(hashOf(all));
 }
 
-std::string clockOf(const std::vector<fs::path>& regular) {
-  std::string all;
+std::string clockOf(const std::vector<fs::path>& regular, const TreeState& trees) {
+  std::string all = trees.clock;
   for (const fs::path& file : regular) all += fmt::format("{}\n", changeTimeNs(file));
   return toHex(hashOf(all));
 }
@@ -78,19 +121,22 @@ std::string contentOf(const std::vector<fs::path>& regular) {
 
 }  // namespace
 
-std::string stateOf(const std::vector<fs::path>& files) {
+std::string stateOf(const std::vector<fs::path>& files, const std::vector<fs::path>& trees) {
   const std::vector<fs::path> regular = regularFiles(files);
   if (regular.empty()) return {};
-  return fmt::format("{}:{}:{}", stampOf(regular, files.size() > 1), clockOf(regular), contentOf(regular));
+  const TreeState of_trees = stateOfTrees(trees);
+  return fmt::format("{}:{}:{}", stampOf(regular, files.size() > 1, of_trees), clockOf(regular, of_trees),
+                     contentOf(regular));
 }
 
-bool isStateOf(const std::string& state, const std::vector<fs::path>& files) {
+bool isStateOf(const std::string& state, const std::vector<fs::path>& files, const std::vector<fs::path>& trees) {
   const std::vector<fs::path> regular = regularFiles(files);
   if (regular.empty() || state.empty()) return regular.empty() && state.empty();
   const std::string_view text = state;
-  if (text.substr(0, kHashDigits) != stampOf(regular, files.size() > 1)) return false;
+  const TreeState of_trees = stateOfTrees(trees);
+  if (text.substr(0, kHashDigits) != stampOf(regular, files.size() > 1, of_trees)) return false;
   if (text.size() == kHashDigits) return true;
-  return text.substr(kHashDigits + 1, kHashDigits) == clockOf(regular) ||
+  return text.substr(kHashDigits + 1, kHashDigits) == clockOf(regular, of_trees) ||
          text.substr(text.size() - std::min(text.size(), kHashDigits)) == contentOf(regular);
 }
 

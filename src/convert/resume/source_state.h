@@ -8,7 +8,8 @@
 // Files are unchanged if hash 1 agrees and hash 2 or 3 agrees. A copied or moved file has another ctime, so its
 // content decides. A file replaced by another file of equal size and time differs in ctime and content. Inodes are
 // ignored: some network file systems renumber files at each mount.
-// Limit: a change of a larger file between the blocks, with its former modification time restored, is not found.
+// A tree (a folder of chunks, up to millions of files) counts by hashes 1 and 2 only, summed over its files in any
+// order. Limit: a change of a larger file between the blocks, with its former modification time restored, is not found.
 #pragma once
 
 #include <filesystem>
@@ -19,12 +20,14 @@ namespace kiln {
 
 /// Returns the present state of `files`. Directories are skipped, because their slices are listed as files. Empty if
 /// there are no files, as for phantoms. throws: Error kIo, kNotFound. cost: reads 64 MiB, or 8 KiB per file for more
-/// than 8192 files.
-std::string stateOf(const std::vector<std::filesystem::path>& files);
+/// than 8192 files; looks at each file of the trees.
+std::string stateOf(const std::vector<std::filesystem::path>& files,
+                    const std::vector<std::filesystem::path>& trees = {});
 
 /// True if `files` still have `state`; a state of an earlier version is hash 1 alone. cost: reads the files as
 /// stateOf if their ctimes differ.
-bool isStateOf(const std::string& state, const std::vector<std::filesystem::path>& files);
+bool isStateOf(const std::string& state, const std::vector<std::filesystem::path>& files,
+               const std::vector<std::filesystem::path>& trees = {});
 
 /// Returns a state without the hash that differs between copies of the files.
 std::string portableState(const std::string& state);

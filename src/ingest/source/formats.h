@@ -18,6 +18,9 @@ std::unique_ptr<VolumeSource> openLegacyVtk(const std::filesystem::path& input, 
 std::unique_ptr<VolumeSource> openVdb(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openDicom(const SliceFiles& input, const SourceOptions& options);
+/// True if `folder` is a Zarr or N5 container, group or array, by its header or its name.
+bool isZarrFolder(const std::filesystem::path& folder);
+std::unique_ptr<VolumeSource> openZarr(const std::filesystem::path& input, const SourceOptions& options);
 
 /// True if `input` names a computed volume, "phantom:NAME:XxYxZ", instead of a file.
 bool namesPhantom(const std::filesystem::path& input);

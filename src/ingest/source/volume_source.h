@@ -23,6 +23,8 @@ struct SourceInfo {
   /// records every option that changes voxels.
   std::string format;
   std::vector<std::filesystem::path> files;
+  /// Folders of files that belong to the volume and are too many to list: chunks.
+  std::vector<std::filesystem::path> trees;
   VolumeGeometry geometry;
   VoxelType type = VoxelType::u8;
   VolumeClass volume_class = VolumeClass::kUnknown;

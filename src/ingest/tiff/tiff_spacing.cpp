@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "ingest/source/header_text.h"
+#include "ingest/source/length_unit.h"
 
 namespace kiln {
 namespace {
@@ -19,58 +19,6 @@ namespace {
 constexpr int kInch = 2, kCentimetre = 3;
 
 bool usable(double spacing) { return std::isfinite(spacing) && spacing > 1e-12 && spacing < 1e12; }
-
-struct LengthUnit {
-  const char* name;
-  std::int64_t picometres;
-  /// Alternative spellings, separated by spaces.
-  std::string_view others;
-};
-
-// ImageJ writes the micro sign as \u00B5, older versions as the Latin-1 byte; XML may write an entity.
-constexpr std::array<LengthUnit, 12> kUnits = {{
-    {"pm", 1, "picometer picometre"},
-    {"angstrom", 100, "angstroms Angstrom A \xc3\x85 \xe2\x84\xab &#197; &#xC5; &#8491; &#x212B; \\u00C5"},
-    {"nm", 1'000, "nanometer nanometre nanometers nanometres"},
-    {"um", 1'000'000,
-     "micron microns micrometer micrometre micrometers micrometres \\u00B5m \xb5m \xc2\xb5m \xce\xbcm &#181;m &#xB5;m "
-     "&#xb5;m &#956;m &#x3BC;m &#x3bc;m &micro;m"},
-    {"mm", 1'000'000'000, "millimeter millimetre millimeters millimetres"},
-    {"cm", 10'000'000'000, "centimeter centimetre centimeters centimetres"},
-    {"in", 25'400'000'000, "inch inches"},
-    {"dm", 100'000'000'000, "decimeter decimetre"},
-    {"ft", 304'800'000'000, "foot feet"},
-    {"yd", 914'400'000'000, "yard yards"},
-    {"m", 1'000'000'000'000, "meter metre meters metres"},
-    {"km", 1'000'000'000'000'000, "kilometer kilometre kilometers kilometres"},
-}};
-
-const LengthUnit* unitNamed(std::string_view text) {
-  const std::string spaced = " " + std::string(text) + " ";
-  for (const LengthUnit& unit : kUnits) {
-    if (text == unit.name || (" " + std::string(unit.others) + " ").find(spaced) != std::string::npos) return &unit;
-  }
-  return nullptr;
-}
-
-std::string nameOf(std::string_view unit) {
-  const LengthUnit* const known = unitNamed(unit);
-  return known ? known->name : "";
-}
-
-// Returns the number of `to` in one `from`; nothing if they differ and either is unknown. Multiplying before
-// dividing keeps powers of ten exact.
-struct Ratio {
-  double numerator = 1, denominator = 1;
-  double of(double length) const { return length * numerator / denominator; }
-};
-std::optional<Ratio> ratioOf(std::string_view from, std::string_view to) {
-  if (from == to) return Ratio();
-  const LengthUnit *const a = unitNamed(from), *const b = unitNamed(to);
-  if (!a || !b) return std::nullopt;
-  const std::int64_t common = std::gcd(a->picometres, b->picometres);
-  return Ratio{static_cast<double>(a->picometres / common), static_cast<double>(b->picometres / common)};
-}
 
 std::string unknownUnit(const char* writer, std::string_view unit) {
   return fmt::format("{}'s description gives lengths in {}, which is no known unit; they are taken without a unit",
@@ -106,10 +54,10 @@ std::int64_t stacksFrom(std::string_view text) {
 
 // ImageJ omits the distance of slices if it is exactly 1. y and z may have units of their own.
 void useUnits(StackNotes& out, const std::string& x, const std::string& y, const std::string& z) {
-  out.unit = nameOf(x);
+  out.unit = unitName(x);
   if (out.unit.empty()) out.remarks.push_back(unknownUnit(out.writer, x));
   if (out.spacing == 0 && out.images > 1) out.spacing = 1;
-  const std::optional<Ratio> from_y = ratioOf(y, x), from_z = ratioOf(z, x);
+  const std::optional<UnitRatio> from_y = unitRatio(y, x), from_z = unitRatio(z, x);
   if (from_y) out.y_scale = from_y->of(1);
   if (!from_y) out.remarks.push_back(unlikeUnit(out.writer, 'y', y, x));
   if (!from_z) out.remarks.push_back(unlikeUnit(out.writer, 'z', z, x));
@@ -178,12 +126,12 @@ std::optional<StackNotes> omeNotes(std::string_view description) {
   };
   const std::string of_x = unit("X");
   if (doubleOf(of("PhysicalSizeX"))) {
-    out.unit = nameOf(of_x);
+    out.unit = unitName(of_x);
     if (out.unit.empty()) out.remarks.push_back(unknownUnit(out.writer, of_x));
   }
   const auto length = [&](const std::string& axis) {
     const double number = doubleOf(of("PhysicalSize" + axis)).value_or(0);
-    const std::optional<Ratio> ratio = ratioOf(unit(axis), of_x);
+    const std::optional<UnitRatio> ratio = unitRatio(unit(axis), of_x);
     if (!ratio && number != 0) out.remarks.push_back(unlikeUnit(out.writer, axis == "Y" ? 'y' : 'z', unit(axis), of_x));
     return ratio ? ratio->of(number) : 0;
   };

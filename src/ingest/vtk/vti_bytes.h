@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "ingest/bytes/block_cache.h"
-#include "ingest/bytes/unpack_block.h"
+#include "ingest/codec/unpack_block.h"
 
 namespace kiln {
 

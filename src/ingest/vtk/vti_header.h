@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "ingest/bytes/unpack_block.h"
+#include "ingest/codec/unpack_block.h"
 
 namespace kiln {
 

@@ -1,0 +1,24 @@
+// Decompressors of one block into memory of known size. Damaged input is reported, never written beyond the output.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+namespace kiln {
+
+/// Each function decompresses all of `packed` to the front of `out` and returns the number of bytes written; nothing if
+/// `packed` is damaged, is cut, or holds more bytes than `out` has room for. thread: any.
+/// throws: std::bad_alloc if the library has no memory.
+std::optional<std::size_t> unpackLz4(std::span<const std::byte> packed, std::span<std::byte> out);
+/// One or several Zstandard frames, with or without their content size.
+std::optional<std::size_t> unpackZstd(std::span<const std::byte> packed, std::span<std::byte> out);
+/// One stream of xz. cost: up to 64 MiB for the dictionary; a larger dictionary is refused.
+std::optional<std::size_t> unpackLzma(std::span<const std::byte> packed, std::span<std::byte> out);
+
+enum class DeflateWrapper { kGzip, kZlib };
+/// A zlib stream (RFC 1950), or the members of a gzip stream (RFC 1952), with their checksums.
+std::optional<std::size_t> unpackDeflate(std::span<const std::byte> packed, DeflateWrapper wrapper,
+                                         std::span<std::byte> out);
+
+}  // namespace kiln

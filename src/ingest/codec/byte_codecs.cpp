@@ -1,0 +1,144 @@
+#include <fmt/format.h>
+
+#include <boost/crc.hpp>
+#include <cstring>
+#include <utility>
+
+#include "base/byte_record.h"
+#include "ingest/codec/block_codecs.h"
+#include "ingest/codec/blosc_frame.h"
+#include "ingest/codec/byte_codec.h"
+#include "ingest/codec/byte_shuffle.h"
+
+namespace kiln {
+namespace {
+
+// Bound for the growth of data that do not compress, for all compressors here, with headers and checksums.
+std::uint64_t grown(std::uint64_t bytes) { return bytes + bytes / 8 + (64 << 10); }
+
+std::string roomText(std::span<const std::byte> out) { return fmt::format("(room for {} bytes)", out.size()); }
+
+/// A compressor given by its function of block_codecs.h.
+template <class Unpack>
+class Compressor : public ByteCodec {
+ public:
+  Compressor(const char* name, Unpack unpack) : name_(name), unpack_(std::move(unpack)) {}
+  std::size_t decode(std::span<const std::byte> packed, std::span<std::byte> out,
+                     const ChunkPlace& place) const override {
+    const std::optional<std::size_t> bytes = unpack_(packed, out);
+    if (!bytes) place.fail(fmt::format("the {} data are damaged or too long {}", name_, roomText(out)));
+    return *bytes;
+  }
+  std::uint64_t packedBytes(std::uint64_t bytes) const override { return grown(bytes); }
+
+ private:
+  const char* name_;
+  Unpack unpack_;
+};
+
+template <class Unpack>
+std::unique_ptr<ByteCodec> compressor(const char* name, Unpack unpack) {
+  return std::make_unique<Compressor<Unpack>>(name, std::move(unpack));
+}
+
+std::unique_ptr<ByteCodec> deflateCodec(const char* name, DeflateWrapper wrapper) {
+  return compressor(name, [wrapper](std::span<const std::byte> packed, std::span<std::byte> out) {
+    return unpackDeflate(packed, wrapper, out);
+  });
+}
+
+std::optional<std::size_t> unpackSizedLz4(std::span<const std::byte> packed, std::span<std::byte> out) {
+  ByteTaker taker{packed};
+  const auto bytes = taker.take<std::uint32_t>();
+  if (!taker.ok || bytes > out.size()) return std::nullopt;
+  const std::optional<std::size_t> written = unpackLz4(taker.left, out.first(bytes));
+  return written == bytes ? written : std::nullopt;
+}
+
+// Source: LZ4BlockOutputStream of lz4-java. A block: the magic, a token (codec, level), the packed and the decoded
+// size, an XXH32 of the data masked to 28 bits. The checksum is not tested: sizes and LZ4's own bounds are.
+std::optional<std::size_t> unpackLz4Stream(std::span<const std::byte> packed, std::span<std::byte> out) {
+  constexpr char kMagic[] = {'L', 'Z', '4', 'B', 'l', 'o', 'c', 'k'};
+  constexpr unsigned kStored = 0x10, kLz4 = 0x20;
+  ByteTaker taker{packed};
+  std::size_t done = 0;
+  while (!taker.left.empty()) {
+    const std::span<const std::byte> magic = taker.takeBytes(sizeof kMagic);
+    const unsigned codec = taker.take<std::uint8_t>() & 0xf0u;
+    const auto packed_bytes = taker.take<std::uint32_t>(), bytes = taker.take<std::uint32_t>();
+    taker.take<std::uint32_t>();
+    const std::span<const std::byte> block = taker.takeBytes(packed_bytes);
+    if (!taker.ok || std::memcmp(magic.data(), kMagic, sizeof kMagic) != 0 || bytes > out.size() - done)
+      return std::nullopt;
+    if (bytes == 0) continue;
+    const std::span<std::byte> to = out.subspan(done, bytes);
+    if (codec == kStored && block.size() == bytes)
+      std::memcpy(to.data(), block.data(), bytes);
+    else if (codec != kLz4 || unpackLz4(block, to) != bytes)
+      return std::nullopt;
+    done += bytes;
+  }
+  return done;
+}
+
+class BloscCodec : public ByteCodec {
+ public:
+  std::size_t decode(std::span<const std::byte> packed, std::span<std::byte> out,
+                     const ChunkPlace& place) const override {
+    std::size_t bytes = 0;
+    const std::string fault = unpackBlosc(packed, out, bytes);
+    if (!fault.empty()) place.fail(fault);
+    return bytes;
+  }
+  std::uint64_t packedBytes(std::uint64_t bytes) const override { return grown(bytes); }
+};
+
+class ShuffleCodec : public ByteCodec {
+ public:
+  explicit ShuffleCodec(std::size_t number_bytes) : number_bytes_(number_bytes) {}
+  std::size_t decode(std::span<const std::byte> packed, std::span<std::byte> out,
+                     const ChunkPlace& place) const override {
+    if (packed.size() > out.size())
+      place.fail(fmt::format("{} shuffled bytes are too many {}", packed.size(), roomText(out)));
+    joinBytePlanes(packed, number_bytes_, out.data());
+    return packed.size();
+  }
+  std::uint64_t packedBytes(std::uint64_t bytes) const override { return bytes; }
+
+ private:
+  std::size_t number_bytes_;
+};
+
+class Crc32cCodec : public ByteCodec {
+ public:
+  std::size_t decode(std::span<const std::byte> packed, std::span<std::byte> out,
+                     const ChunkPlace& place) const override {
+    constexpr std::size_t kBytes = sizeof(std::uint32_t);
+    if (packed.size() < kBytes || packed.size() - kBytes > out.size())
+      place.fail(fmt::format("{} bytes with their checksum have a wrong length {}", packed.size(), roomText(out)));
+    const std::span<const std::byte> data = packed.first(packed.size() - kBytes);
+    std::uint32_t expected;
+    std::memcpy(&expected, packed.data() + data.size(), kBytes);
+    boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true> crc;
+    crc.process_bytes(data.data(), data.size());
+    if (crc.checksum() != expected) place.fail("the checksum (CRC-32C) differs: the chunk is damaged");
+    if (!data.empty()) std::memcpy(out.data(), data.data(), data.size());
+    return data.size();
+  }
+  std::uint64_t packedBytes(std::uint64_t bytes) const override { return bytes + sizeof(std::uint32_t); }
+};
+
+}  // namespace
+
+std::unique_ptr<ByteCodec> gzipCodec() { return deflateCodec("gzip", DeflateWrapper::kGzip); }
+std::unique_ptr<ByteCodec> zlibCodec() { return deflateCodec("zlib", DeflateWrapper::kZlib); }
+std::unique_ptr<ByteCodec> zstdCodec() { return compressor("Zstandard", &unpackZstd); }
+std::unique_ptr<ByteCodec> lz4Codec() { return compressor("LZ4", &unpackSizedLz4); }
+std::unique_ptr<ByteCodec> lz4StreamCodec() { return compressor("LZ4", &unpackLz4Stream); }
+std::unique_ptr<ByteCodec> bloscCodec() { return std::make_unique<BloscCodec>(); }
+std::unique_ptr<ByteCodec> shuffleCodec(std::size_t number_bytes) {
+  return std::make_unique<ShuffleCodec>(number_bytes);
+}
+std::unique_ptr<ByteCodec> crc32cCodec() { return std::make_unique<Crc32cCodec>(); }
+
+}  // namespace kiln

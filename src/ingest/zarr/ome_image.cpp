@@ -1,0 +1,213 @@
+#include "ingest/zarr/ome_image.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/path_status.h"
+#include "base/text.h"
+#include "ingest/source/header_text.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+// Version 0.5 keeps its attributes below "ome".
+std::optional<JsonNode> omeAttributes(const fs::path& group) {
+  const std::optional<JsonNode> attributes = zarrAttributes(group);
+  if (!attributes || !attributes->isObject()) return std::nullopt;
+  const std::optional<JsonNode> ome = attributes->find("ome");
+  return ome && ome->isObject() ? ome : attributes;
+}
+
+void requireCount(const JsonNode& list, std::size_t found, std::size_t expected) {
+  if (found != expected) list.fail(fmt::format("must have a number for each of {} axes", expected));
+}
+
+// Applies a list of transformations in order. Returns true if there is a scale among them.
+bool transform(const JsonNode& list, std::vector<ZarrAxis>& axes) {
+  bool scaled = false;
+  for (const JsonNode& step : list.items(64)) {
+    const std::string type = step.at("type").text();
+    if (type == "identity") continue;
+    if (type != "scale" && type != "translation")
+      step.unsupported(fmt::format("the transformation {} is not read; write scale and translation", inQuotes(type)));
+    const JsonNode values = step.at(type);
+    const std::vector<double> numbers = values.numbers();
+    requireCount(values, numbers.size(), axes.size());
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      if (type == "translation") {
+        axes[i].translation += numbers[i];
+      } else {
+        axes[i].scale *= numbers[i];
+        axes[i].translation *= numbers[i];
+      }
+    }
+    scaled = scaled || type == "scale";
+  }
+  return scaled;
+}
+
+ZarrAxis axisOf(const JsonNode& json) {
+  ZarrAxis out;
+  // Version 0.3 has names alone.
+  if (json.isText()) {
+    out.name = plainAxisName(json.text());
+    return out;
+  }
+  out.name = plainAxisName(json.at("name").text());
+  const std::optional<JsonNode> type = json.find("type"), unit = json.find("unit"),
+                                orientation = json.find("orientation");
+  if (type && type->text() == "channel") out.name = "c";
+  if (type && type->text() == "time") out.name = "t";
+  if (unit) out.unit = unit->text();
+  if (orientation) {
+    const std::optional<JsonNode> value = orientation->isObject() ? orientation->find("value") : orientation;
+    if (value && value->isText()) out.orientation = value->text();
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string plainAxisName(const std::string& name) {
+  const std::string small = lowered(name);
+  if (small == "channel" || small == "channels") return "c";
+  if (small == "time") return "t";
+  return small;
+}
+
+std::optional<OmeImage> readOmeImage(const fs::path& group) {
+  const std::optional<JsonNode> ome = omeAttributes(group);
+  const std::optional<JsonNode> multiscales = ome ? ome->find("multiscales") : std::nullopt;
+  if (!multiscales) return std::nullopt;
+  const std::vector<JsonNode> images = multiscales->items(1024);
+  if (images.empty()) return std::nullopt;
+  return OmeImage(group, *ome, images.front(), images.size() > 1);
+}
+
+void refusePlate(const fs::path& group) {
+  const std::optional<JsonNode> ome = omeAttributes(group);
+  if (!ome || !ome->find("plate")) return;
+  throw Error(ErrorCode::kUnsupported, group, "",
+              "is a plate of many wells, which is not read as a volume; name the folder of one image, as " +
+                  (group / "A" / "1" / "0").string());
+}
+
+std::size_t OmeImage::scales() const { return multiscale_.at("datasets").items().size(); }
+
+// A path must not leave the container.
+fs::path OmeImage::arrayOf(const JsonNode& dataset) const {
+  const JsonNode path = dataset.at("path");
+  const fs::path relative = fs::path(path.text()).lexically_normal();
+  const bool leaves = relative.is_absolute() || (!relative.empty() && *relative.begin() == "..");
+  if (relative.empty() || leaves || path.text().find('\0') != std::string::npos)
+    path.fail("must be a path inside the container");
+  return group_ / relative;
+}
+
+std::optional<std::size_t> OmeImage::scaleOf(const fs::path& path) const {
+  const std::vector<JsonNode> datasets = multiscale_.at("datasets").items();
+  for (std::size_t i = 0; i < datasets.size(); ++i)
+    if (fs::path(datasets[i].at("path").text()).lexically_normal() == path) return i;
+  return std::nullopt;
+}
+
+std::vector<ZarrAxis> OmeImage::axes(std::size_t count) const {
+  std::vector<ZarrAxis> out;
+  if (const std::optional<JsonNode> axes = multiscale_.find("axes")) {
+    for (const JsonNode& axis : axes->items(32)) out.push_back(axisOf(axis));
+    requireCount(*axes, out.size(), count);
+  } else {
+    // Versions 0.1 and 0.2 have these axes and no others.
+    for (const char* const name : {"t", "c", "z", "y", "x"}) out.push_back({name, "", "", 1, 0});
+    if (count != out.size()) multiscale_.fail("\"axes\" is missing, which arrays of other than 5 axes need");
+  }
+  return out;
+}
+
+std::vector<ZarrChannel> OmeImage::channels() const {
+  std::vector<ZarrChannel> out;
+  const std::optional<JsonNode> omero = ome_.find("omero");
+  const std::optional<JsonNode> channels = omero && omero->isObject() ? omero->find("channels") : std::nullopt;
+  if (!channels || !channels->isList()) return out;
+  for (const JsonNode& channel : channels->items()) {
+    const std::optional<JsonNode> label = channel.isObject() ? channel.find("label") : std::nullopt;
+    out.push_back({label && label->isText() ? label->text() : ""});
+  }
+  return out;
+}
+
+ZarrImage OmeImage::open(std::size_t scale, const SourceOptions& options) const {
+  const JsonNode dataset = multiscale_.at("datasets").items()[scale];
+  const fs::path folder = arrayOf(dataset);
+  std::optional<ZarrArray> array = readZarrArray(folder);
+  if (!array) throw Error(ErrorCode::kFormat, folder, "", "is no array, but the image lists it as a scale");
+  std::vector<ZarrAxis> image_axes = axes(array->shape.size());
+  bool has_scale = false;
+  if (const auto list = dataset.find("coordinateTransformations")) has_scale |= transform(*list, image_axes);
+  if (const auto list = multiscale_.find("coordinateTransformations")) has_scale |= transform(*list, image_axes);
+  ZarrImage out;
+  out.volume = volumeOf(*array, std::move(image_axes), has_scale, channels(), options);
+  out.volume.choice = fmt::format(", OME-Zarr, array {}", inQuotes(dataset.at("path").text())) + out.volume.choice;
+  if (ome_.find("image-label")) out.volume.volume_class = VolumeClass::kLabels;
+  if (has_others_) out.volume.notes.push_back("the group describes several images; took the first");
+  if (isFolder(group_ / "labels"))
+    out.volume.notes.push_back("has labels in its folder 'labels', which is a volume of its own");
+  out.headers = {multiscale_.file(), array->header};
+  out.array = *std::move(array);
+  return out;
+}
+
+namespace {
+
+// A list of three numbers at `key`, or at `key`.dimensions; N5 lists x first.
+std::optional<std::vector<double>> lengthsAt(const std::optional<JsonNode>& attributes, const char* key,
+                                             std::size_t axes) {
+  const std::optional<JsonNode> found = attributes ? attributes->find(key) : std::nullopt;
+  const std::optional<JsonNode> list = found && found->isObject() ? found->find("dimensions") : found;
+  if (!list || !list->isList()) return std::nullopt;
+  std::vector<double> out = list->numbers();
+  if (out.size() != axes) return std::nullopt;
+  std::reverse(out.begin(), out.end());
+  return out;
+}
+
+std::string unitAt(const std::optional<JsonNode>& attributes) {
+  if (!attributes) return "";
+  const std::optional<JsonNode> size = attributes->find("pixelResolution"), units = attributes->find("units");
+  const std::optional<JsonNode> unit = size && size->isObject() ? size->find("unit") : std::nullopt;
+  if (unit && unit->isText()) return unit->text();
+  if (units && units->isText()) return units->text();
+  if (units && units->isList() && !units->items().empty() && units->items().front().isText())
+    return units->items().front().text();
+  return "";
+}
+
+}  // namespace
+
+bool placeN5(const ZarrArray& array, const fs::path& group, std::vector<ZarrAxis>& axes) {
+  const std::optional<JsonNode> own = array.attributes, above = group == array.folder ? own : zarrAttributes(group);
+  const auto lengths = [&](const char* key) {
+    const auto found = lengthsAt(own, key, axes.size());
+    return found ? found : lengthsAt(above, key, axes.size());
+  };
+  std::optional<std::vector<double>> size = lengths("pixelResolution");
+  if (!size) size = lengths("resolution");
+  if (!size) return false;
+  const std::optional<std::vector<double>> factors = lengthsAt(own, "downsamplingFactors", axes.size());
+  std::optional<std::vector<double>> offset = lengths("offset");
+  if (!offset) offset = lengths("translate");
+  const std::string unit = unitAt(own).empty() ? unitAt(above) : unitAt(own);
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const double factor = factors ? (*factors)[i] : 1;
+    axes[i].unit = unit;
+    axes[i].scale = (*size)[i] * factor;
+    // A coarser voxel covers `factor` finer ones; its centre lies half of the difference behind the first.
+    axes[i].translation = (offset ? (*offset)[i] : 0) + (*size)[i] * (factor - 1) / 2;
+  }
+  return true;
+}
+
+}  // namespace kiln

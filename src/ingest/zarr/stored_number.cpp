@@ -1,0 +1,94 @@
+#include "ingest/zarr/stored_number.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "ingest/bytes/value_map.h"
+
+namespace kiln {
+namespace {
+
+// IEEE 754 binary16 to binary32, exact for every value.
+float floatOfHalf(std::uint16_t half) noexcept {
+  const std::uint32_t sign = std::uint32_t{half & 0x8000u} << 16, exponent = half >> 10 & 0x1f, fraction = half & 0x3ff;
+  if (exponent == 0x1f) return std::bit_cast<float>(sign | 0x7f800000u | fraction << 13);
+  if (exponent != 0) return std::bit_cast<float>(sign | (exponent + 112) << 23 | fraction << 13);
+  const float subnormal = static_cast<float>(fraction) * 0x1p-24f;
+  return sign != 0 ? -subnormal : subnormal;
+}
+
+template <class From, class To, class Convert>
+void convertAll(std::span<const std::byte> in, std::span<std::byte> out, Convert convert) {
+  for (std::size_t i = 0; i < in.size() / sizeof(From); ++i) {
+    From from;
+    std::memcpy(&from, in.data() + i * sizeof from, sizeof from);
+    const To to = convert(from);
+    std::memcpy(out.data() + i * sizeof to, &to, sizeof to);
+  }
+}
+
+template <class Wide, class Narrow>
+void narrow(std::span<const std::byte> in, std::span<std::byte> out, const ChunkPlace& place) {
+  convertAll<Wide, Narrow>(in, out, [&](Wide value) {
+    if (value < std::numeric_limits<Narrow>::min() || value > std::numeric_limits<Narrow>::max())
+      place.fail(fmt::format("the value {} does not fit into 32 bits, the most that a voxel has", value));
+    return static_cast<Narrow>(value);
+  });
+}
+
+}  // namespace
+
+VoxelType StoredNumber::voxelType() const {
+  const bool is_signed = kind == NumberKind::kSigned;
+  if (kind == NumberKind::kFloat) return bytes == 8 ? VoxelType::f64 : VoxelType::f32;
+  if (bytes == 1) return is_signed ? VoxelType::i8 : VoxelType::u8;
+  if (bytes == 2) return is_signed ? VoxelType::i16 : VoxelType::u16;
+  return is_signed ? VoxelType::i32 : VoxelType::u32;
+}
+
+std::string StoredNumber::name() const {
+  const char* const kinds[] = {"uint", "int", "float"};
+  return kinds[static_cast<int>(kind)] + std::to_string(8 * bytes);
+}
+
+std::optional<StoredNumber> storedNumberNamed(std::string_view name) {
+  if (name == "bool") return StoredNumber{};
+  for (const NumberKind kind : {NumberKind::kUnsigned, NumberKind::kSigned, NumberKind::kFloat}) {
+    for (const std::size_t bytes : {1, 2, 4, 8}) {
+      const StoredNumber number{kind, bytes, false};
+      if (number.name() == name && (kind != NumberKind::kFloat || bytes > 1)) return number;
+    }
+  }
+  return std::nullopt;
+}
+
+bool isStoredAsVoxels(const StoredNumber& number) {
+  const bool ordered = number.bytes == 1 || number.big_endian == (std::endian::native == std::endian::big);
+  return ordered && sizeOf(number.voxelType()) == number.bytes;
+}
+
+void toVoxels(const StoredNumber& number, std::span<const std::byte> in, std::span<std::byte> out,
+              const ChunkPlace& place) {
+  std::vector<std::byte> ordered;
+  if (number.bytes > 1 && number.big_endian != (std::endian::native == std::endian::big)) {
+    ordered.assign(in.begin(), in.end());
+    swapBytes(ordered.data(), ordered.size() / number.bytes, number.bytes);
+    in = ordered;
+  }
+  if (sizeOf(number.voxelType()) == number.bytes) {
+    std::memcpy(out.data(), in.data(), in.size());
+  } else if (number.kind == NumberKind::kFloat) {
+    convertAll<std::uint16_t, float>(in, out, floatOfHalf);
+  } else if (number.kind == NumberKind::kSigned) {
+    narrow<std::int64_t, std::int32_t>(in, out, place);
+  } else {
+    narrow<std::uint64_t, std::uint32_t>(in, out, place);
+  }
+}
+
+}  // namespace kiln

@@ -1,0 +1,82 @@
+// Zarr version 2 (.zarray). Source: zarr-specs, docs/v2/v2.0.rst; numcodecs for the codecs' names.
+#include <fmt/format.h>
+
+#include <numeric>
+
+#include "ingest/zarr/fill_value.h"
+#include "ingest/zarr/zarr_array.h"
+
+namespace kiln {
+namespace {
+
+// NumPy's type: byte order, kind, size: "<u2".
+StoredNumber numberOf(const JsonNode& dtype) {
+  if (!dtype.isText()) dtype.unsupported("arrays of records are not read; write each field as an array of its own");
+  const std::string text = dtype.text();
+  const std::size_t at = text.find_first_not_of("<>|=");
+  const std::string kind = at == std::string::npos ? "" : text.substr(at);
+  const bool known = kind.size() == 2 && at <= 1;
+  const char letter = known ? kind[0] : '\0';
+  const std::size_t bytes = known ? static_cast<std::size_t>(kind[1] - '0') : 0;
+  const bool size_is_power = bytes == 1 || bytes == 2 || bytes == 4 || bytes == 8;
+  const bool truth = letter == 'b' && bytes == 1;
+  const bool whole = letter == 'u' || letter == 'i', floating = letter == 'f' && bytes > 1;
+  if (!truth && !(size_is_power && (whole || floating)))
+    dtype.unsupported(
+        fmt::format("numbers of type {} are not read; write u1 to u8, i1 to i8, f2, f4 or f8", dtype.shown()));
+  const NumberKind number = floating ? NumberKind::kFloat : letter == 'i' ? NumberKind::kSigned : NumberKind::kUnsigned;
+  return {number, bytes, text[0] == '>'};
+}
+
+// A compressor or filter of numcodecs; null for a filter that only rounded the numbers before they were written.
+std::unique_ptr<ByteCodec> codecOf(const JsonNode& json) {
+  const JsonNode id = json.at("id");
+  const std::string name = id.text();
+  if (name == "gzip") return gzipCodec();
+  if (name == "zlib") return zlibCodec();
+  if (name == "zstd") return zstdCodec();
+  if (name == "lz4") return lz4Codec();
+  if (name == "blosc") return bloscCodec();
+  if (name == "crc32c") return crc32cCodec();
+  if (name == "bitround" || name == "quantize") return nullptr;
+  if (name == "shuffle") {
+    const std::optional<JsonNode> size = json.find("elementsize");
+    const std::int64_t bytes = size ? size->whole() : 4;
+    if (bytes < 1 || bytes > 256) size->fail("must be from 1 to 256");
+    return shuffleCodec(static_cast<std::size_t>(bytes));
+  }
+  id.unsupported(fmt::format("the codec {} is not read; write blosc, zstd, lz4, gzip or zlib", id.shown()));
+}
+
+}  // namespace
+
+ZarrArray readZarr2(const JsonNode& header) {
+  if (const JsonNode version = header.at("zarr_format"); version.whole() != 2) version.fail("must be 2 in a .zarray");
+  ZarrArray out;
+  out.format = "Zarr v2";
+  out.number = numberOf(header.at("dtype"));
+  out.shape = header.at("shape").wholes();
+  out.chunk_shape = out.file_shape = header.at("chunks").wholes();
+  const std::optional<JsonNode> separator = header.find("dimension_separator"), order = header.find("order");
+  out.names.separator = '.';
+  if (separator) {
+    const std::string text = separator->text();
+    if (text != "." && text != "/") separator->fail("must be \".\" or \"/\"");
+    out.names.separator = text[0];
+  }
+  out.stored_axes.resize(out.shape.size());
+  if (order && order->text() == "F")
+    std::iota(out.stored_axes.rbegin(), out.stored_axes.rend(), 0);
+  else
+    std::iota(out.stored_axes.begin(), out.stored_axes.end(), 0);
+  if (const std::optional<JsonNode> filters = header.find("filters")) {
+    for (const JsonNode& filter : filters->items(16))
+      if (std::unique_ptr<ByteCodec> codec = codecOf(filter)) out.codecs.add(std::move(codec));
+  }
+  if (const std::optional<JsonNode> compressor = header.find("compressor"))
+    if (std::unique_ptr<ByteCodec> codec = codecOf(*compressor)) out.codecs.add(std::move(codec));
+  out.fill = fillOf(header.find("fill_value"), out.number);
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,82 @@
+// One array of a Zarr or N5 container: its shape, the places of its chunks, and the codecs of a chunk.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/codec/byte_codec.h"
+#include "ingest/zarr/stored_number.h"
+#include "ingest/zarr/zarr_json.h"
+
+namespace kiln {
+
+/// Lengths or indices along the axes of an array, the slowest axis first.
+using AxisNumbers = std::vector<std::int64_t>;
+
+/// The name of a chunk's file: the chunk's index in the grid, joined.
+struct ChunkNames {
+  std::string prefix;
+  char separator = '/';
+  /// True for N5, which writes the fastest axis first.
+  bool reversed = false;
+  std::filesystem::path of(const AxisNumbers& index) const;
+};
+
+/// A shard is a file of several chunks with an index: offset and length of each. Source: Zarr 3, sharding_indexed.
+struct Sharding {
+  CodecChain index_codecs;
+  bool index_at_end = true;
+  bool index_big_endian = false;
+};
+
+struct ZarrArray {
+  std::filesystem::path folder;
+  /// The file that describes the array.
+  std::filesystem::path header;
+  /// "Zarr v2", "Zarr v3" or "N5".
+  std::string format;
+  StoredNumber number;
+  AxisNumbers shape;
+  /// The shape of what a file holds: of a shard, or of a chunk.
+  AxisNumbers file_shape;
+  AxisNumbers chunk_shape;
+  /// The array's axis at each place of a chunk's stored order, the slowest first.
+  std::vector<int> stored_axes;
+  ChunkNames names;
+  CodecChain codecs;
+  std::optional<Sharding> sharding;
+  /// True if each chunk has N5's header, and chunks at the border of the array are cut.
+  bool has_block_headers = false;
+  /// The value of chunks that do not exist, as a voxel; the first bytes count.
+  std::array<std::byte, 8> fill{};
+  /// Empty if the header does not name the axes.
+  std::vector<std::string> axis_names;
+  /// Names of units by axis; empty texts where unknown. Empty if the header has none.
+  std::vector<std::string> axis_units;
+  /// The attributes: `attributes`, `.zattrs`, or N5's whole header.
+  std::optional<JsonNode> attributes;
+
+  std::uint64_t chunkBytes() const;
+  std::uint64_t chunksInFile() const;
+};
+
+/// The file in `folder` that describes a Zarr or N5 array or group; empty if there is none.
+std::filesystem::path zarrHeaderIn(const std::filesystem::path& folder);
+
+/// The attributes of an array or group: those of Zarr v3, `.zattrs` of v2, N5's header; nothing if there are none.
+std::optional<JsonNode> zarrAttributes(const std::filesystem::path& folder);
+
+/// Returns the array in `folder`; nothing if the folder holds a group or no header at all.
+/// throws: Error kFormat, kUnsupported (naming the codec, type or grid), kIo.
+std::optional<ZarrArray> readZarrArray(const std::filesystem::path& folder);
+
+// One reader per version, for readZarrArray.
+ZarrArray readZarr2(const JsonNode& header);
+std::optional<ZarrArray> readZarr3(const JsonNode& header);
+std::optional<ZarrArray> readN5(const JsonNode& header);
+
+}  // namespace kiln

@@ -1,0 +1,203 @@
+// Invariant: every length is tested against its file, and every decoded size against the array's header, before memory
+// is taken. A hostile chunk costs at most the memory of a true one.
+#include "ingest/zarr/zarr_chunks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "base/byte_record.h"
+#include "base/error.h"
+#include "base/path_status.h"
+#include "ingest/bytes/value_map.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint64_t kIndexCacheBytes = 16 << 20;
+// Offset and length of a chunk in a shard; both have all bits set for a chunk that does not exist.
+constexpr std::uint64_t kEntryBytes = 2 * sizeof(std::uint64_t);
+
+// The place of `index` in a grid, the last axis fastest.
+std::int64_t placeIn(const AxisNumbers& grid, const AxisNumbers& index) {
+  std::int64_t out = 0;
+  for (std::size_t axis = 0; axis < grid.size(); ++axis) out = out * grid[axis] + index[axis];
+  return out;
+}
+
+std::vector<std::byte> readPart(const File& file, std::uint64_t offset, std::uint64_t bytes) {
+  std::vector<std::byte> out(bytes);
+  file.readAt(offset, out);
+  return out;
+}
+
+template <class T>
+T takeBigEndian(ByteTaker& taker) {
+  auto value = taker.take<T>();
+  if constexpr (std::endian::native == std::endian::little)
+    swapBytes(reinterpret_cast<std::byte*>(&value), 1, sizeof value);
+  return value;
+}
+
+}  // namespace
+
+ZarrChunks::ZarrChunks(ZarrArray array) : array_(std::move(array)) {
+  for (std::size_t axis = 0; axis < array_.shape.size(); ++axis) {
+    const std::int64_t length = array_.file_shape[axis];
+    files_.push_back((array_.shape[axis] - 1) / length + 1);
+    in_file_.push_back(length / array_.chunk_shape[axis]);
+  }
+  indexes_.setCapacity(kIndexCacheBytes);
+}
+
+std::uint64_t ZarrChunks::decodeBytes() const {
+  const std::uint64_t stored = array_.chunkBytes(), voxels = stored / array_.number.bytes * voxelBytes();
+  // As read, as decoded in the file's type and order, and as voxels.
+  const std::uint64_t converted = isStoredAsVoxels(array_.number) ? 0 : 2 * stored;
+  const std::uint64_t whole_block = array_.has_block_headers ? voxels : 0;
+  return array_.codecs.packedBytes(stored) + array_.codecs.scratchBytes(stored) + converted + whole_block + voxels;
+}
+
+std::uint64_t ZarrChunks::heldBytes() const {
+  if (!array_.sharding) return 0;
+  std::uint64_t shards = 1;
+  for (const std::int64_t count : files_) shards *= static_cast<std::uint64_t>(count);
+  // A table as large as the cache is dropped once its chunk is found.
+  const std::uint64_t table = array_.chunksInFile() * kEntryBytes;
+  return shards > kIndexCacheBytes / table ? kIndexCacheBytes + 2 * table : shards * table + table;
+}
+
+std::shared_ptr<const BlockCache::Bytes> ZarrChunks::chunk(const AxisNumbers& index) {
+  AxisNumbers file(index.size()), inner(index.size());
+  for (std::size_t axis = 0; axis < index.size(); ++axis) {
+    file[axis] = index[axis] / in_file_[axis];
+    inner[axis] = index[axis] % in_file_[axis];
+  }
+  const std::int64_t file_place = placeIn(files_, file), place = placeIn(in_file_, inner);
+  return chunks_.get({file_place, place}, [&] { return decode(file, file_place, place); });
+}
+
+BlockCache::Bytes ZarrChunks::decode(const AxisNumbers& file_index, std::int64_t file, std::int64_t place) {
+  ++decoded_;
+  ChunkPlace at{array_.folder / array_.names.of(file_index), ""};
+  const std::vector<std::byte> packed = packedChunk(at.file, file, place, at);
+  if (packed.empty()) {
+    ++absent_;
+    return {};
+  }
+  if (array_.has_block_headers) return unpackBlock(packed, at);
+  BlockCache::Bytes out(array_.chunkBytes() / array_.number.bytes * voxelBytes());
+  unpack(packed, out, at);
+  return out;
+}
+
+// Returns no bytes for a chunk that does not exist.
+std::vector<std::byte> ZarrChunks::packedChunk(const fs::path& path, std::int64_t file, std::int64_t place,
+                                               ChunkPlace& at) {
+  try {
+    if (!array_.sharding) {
+      const File whole(path);
+      const std::uint64_t most = array_.codecs.packedBytes(array_.chunkBytes()) + (array_.has_block_headers ? 4096 : 0);
+      if (whole.size() == 0) at.fail("is empty");
+      if (whole.size() > most)
+        at.fail(fmt::format("has {} bytes, and a chunk of {} bytes has at most {} packed", whole.size(),
+                            array_.chunkBytes(), most));
+      return readPart(whole, 0, whole.size());
+    }
+    const auto shard = open_.take(static_cast<std::size_t>(file), [&] { return std::make_unique<File>(path); });
+    at.where = fmt::format("chunk {}", place);
+    const std::optional<Part> part = partOf(*shard, file, place);
+    return part ? readPart(*shard, part->offset, part->bytes) : std::vector<std::byte>();
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kNotFound) throw;
+    requireArray();
+    return {};
+  }
+}
+
+// A disk that has gone must not look like chunks that were never written.
+void ZarrChunks::requireArray() const {
+  if (isThere(array_.header)) return;
+  throw Error(ErrorCode::kNotFound, array_.header, "", "has gone while the array was read");
+}
+
+std::optional<ZarrChunks::Part> ZarrChunks::partOf(const File& shard, std::int64_t file, std::int64_t place) {
+  const auto table = indexes_.get({file, 0}, [&] { return shardIndex(shard); });
+  ByteTaker entry{std::span(*table).subspan(static_cast<std::uint64_t>(place) * kEntryBytes)};
+  Part part;
+  part.offset = entry.take<std::uint64_t>();
+  part.bytes = entry.take<std::uint64_t>();
+  if (part.offset == UINT64_MAX && part.bytes == UINT64_MAX) return std::nullopt;
+  const std::uint64_t most = array_.codecs.packedBytes(array_.chunkBytes());
+  const ChunkPlace at{shard.path(), fmt::format("chunk {}", place)};
+  if (part.bytes == 0 || part.bytes > most)
+    at.fail(fmt::format("the shard's index gives it {} bytes, and a chunk of {} bytes has 1 to {} packed", part.bytes,
+                        array_.chunkBytes(), most));
+  if (part.offset > shard.size() || part.bytes > shard.size() - part.offset)
+    at.fail(fmt::format("the shard's index places it at byte {} with {} bytes, but the file has {}", part.offset,
+                        part.bytes, shard.size()));
+  return part;
+}
+
+BlockCache::Bytes ZarrChunks::shardIndex(const File& shard) const {
+  const Sharding& sharding = *array_.sharding;
+  const std::uint64_t bytes = array_.chunksInFile() * kEntryBytes, packed = sharding.index_codecs.packedBytes(bytes);
+  const ChunkPlace at{shard.path(), "index of the shard"};
+  if (shard.size() < packed)
+    at.fail(fmt::format("the file has {} bytes, and the index alone has {}", shard.size(), packed));
+  BlockCache::Bytes out(bytes);
+  sharding.index_codecs.decode(readPart(shard, sharding.index_at_end ? shard.size() - packed : 0, packed), out, at);
+  if (sharding.index_big_endian != (std::endian::native == std::endian::big))
+    swapBytes(out.data(), out.size() / sizeof(std::uint64_t), sizeof(std::uint64_t));
+  return out;
+}
+
+void ZarrChunks::unpack(std::span<const std::byte> packed, std::span<std::byte> voxels, const ChunkPlace& at) const {
+  if (isStoredAsVoxels(array_.number)) return array_.codecs.decode(packed, voxels, at);
+  std::vector<std::byte> stored(voxels.size() / voxelBytes() * array_.number.bytes);
+  array_.codecs.decode(packed, stored, at);
+  toVoxels(array_.number, stored, voxels, at);
+}
+
+// Unpacks a block of N5, which may be cut at the border of the array, to a whole chunk.
+BlockCache::Bytes ZarrChunks::unpackBlock(std::span<const std::byte> packed, const ChunkPlace& at) const {
+  ByteTaker header{packed};
+  const auto mode = takeBigEndian<std::uint16_t>(header), axes = takeBigEndian<std::uint16_t>(header);
+  if (!header.ok || mode > 1) at.fail("is no block of numbers with N5's header");
+  if (axes != array_.shape.size()) at.fail(fmt::format("has {} axes, but the array {}", axes, array_.shape.size()));
+  AxisNumbers n(axes);
+  for (std::size_t i = axes; i-- > 0;) n[i] = takeBigEndian<std::uint32_t>(header);
+  if (mode == 1) takeBigEndian<std::uint32_t>(header);
+  if (!header.ok) at.fail("ends in N5's header");
+  std::int64_t count = 1, whole = 1;
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    if (n[axis] < 1 || n[axis] > array_.chunk_shape[axis])
+      at.fail(
+          fmt::format("has {} voxels along axis {}, but a block has 1 to {}", n[axis], axis, array_.chunk_shape[axis]));
+    count *= n[axis];
+    whole *= array_.chunk_shape[axis];
+  }
+  const std::size_t size = voxelBytes();
+  BlockCache::Bytes voxels(static_cast<std::size_t>(count) * size);
+  unpack(header.left, voxels, at);
+  if (count == whole) return voxels;
+  BlockCache::Bytes out(static_cast<std::size_t>(whole) * size);
+  for (std::size_t at_voxel = 0; at_voxel < out.size(); at_voxel += size)
+    std::memcpy(&out[at_voxel], array_.fill.data(), size);
+  // Row by row: the index of a row is counted along all axes but the fastest.
+  const std::size_t row = static_cast<std::size_t>(n.back()) * size;
+  AxisNumbers index(axes, 0);
+  for (std::size_t from = 0; from < voxels.size(); from += row) {
+    std::memcpy(&out[static_cast<std::size_t>(placeIn(array_.chunk_shape, index)) * size], &voxels[from], row);
+    for (std::size_t axis = axes - 1; axis-- > 0;) {
+      if (++index[axis] < n[axis]) break;
+      index[axis] = 0;
+    }
+  }
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,58 @@
+// Reads the chunks of a Zarr array: finds a chunk's bytes in a file or in a shard, decodes the bytes, caches voxels.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "base/file.h"
+#include "ingest/bytes/block_cache.h"
+#include "ingest/bytes/handle_pool.h"
+#include "ingest/zarr/zarr_array.h"
+
+namespace kiln {
+
+class ZarrChunks {
+ public:
+  explicit ZarrChunks(ZarrArray array);
+
+  const ZarrArray& array() const { return array_; }
+  /// Returns the voxels of a chunk in its stored order, in the machine's byte order; no bytes for a chunk that does not
+  /// exist and holds the fill value. shape: a whole chunk, also at the border of the array. `index` counts chunks along
+  /// each axis.
+  /// thread: any. throws: Error kFormat (damaged, with the file), kIo, kNotFound if the whole array has gone.
+  std::shared_ptr<const BlockCache::Bytes> chunk(const AxisNumbers& index);
+
+  /// Capacity for decoded chunks. unit: bytes.
+  void setCapacity(std::uint64_t bytes) { chunks_.setCapacity(bytes); }
+  /// Memory of one decoding, with the decoded chunk. unit: bytes.
+  std::uint64_t decodeBytes() const;
+  /// Memory for tables of shards. unit: bytes.
+  std::uint64_t heldBytes() const;
+  /// Chunks that were decoded, each time counted, and the chunks among them that did not exist.
+  std::uint64_t decoded() const { return decoded_; }
+  std::uint64_t absent() const { return absent_; }
+
+ private:
+  struct Part {
+    std::uint64_t offset = 0, bytes = 0;
+  };
+  BlockCache::Bytes decode(const AxisNumbers& file_index, std::int64_t file, std::int64_t place);
+  std::vector<std::byte> packedChunk(const std::filesystem::path& path, std::int64_t file, std::int64_t place,
+                                     ChunkPlace& at);
+  std::optional<Part> partOf(const File& shard, std::int64_t file, std::int64_t place);
+  BlockCache::Bytes shardIndex(const File& shard) const;
+  void unpack(std::span<const std::byte> packed, std::span<std::byte> voxels, const ChunkPlace& at) const;
+  BlockCache::Bytes unpackBlock(std::span<const std::byte> packed, const ChunkPlace& at) const;
+  void requireArray() const;
+  std::size_t voxelBytes() const { return sizeOf(array_.number.voxelType()); }
+
+  ZarrArray array_;
+  AxisNumbers files_;    // along each axis
+  AxisNumbers in_file_;  // chunks of a file, along each axis
+  BlockCache chunks_, indexes_;
+  HandlePool<File> open_;
+  std::atomic<std::uint64_t> decoded_ = 0, absent_ = 0;
+};
+
+}  // namespace kiln

@@ -1,0 +1,168 @@
+#include "ingest/zarr/zarr_image.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/folder.h"
+#include "base/path_status.h"
+#include "base/text.h"
+#include "ingest/source/header_text.h"
+#include "ingest/zarr/ome_image.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+// Bounds for the search of a container; chunks lie below arrays, which are not entered.
+constexpr int kMostDepth = 8;
+constexpr std::size_t kMostFolders = 4096, kMostListed = 24;
+
+void refuseScale(const fs::path& folder, const SourceOptions& options) {
+  if (!options.scale) return;
+  throw Error(ErrorCode::kUsage, folder, "--scale",
+              "applies to an image of several resolutions, and this is a single array; leave it out");
+}
+
+// The axes of an array that no image describes: by the names in its header, or as xarray writes names.
+std::vector<ZarrAxis> axesOf(const ZarrArray& array) {
+  std::vector<std::string> names = array.axis_names;
+  if (names.empty() && array.attributes) {
+    const std::optional<JsonNode> xarray = array.attributes->find("_ARRAY_DIMENSIONS");
+    if (xarray) names = xarray->texts();
+  }
+  names.resize(array.shape.size());
+  std::vector<ZarrAxis> out(array.shape.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].name = plainAxisName(names[i]);
+  return out;
+}
+
+ZarrImage ofArray(ZarrArray array, const SourceOptions& options) {
+  refuseScale(array.folder, options);
+  std::vector<ZarrAxis> axes = axesOf(array);
+  const bool has_scale = array.format == "N5" && placeN5(array, array.folder, axes);
+  ZarrImage out;
+  out.volume = volumeOf(array, std::move(axes), has_scale, {}, options);
+  out.headers = {array.header};
+  out.array = std::move(array);
+  return out;
+}
+
+// A multi-scale data set of N5 is a group of arrays s0, s1, and so on; s0 is the finest.
+std::optional<ZarrImage> ofN5Scales(const fs::path& folder, const SourceOptions& options) {
+  if (zarrHeaderIn(folder / "s0").filename() != "attributes.json") return std::nullopt;
+  const std::int64_t scale = options.scale.value_or(0);
+  std::optional<ZarrArray> array = readZarrArray(folder / fmt::format("s{}", scale));
+  if (!array && options.scale)
+    throw Error(ErrorCode::kUsage, folder, "--scale", fmt::format("there is no array s{}", scale));
+  if (!array) return std::nullopt;
+  std::vector<ZarrAxis> axes = axesOf(*array);
+  const bool has_scale = placeN5(*array, folder, axes);
+  ZarrImage out;
+  out.volume = volumeOf(*array, std::move(axes), has_scale, {}, options);
+  out.volume.choice = fmt::format(", s{}", scale) + out.volume.choice;
+  out.headers = {array->header};
+  out.array = *std::move(array);
+  return out;
+}
+
+// The image whose scale an array is, if the group above lists the array.
+std::optional<ZarrImage> imageAbove(const fs::path& folder, const SourceOptions& options) {
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  const fs::path clean = whole.has_filename() ? whole : whole.parent_path();
+  fs::path above = clean;
+  for (int level = 0; level < 2 && above.has_relative_path(); ++level) {
+    above = above.parent_path();
+    const std::optional<OmeImage> image = readOmeImage(above);
+    const std::optional<std::size_t> scale = image ? image->scaleOf(clean.lexically_relative(above)) : std::nullopt;
+    if (!scale) continue;
+    if (options.scale) refuseScale(folder, options);
+    return image->open(*scale, options);
+  }
+  return std::nullopt;
+}
+
+std::optional<ZarrImage> ofGroup(const fs::path& folder, const SourceOptions& options) {
+  if (const std::optional<OmeImage> image = readOmeImage(folder)) {
+    const std::int64_t scale = options.scale.value_or(0);
+    if (scale < 0 || scale >= static_cast<std::int64_t>(image->scales()))
+      throw Error(ErrorCode::kUsage, folder, "--scale",
+                  fmt::format("must be a number from 0 to {} (found {})", image->scales() - 1, scale));
+    return image->open(static_cast<std::size_t>(scale), options);
+  }
+  return ofN5Scales(folder, options);
+}
+
+// One image or array of a container.
+struct Listed {
+  fs::path folder;
+  std::string text;
+};
+
+class Listing {
+ public:
+  explicit Listing(fs::path root) : root_(std::move(root)) { visit(root_, 0); }
+  const std::vector<Listed>& images() const { return images_; }
+
+ private:
+  void visit(const fs::path& folder, int depth) {
+    if (++visited_ > kMostFolders || depth > kMostDepth) return;
+    try {
+      if (const std::optional<ZarrArray> array = readZarrArray(folder))
+        return add(folder, fmt::format("({}) {}", fmt::join(array->shape, ", "), array->number.name()));
+      if (const std::optional<OmeImage> image = readOmeImage(folder))
+        return add(folder, fmt::format("image of {} scale{}", image->scales(), image->scales() == 1 ? "" : "s"));
+      if (zarrHeaderIn(folder / "s0").filename() == "attributes.json") return add(folder, "image of N5");
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::kIo) throw;
+      return add(folder, "not readable");
+    }
+    std::vector<fs::path> below;
+    forEachEntry(folder, [&](const fs::directory_entry& entry) {
+      if (entry.is_directory()) below.push_back(entry.path());
+      return below.size() < kMostFolders ? Walk::kGoOn : Walk::kStop;
+    });
+    std::sort(below.begin(), below.end());
+    for (const fs::path& inner : below) visit(inner, depth + 1);
+  }
+  void add(const fs::path& folder, const std::string& what) {
+    images_.push_back({folder, fmt::format("{} {}", inQuotes(folder.lexically_relative(root_).string()), what)});
+  }
+
+  fs::path root_;
+  std::vector<Listed> images_;
+  std::size_t visited_ = 0;
+};
+
+ZarrImage onlyImageBelow(const fs::path& folder, const SourceOptions& options) {
+  const std::vector<Listed> images = Listing(folder).images();
+  if (images.empty()) throw Error(ErrorCode::kUnsupported, folder, "", "is a Zarr or N5 group without an array");
+  if (images.size() == 1) {
+    ZarrImage out = openZarrImage(images.front().folder, options);
+    out.volume.choice += fmt::format(", {}", images.front().folder.lexically_relative(folder).string());
+    out.volume.notes.push_back("took " + images.front().text + ", the only image");
+    return out;
+  }
+  std::string list;
+  for (std::size_t i = 0; i < std::min(images.size(), kMostListed); ++i) list += (i == 0 ? "" : "; ") + images[i].text;
+  if (images.size() > kMostListed) list += fmt::format("; and {} more", images.size() - kMostListed);
+  throw Error(ErrorCode::kUsage, folder, "",
+              fmt::format("holds {} images or arrays: {}; name the folder of one, as {}", images.size(), list,
+                          images.front().folder.string()));
+}
+
+}  // namespace
+
+ZarrImage openZarrImage(const fs::path& folder, const SourceOptions& options) {
+  if (std::optional<ZarrArray> array = readZarrArray(folder)) {
+    if (std::optional<ZarrImage> image = imageAbove(folder, options)) return *std::move(image);
+    return ofArray(*std::move(array), options);
+  }
+  if (std::optional<ZarrImage> image = ofGroup(folder, options)) return *std::move(image);
+  refusePlate(folder);
+  return onlyImageBelow(folder, options);
+}
+
+}  // namespace kiln

@@ -1,0 +1,20 @@
+// Finds the volume that a folder of Zarr or N5 holds: an array, the scales of an OME-Zarr or N5 image, or one image
+// among several.
+#pragma once
+
+#include "ingest/zarr/zarr_volume.h"
+
+namespace kiln {
+
+struct ZarrImage {
+  ZarrArray array;
+  ZarrVolume volume;
+  /// The files that describe the image, the group's first.
+  std::vector<std::filesystem::path> headers;
+};
+
+/// throws: Error kUsage, listing the images, if there are several, or an option does not apply; kUnsupported if there
+/// is no volume (plates, arrays of one axis, transformations that are not read); kFormat, kIo.
+ZarrImage openZarrImage(const std::filesystem::path& folder, const SourceOptions& options);
+
+}  // namespace kiln

@@ -1,0 +1,135 @@
+#include "ingest/zarr/zarr_json.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/text.h"
+#include "ingest/source/header_text.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+constexpr std::uint64_t kMostBytes = 16 << 20;
+
+std::shared_ptr<const json> documentOf(const fs::path& file) {
+  const std::string text = readTextFile(file, kMostBytes);
+  try {
+    return std::make_shared<const json>(json::parse(text));
+  } catch (const json::parse_error& error) {
+    throw Error(ErrorCode::kFormat, file, fmt::format("byte {}", error.byte), "is no JSON");
+  }
+}
+
+// "NaN", "Infinity" and "-Infinity" are the texts of Zarr for numbers that JSON lacks.
+std::optional<double> numberIn(const std::string& text) {
+  const std::string_view digits = std::string_view(text).substr(text.starts_with('+') ? 1 : 0);
+  if (digits == "NaN") return std::numeric_limits<double>::quiet_NaN();
+  if (digits == "Infinity") return std::numeric_limits<double>::infinity();
+  if (digits == "-Infinity") return -std::numeric_limits<double>::infinity();
+  return numberOf<double>(digits);
+}
+
+}  // namespace
+
+JsonNode::JsonNode(const fs::path& file) : document_(documentOf(file)), value_(document_.get()), file_(file) {}
+
+JsonNode::JsonNode(const JsonNode& parent, const json& value, std::string place)
+    : document_(parent.document_), value_(&value), file_(parent.file_), place_(std::move(place)) {}
+
+std::optional<JsonNode> JsonNode::find(const std::string& key) const {
+  if (!value_->is_object()) fail("must be an object");
+  const auto found = value_->find(key);
+  if (found == value_->end() || found->is_null()) return std::nullopt;
+  return JsonNode(*this, *found, place_.empty() ? key : place_ + "." + key);
+}
+
+JsonNode JsonNode::at(const std::string& key) const {
+  std::optional<JsonNode> found = find(key);
+  if (!found) fail(fmt::format("{} is missing", inQuotes(key)));
+  return *std::move(found);
+}
+
+std::vector<JsonNode> JsonNode::items(std::size_t most) const {
+  if (!value_->is_array()) fail("must be a list");
+  if (value_->size() > most) fail(fmt::format("must have at most {} items (found {})", most, value_->size()));
+  std::vector<JsonNode> out;
+  for (std::size_t i = 0; i < value_->size(); ++i)
+    out.push_back(JsonNode(*this, (*value_)[i], fmt::format("{}[{}]", place_, i)));
+  return out;
+}
+
+std::string JsonNode::text() const {
+  if (!value_->is_string()) fail("must be a text");
+  return value_->get<std::string>();
+}
+
+bool JsonNode::truth() const {
+  if (!value_->is_boolean()) fail("must be true or false");
+  return value_->get<bool>();
+}
+
+std::int64_t JsonNode::whole() const {
+  if (value_->is_array() && value_->size() == 1) return items().front().whole();
+  if (value_->is_number_unsigned() && value_->get<std::uint64_t>() > INT64_MAX) fail("must be below 2^63");
+  if (value_->is_number_integer()) return value_->get<std::int64_t>();
+  if (value_->is_string()) {
+    if (const auto number = numberOf<std::int64_t>(value_->get<std::string>())) return *number;
+  }
+  if (value_->is_number_float()) {
+    constexpr double kExact = 9007199254740992;  // 2^53
+    const double number = value_->get<double>();
+    if (number == std::floor(number) && std::abs(number) <= kExact) return static_cast<std::int64_t>(number);
+  }
+  fail("must be a whole number");
+}
+
+double JsonNode::number() const {
+  if (value_->is_array() && value_->size() == 1) return items().front().number();
+  if (value_->is_number()) return value_->get<double>();
+  if (value_->is_string()) {
+    if (const auto number = numberIn(value_->get<std::string>())) return *number;
+  }
+  fail("must be a number");
+}
+
+namespace {
+
+template <class Get>
+auto listOf(const JsonNode& node, Get get) {
+  std::vector<decltype(get(node))> out;
+  for (const JsonNode& item : node.items()) out.push_back(get(item));
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::int64_t> JsonNode::wholes() const {
+  return listOf(*this, [](const JsonNode& item) { return item.whole(); });
+}
+std::vector<double> JsonNode::numbers() const {
+  return listOf(*this, [](const JsonNode& item) { return item.number(); });
+}
+std::vector<std::string> JsonNode::texts() const {
+  return listOf(*this, [](const JsonNode& item) { return item.text(); });
+}
+
+std::string JsonNode::shown() const {
+  return inQuotes(value_->is_string() ? value_->get<std::string>()
+                                      : value_->dump(-1, ' ', true, json::error_handler_t::replace));
+}
+
+void JsonNode::fail(const std::string& what) const {
+  const bool is_short = !value_->is_object() && !value_->is_array();
+  throw Error(ErrorCode::kFormat, file_, place_, what + (is_short ? fmt::format(" (found {})", shown()) : ""));
+}
+
+void JsonNode::unsupported(const std::string& what) const { throw Error(ErrorCode::kUnsupported, file_, place_, what); }
+
+}  // namespace kiln
