@@ -161,8 +161,9 @@ void run(const ConvertArguments& a, Context& context) {
 
 void addConvert(CLI::App& app, Context& context) {
   auto a = std::make_shared<ConvertArguments>();
-  CLI::App* command = app.add_subcommand(
-      "convert", "convert a volume (raw, NRRD, MetaImage, NIfTI, MRC, MGH, VTK, NumPy, TIFF, DICOM, OpenVDB) to a brick store");
+  CLI::App* command = app.add_subcommand("convert",
+                                         "convert a volume (raw, NRRD, MetaImage, NIfTI, MRC, MGH, VTK, NumPy, TIFF, "
+                                         "DICOM, OpenVDB, Zarr, N5) to a brick store");
   command
       ->add_option("INPUT", a->input,
                    "the volume to read: a file, a directory of TIFF or DICOM slices, a DICOMDIR, or a computed one: "

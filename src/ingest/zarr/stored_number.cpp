@@ -8,19 +8,11 @@
 #include <limits>
 #include <vector>
 
+#include "ingest/bytes/stored_type.h"
 #include "ingest/bytes/value_map.h"
 
 namespace kiln {
 namespace {
-
-// IEEE 754 binary16 to binary32, exact for every value.
-float floatOfHalf(std::uint16_t half) noexcept {
-  const std::uint32_t sign = std::uint32_t{half & 0x8000u} << 16, exponent = half >> 10 & 0x1f, fraction = half & 0x3ff;
-  if (exponent == 0x1f) return std::bit_cast<float>(sign | 0x7f800000u | fraction << 13);
-  if (exponent != 0) return std::bit_cast<float>(sign | (exponent + 112) << 23 | fraction << 13);
-  const float subnormal = static_cast<float>(fraction) * 0x1p-24f;
-  return sign != 0 ? -subnormal : subnormal;
-}
 
 template <class From, class To, class Convert>
 void convertAll(std::span<const std::byte> in, std::span<std::byte> out, Convert convert) {
@@ -83,7 +75,7 @@ void toVoxels(const StoredNumber& number, std::span<const std::byte> in, std::sp
   if (sizeOf(number.voxelType()) == number.bytes) {
     std::memcpy(out.data(), in.data(), in.size());
   } else if (number.kind == NumberKind::kFloat) {
-    convertAll<std::uint16_t, float>(in, out, floatOfHalf);
+    convertAll<Half, float>(in, out, [](Half half) { return static_cast<float>(static_cast<double>(half)); });
   } else if (number.kind == NumberKind::kSigned) {
     narrow<std::int64_t, std::int32_t>(in, out, place);
   } else {

@@ -65,6 +65,7 @@ ZarrArray readZarr2(const JsonNode& header) {
     out.names.separator = text[0];
   }
   out.stored_axes.resize(out.shape.size());
+  if (order && order->text() != "C" && order->text() != "F") order->fail("must be \"C\" or \"F\"");
   if (order && order->text() == "F")
     std::iota(out.stored_axes.rbegin(), out.stored_axes.rend(), 0);
   else
