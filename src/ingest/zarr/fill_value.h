@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "ingest/zarr/stored_number.h"
+#include "ingest/chunks/stored_number.h"
 #include "ingest/zarr/zarr_json.h"
 
 namespace kiln {

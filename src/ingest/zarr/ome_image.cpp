@@ -26,7 +26,7 @@ void requireCount(const JsonNode& list, std::size_t found, std::size_t expected)
 }
 
 // Applies a list of transformations in order. Returns true if there is a scale among them.
-bool transform(const JsonNode& list, std::vector<ZarrAxis>& axes) {
+bool transform(const JsonNode& list, std::vector<ArrayAxis>& axes) {
   bool scaled = false;
   for (const JsonNode& step : list.items(64)) {
     const std::string type = step.at("type").text();
@@ -49,8 +49,8 @@ bool transform(const JsonNode& list, std::vector<ZarrAxis>& axes) {
   return scaled;
 }
 
-ZarrAxis axisOf(const JsonNode& json) {
-  ZarrAxis out;
+ArrayAxis axisOf(const JsonNode& json) {
+  ArrayAxis out;
   // Version 0.3 has names alone.
   if (json.isText()) {
     out.name = plainAxisName(json.text());
@@ -114,8 +114,8 @@ std::optional<std::size_t> OmeImage::scaleOf(const fs::path& path) const {
   return std::nullopt;
 }
 
-std::vector<ZarrAxis> OmeImage::axes(std::size_t count) const {
-  std::vector<ZarrAxis> out;
+std::vector<ArrayAxis> OmeImage::axes(std::size_t count) const {
+  std::vector<ArrayAxis> out;
   if (const std::optional<JsonNode> axes = multiscale_.find("axes")) {
     for (const JsonNode& axis : axes->items(32)) out.push_back(axisOf(axis));
     requireCount(*axes, out.size(), count);
@@ -127,8 +127,8 @@ std::vector<ZarrAxis> OmeImage::axes(std::size_t count) const {
   return out;
 }
 
-std::vector<ZarrChannel> OmeImage::channels() const {
-  std::vector<ZarrChannel> out;
+std::vector<ArrayChannel> OmeImage::channels() const {
+  std::vector<ArrayChannel> out;
   const std::optional<JsonNode> omero = ome_.find("omero");
   const std::optional<JsonNode> channels = omero && omero->isObject() ? omero->find("channels") : std::nullopt;
   if (!channels || !channels->isList()) return out;
@@ -144,12 +144,12 @@ ZarrImage OmeImage::open(std::size_t scale, const SourceOptions& options) const 
   const fs::path folder = arrayOf(dataset);
   std::optional<ZarrArray> array = readZarrArray(folder);
   if (!array) throw Error(ErrorCode::kFormat, folder, "", "is no array, but the image lists it as a scale");
-  std::vector<ZarrAxis> image_axes = axes(array->shape.size());
+  std::vector<ArrayAxis> image_axes = axes(array->shape.size());
   bool has_scale = false;
   if (const auto list = dataset.find("coordinateTransformations")) has_scale |= transform(*list, image_axes);
   if (const auto list = multiscale_.find("coordinateTransformations")) has_scale |= transform(*list, image_axes);
   ZarrImage out;
-  out.volume = volumeOf(*array, std::move(image_axes), has_scale, channels(), options);
+  out.volume = volumeOf(array->name(), std::move(image_axes), has_scale, channels(), options);
   out.volume.choice = fmt::format(", OME-Zarr, array {}", inQuotes(dataset.at("path").text())) + out.volume.choice;
   if (ome_.find("image-label")) out.volume.volume_class = VolumeClass::kLabels;
   if (has_others_) out.volume.notes.push_back("the group describes several images; took the first");
@@ -187,7 +187,7 @@ std::string unitAt(const std::optional<JsonNode>& attributes) {
 
 }  // namespace
 
-bool placeN5(const ZarrArray& array, const fs::path& group, std::vector<ZarrAxis>& axes) {
+bool placeN5(const ZarrArray& array, const fs::path& group, std::vector<ArrayAxis>& axes) {
   const std::optional<JsonNode> own = array.attributes, above = group == array.folder ? own : zarrAttributes(group);
   const auto lengths = [&](const char* key) {
     const auto found = lengthsAt(own, key, axes.size());

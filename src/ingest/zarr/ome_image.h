@@ -20,8 +20,8 @@ class OmeImage {
 
  private:
   std::filesystem::path arrayOf(const JsonNode& dataset) const;
-  std::vector<ZarrAxis> axes(std::size_t count) const;
-  std::vector<ZarrChannel> channels() const;
+  std::vector<ArrayAxis> axes(std::size_t count) const;
+  std::vector<ArrayChannel> channels() const;
 
   std::filesystem::path group_;
   JsonNode ome_, multiscale_;
@@ -39,6 +39,6 @@ std::string plainAxisName(const std::string& name);
 
 /// Sets sizes and places by the attributes that programs around N5 write, of the array or of the group above it. The
 /// axes get names if they have none. Returns false if there is no size.
-bool placeN5(const ZarrArray& array, const std::filesystem::path& group, std::vector<ZarrAxis>& axes);
+bool placeN5(const ZarrArray& array, const std::filesystem::path& group, std::vector<ArrayAxis>& axes);
 
 }  // namespace kiln

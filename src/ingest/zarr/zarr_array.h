@@ -8,14 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "ingest/chunks/array_volume.h"
+#include "ingest/chunks/chunked_array.h"
 #include "ingest/codec/byte_codec.h"
-#include "ingest/zarr/stored_number.h"
 #include "ingest/zarr/zarr_json.h"
 
 namespace kiln {
-
-/// Lengths or indices along the axes of an array, the slowest axis first.
-using AxisNumbers = std::vector<std::int64_t>;
 
 /// The name of a chunk's file: the chunk's index in the grid, joined.
 struct ChunkNames {
@@ -33,33 +31,26 @@ struct Sharding {
   bool index_big_endian = false;
 };
 
-struct ZarrArray {
+struct ZarrArray : ChunkLayout {
   std::filesystem::path folder;
   /// The file that describes the array.
   std::filesystem::path header;
   /// "Zarr v2", "Zarr v3" or "N5".
   std::string format;
-  StoredNumber number;
-  AxisNumbers shape;
   /// The shape of what a file holds: of a shard, or of a chunk.
   AxisNumbers file_shape;
-  AxisNumbers chunk_shape;
-  /// The array's axis at each place of a chunk's stored order, the slowest first.
-  std::vector<int> stored_axes;
   ChunkNames names;
   CodecChain codecs;
   std::optional<Sharding> sharding;
   /// True if each chunk has N5's header, and chunks at the border of the array are cut.
   bool has_block_headers = false;
-  /// The value of chunks that do not exist, as a voxel; the first bytes count.
-  std::array<std::byte, 8> fill{};
   /// Empty if the header does not name the axes.
   std::vector<std::string> axis_names;
-  /// Names of units by axis; empty texts where unknown. Empty if the header has none.
-  std::vector<std::string> axis_units;
   /// The attributes: `attributes`, `.zattrs`, or N5's whole header.
   std::optional<JsonNode> attributes;
 
+  /// As errors name the array.
+  ArrayName name() const { return {folder, header, shape}; }
   std::uint64_t chunkBytes() const;
   std::uint64_t chunksInFile() const;
 };

@@ -21,13 +21,6 @@ constexpr std::uint64_t kIndexCacheBytes = 16 << 20;
 // Offset and length of a chunk in a shard; both have all bits set for a chunk that does not exist.
 constexpr std::uint64_t kEntryBytes = 2 * sizeof(std::uint64_t);
 
-// The place of `index` in a grid, the last axis fastest.
-std::int64_t placeIn(const AxisNumbers& grid, const AxisNumbers& index) {
-  std::int64_t out = 0;
-  for (std::size_t axis = 0; axis < grid.size(); ++axis) out = out * grid[axis] + index[axis];
-  return out;
-}
-
 std::vector<std::byte> readPart(const File& file, std::uint64_t offset, std::uint64_t bytes) {
   std::vector<std::byte> out(bytes);
   file.readAt(offset, out);

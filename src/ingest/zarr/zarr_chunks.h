@@ -12,26 +12,17 @@
 
 namespace kiln {
 
-class ZarrChunks {
+class ZarrChunks : public ChunkedArray {
  public:
   explicit ZarrChunks(ZarrArray array);
 
-  const ZarrArray& array() const { return array_; }
-  /// Returns the voxels of a chunk in its stored order, in the machine's byte order; no bytes for a chunk that does not
-  /// exist and holds the fill value. shape: a whole chunk, also at the border of the array. `index` counts chunks along
-  /// each axis.
-  /// thread: any. throws: Error kFormat (damaged, with the file), kIo, kNotFound if the whole array has gone.
-  std::shared_ptr<const BlockCache::Bytes> chunk(const AxisNumbers& index);
-
-  /// Capacity for decoded chunks. unit: bytes.
-  void setCapacity(std::uint64_t bytes) { chunks_.setCapacity(bytes); }
-  /// Memory of one decoding, with the decoded chunk. unit: bytes.
-  std::uint64_t decodeBytes() const;
-  /// Memory for tables of shards. unit: bytes.
-  std::uint64_t heldBytes() const;
-  /// Chunks that were decoded, each time counted, and the chunks among them that did not exist.
-  std::uint64_t decoded() const { return decoded_; }
-  std::uint64_t absent() const { return absent_; }
+  const ChunkLayout& layout() const override { return array_; }
+  std::shared_ptr<const BlockCache::Bytes> chunk(const AxisNumbers& index) override;
+  void setCapacity(std::uint64_t bytes) override { chunks_.setCapacity(bytes); }
+  std::uint64_t decodeBytes() const override;
+  std::uint64_t heldBytes() const override;
+  std::uint64_t decoded() const override { return decoded_; }
+  std::uint64_t absent() const override { return absent_; }
 
  private:
   struct Part {

@@ -27,24 +27,24 @@ void refuseScale(const fs::path& folder, const SourceOptions& options) {
 }
 
 // The axes of an array that no image describes: by the names in its header, or as xarray writes names.
-std::vector<ZarrAxis> axesOf(const ZarrArray& array) {
+std::vector<ArrayAxis> axesOf(const ZarrArray& array) {
   std::vector<std::string> names = array.axis_names;
   if (names.empty() && array.attributes) {
     const std::optional<JsonNode> xarray = array.attributes->find("_ARRAY_DIMENSIONS");
     if (xarray) names = xarray->texts();
   }
   names.resize(array.shape.size());
-  std::vector<ZarrAxis> out(array.shape.size());
+  std::vector<ArrayAxis> out(array.shape.size());
   for (std::size_t i = 0; i < out.size(); ++i) out[i].name = plainAxisName(names[i]);
   return out;
 }
 
 ZarrImage ofArray(ZarrArray array, const SourceOptions& options) {
   refuseScale(array.folder, options);
-  std::vector<ZarrAxis> axes = axesOf(array);
+  std::vector<ArrayAxis> axes = axesOf(array);
   const bool has_scale = array.format == "N5" && placeN5(array, array.folder, axes);
   ZarrImage out;
-  out.volume = volumeOf(array, std::move(axes), has_scale, {}, options);
+  out.volume = volumeOf(array.name(), std::move(axes), has_scale, {}, options);
   out.headers = {array.header};
   out.array = std::move(array);
   return out;
@@ -58,10 +58,10 @@ std::optional<ZarrImage> ofN5Scales(const fs::path& folder, const SourceOptions&
   if (!array && options.scale)
     throw Error(ErrorCode::kUsage, folder, "--scale", fmt::format("there is no array s{}", scale));
   if (!array) return std::nullopt;
-  std::vector<ZarrAxis> axes = axesOf(*array);
+  std::vector<ArrayAxis> axes = axesOf(*array);
   const bool has_scale = placeN5(*array, folder, axes);
   ZarrImage out;
-  out.volume = volumeOf(*array, std::move(axes), has_scale, {}, options);
+  out.volume = volumeOf(array->name(), std::move(axes), has_scale, {}, options);
   out.volume.choice = fmt::format(", s{}", scale) + out.volume.choice;
   out.headers = {array->header};
   out.array = *std::move(array);

@@ -2,13 +2,14 @@
 // among several.
 #pragma once
 
-#include "ingest/zarr/zarr_volume.h"
+#include "ingest/chunks/array_volume.h"
+#include "ingest/zarr/zarr_array.h"
 
 namespace kiln {
 
 struct ZarrImage {
   ZarrArray array;
-  ZarrVolume volume;
+  ArrayVolume volume;
   /// The files that describe the image, the group's first.
   std::vector<std::filesystem::path> headers;
 };

@@ -1,4 +1,4 @@
-#include "ingest/zarr/zarr_volume.h"
+#include "ingest/chunks/array_volume.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -15,16 +15,16 @@ namespace {
 
 constexpr const char* kNamesOfSpace[] = {"x", "y", "z"};
 
-int axisNamed(const std::vector<ZarrAxis>& axes, std::string_view name) {
-  const auto found = std::find_if(axes.begin(), axes.end(), [&](const ZarrAxis& axis) { return axis.name == name; });
+int axisNamed(const std::vector<ArrayAxis>& axes, std::string_view name) {
+  const auto found = std::find_if(axes.begin(), axes.end(), [&](const ArrayAxis& axis) { return axis.name == name; });
   return found == axes.end() ? -1 : static_cast<int>(found - axes.begin());
 }
 
 std::string shown(const AxisNumbers& shape) { return fmt::format("({})", fmt::join(shape, ", ")); }
 
 // Names the axes of an array without names: the last three are z, y, x, as all writers order them.
-void nameAxes(const ZarrArray& array, const SourceOptions& options, std::vector<ZarrAxis>& axes) {
-  const auto named = [](const ZarrAxis& axis) { return !axis.name.empty(); };
+void nameAxes(const ArrayName& array, const SourceOptions& options, std::vector<ArrayAxis>& axes) {
+  const auto named = [](const ArrayAxis& axis) { return !axis.name.empty(); };
   if (std::any_of(axes.begin(), axes.end(), named)) return;
   const char* const with_time[] = {"x", "y", "z", options.time && !options.channel ? "t" : "c",
                                    options.time && !options.channel ? "c" : "t"};
@@ -34,25 +34,25 @@ void nameAxes(const ZarrArray& array, const SourceOptions& options, std::vector<
                 fmt::format("{} has one axis; a volume has three", shown(array.shape)));
 }
 
-void requireIndex(const ZarrArray& array, const char* option, std::int64_t index, std::int64_t count) {
+void requireIndex(const ArrayName& array, const char* option, std::int64_t index, std::int64_t count) {
   if (index >= 0 && index < count) return;
-  throw Error(ErrorCode::kUsage, array.folder, option,
+  throw Error(ErrorCode::kUsage, array.input, option,
               count == 1 ? fmt::format("there is only number 0 (found {})", index)
                          : fmt::format("must be a number from 0 to {} (found {})", count - 1, index));
 }
 
-std::string listOf(const std::vector<ZarrChannel>& channels) {
+std::string listOf(const std::vector<ArrayChannel>& channels) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < channels.size(); ++i)
     names.push_back(channels[i].name.empty() ? std::to_string(i) : fmt::format("{} {}", i, inQuotes(channels[i].name)));
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::int64_t channelIndex(const ZarrArray& array, std::int64_t count, const std::vector<ZarrChannel>& channels,
+std::int64_t channelIndex(const ArrayName& array, std::int64_t count, const std::vector<ArrayChannel>& channels,
                           const std::optional<std::string>& chosen) {
   if (!chosen) {
     if (count == 1) return 0;
-    throw Error(ErrorCode::kUsage, array.folder, "--channel",
+    throw Error(ErrorCode::kUsage, array.input, "--channel",
                 fmt::format("there are {} channels{}; choose one, as --channel 0", count,
                             channels.empty() ? "" : " (" + listOf(channels) + ")"));
   }
@@ -60,24 +60,24 @@ std::int64_t channelIndex(const ZarrArray& array, std::int64_t count, const std:
     if (channels[i].name == *chosen) return static_cast<std::int64_t>(i);
   const std::optional<std::int64_t> number = decimalOf<std::int64_t>(*chosen);
   if (!number)
-    throw Error(ErrorCode::kUsage, array.folder, "--channel",
+    throw Error(ErrorCode::kUsage, array.input, "--channel",
                 fmt::format("no channel has the name {}{}", inQuotes(*chosen),
                             channels.empty() ? "; give a number from 0" : "; there are " + listOf(channels)));
   requireIndex(array, "--channel", *number, count);
   return *number;
 }
 
-std::int64_t timeIndex(const ZarrArray& array, std::int64_t count, const std::optional<std::int64_t>& chosen) {
+std::int64_t timeIndex(const ArrayName& array, std::int64_t count, const std::optional<std::int64_t>& chosen) {
   if (!chosen && count > 1)
-    throw Error(ErrorCode::kUsage, array.folder, "--time",
+    throw Error(ErrorCode::kUsage, array.input, "--time",
                 fmt::format("there are {} times; choose one, as --time 0", count));
   if (chosen) requireIndex(array, "--time", *chosen, count);
   return chosen.value_or(0);
 }
 
 // Fixes the index along every axis but x, y and z.
-void chooseIndices(const ZarrArray& array, const std::vector<ZarrAxis>& axes, const std::vector<ZarrChannel>& channels,
-                   const SourceOptions& options, ZarrVolume& out) {
+void chooseIndices(const ArrayName& array, const std::vector<ArrayAxis>& axes,
+                   const std::vector<ArrayChannel>& channels, const SourceOptions& options, ArrayVolume& out) {
   out.fixed.assign(array.shape.size(), 0);
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const std::string& name = axes[i].name;
@@ -110,7 +110,7 @@ std::optional<glm::dvec3> directionOf(const std::string& orientation) {
 }
 
 // Returns the directions of x, y and z in the world; nothing unless all three are anatomical and independent.
-std::optional<glm::dmat3> anatomy(const std::array<const ZarrAxis*, 3>& axes) {
+std::optional<glm::dmat3> anatomy(const std::array<const ArrayAxis*, 3>& axes) {
   glm::dmat3 out(0.0);
   for (int i = 0; i < 3; ++i) {
     const std::optional<glm::dvec3> direction = axes[i] ? directionOf(axes[i]->orientation) : std::nullopt;
@@ -120,8 +120,8 @@ std::optional<glm::dmat3> anatomy(const std::array<const ZarrAxis*, 3>& axes) {
   return std::abs(glm::determinant(out)) == 1 ? std::optional(out) : std::nullopt;
 }
 
-void placeInWorld(const std::vector<ZarrAxis>& axes, bool has_scale, const SourceOptions& options, ZarrVolume& out) {
-  std::array<const ZarrAxis*, 3> space{};
+void placeInWorld(const std::vector<ArrayAxis>& axes, bool has_scale, const SourceOptions& options, ArrayVolume& out) {
+  std::array<const ArrayAxis*, 3> space{};
   for (int i = 0; i < 3; ++i)
     if (out.axis_of[i] >= 0) space[i] = &axes[static_cast<std::size_t>(out.axis_of[i])];
   glm::dvec3 scale(1), origin(0);
@@ -154,11 +154,11 @@ void placeInWorld(const std::vector<ZarrAxis>& axes, bool has_scale, const Sourc
 
 }  // namespace
 
-ZarrVolume volumeOf(const ZarrArray& array, std::vector<ZarrAxis> axes, bool has_scale,
-                    const std::vector<ZarrChannel>& channels, const SourceOptions& options) {
+ArrayVolume volumeOf(const ArrayName& array, std::vector<ArrayAxis> axes, bool has_scale,
+                     const std::vector<ArrayChannel>& channels, const SourceOptions& options) {
   axes.resize(array.shape.size());
   nameAxes(array, options, axes);
-  ZarrVolume out;
+  ArrayVolume out;
   glm::i64vec3 dims(1);
   int found = 0;
   for (int i = 0; i < 3; ++i) {

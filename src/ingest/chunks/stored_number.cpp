@@ -1,4 +1,4 @@
-#include "ingest/zarr/stored_number.h"
+#include "ingest/chunks/stored_number.h"
 
 #include <fmt/format.h>
 

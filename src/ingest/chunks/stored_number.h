@@ -1,4 +1,4 @@
-// The numbers of a Zarr array, and the voxels that are made of them.
+// The numbers of an array in chunks, and the voxels that are made of them.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,5 @@
-// The volume in a Zarr array: which axes are x, y and z, the indices along all other axes, and the place in the world.
+// The volume in an array of several axes: which axes are x, y and z, the indices along all other axes, and the place in
+// the world.
 #pragma once
 
 #include <array>
@@ -6,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "ingest/chunks/chunked_array.h"
 #include "ingest/source/volume_source.h"
-#include "ingest/zarr/zarr_array.h"
 
 namespace kiln {
 
-struct ZarrVolume {
+struct ArrayVolume {
   VolumeGeometry geometry;
   /// The array's axis that is x, y and z; -1 for an axis that the array lacks, which is one voxel long.
   std::array<int, 3> axis_of = {-1, -1, -1};
@@ -23,13 +24,13 @@ struct ZarrVolume {
   std::vector<std::string> notes;
 };
 
-/// A channel of an image, as OME-Zarr's "omero" describes it.
-struct ZarrChannel {
+/// A channel of an image.
+struct ArrayChannel {
   std::string name;
 };
 
 /// An axis as the metadata describe it; texts are empty where unknown.
-struct ZarrAxis {
+struct ArrayAxis {
   /// "x", "y", "z", "c", "t", or any other text.
   std::string name;
   std::string unit;
@@ -38,10 +39,17 @@ struct ZarrAxis {
   double scale = 1, translation = 0;
 };
 
+/// An array, as errors name it.
+struct ArrayName {
+  /// The file or folder that the user gave, and the file that describes the array.
+  std::filesystem::path input, header;
+  AxisNumbers shape;
+};
+
 /// Places a volume by its axes. `has_scale` is false if no metadata gave a length; a note then says so.
 /// throws: Error kUnsupported if there is no volume in these axes; kUsage for a channel or time that does not exist or
 /// is not chosen.
-ZarrVolume volumeOf(const ZarrArray& array, std::vector<ZarrAxis> axes, bool has_scale,
-                    const std::vector<ZarrChannel>& channels, const SourceOptions& options);
+ArrayVolume volumeOf(const ArrayName& array, std::vector<ArrayAxis> axes, bool has_scale,
+                     const std::vector<ArrayChannel>& channels, const SourceOptions& options);
 
 }  // namespace kiln
