@@ -19,7 +19,7 @@ struct VolumeScene {
 };
 
 struct FrameScene {
-  /// The samples are a resolved number. Camera and transfer function of the picture are the still picture's; the frame
+  /// Samples and background are resolved. Camera and transfer function of the picture are the still picture's; the frame
   /// uses the members below.
   PictureOptions picture;
   Camera camera;

@@ -91,7 +91,8 @@ Options<RenderJob> imageOptions() {
           "Height of the picture."),
       Row("background", "--background", kLight, {KILN_MEMBER(picture.background), BackgroundColors{}, kAlways},
           "Background: transparent (default), one colour, or two from top to bottom. A colour is R,G,B in linear "
-          "light, a name such as navy, #rgb or #rrggbb."),
+          "light, a name such as navy, #rgb or #rrggbb. With --mode mip, minip or average the default is the "
+          "transfer function's colour for the least value, black in grey."),
       Row("crop", "--crop", kOutput, {KILN_MEMBER(picture.crop), PixelBox{}, kAlways},
           "Draw these pixels of the picture only. Each is equal to that of the whole picture, except with --visibility "
           "quadtree."),

@@ -368,10 +368,10 @@ OptionForm BackgroundColors::form() const {
   return out;
 }
 
-void BackgroundColors::read(const JobObject& object, std::string_view key, Background& out) const {
+void BackgroundColors::read(const JobObject& object, std::string_view key, std::optional<Background>& out) const {
   if (!object.isObject(key)) {
     const Rgba all = backgroundFrom(object, key);
-    out = {all, all};
+    out = Background{all, all};
     return;
   }
   const JobObject ends = *object.object(key);
@@ -379,12 +379,13 @@ void BackgroundColors::read(const JobObject& object, std::string_view key, Backg
   for (const char* end : {"top", "bottom"}) {
     if (!ends.has(end)) ends.complain(end, "is missing; a gradient has top and bottom");
   }
-  out = {backgroundFrom(ends, "top"), backgroundFrom(ends, "bottom")};
+  out = Background{backgroundFrom(ends, "top"), backgroundFrom(ends, "bottom")};
 }
 
-ordered_json BackgroundColors::write(const Background& background) const {
-  if (background.top == background.bottom) return background.top;
-  return {{"top", background.top}, {"bottom", background.bottom}};
+ordered_json BackgroundColors::write(const std::optional<Background>& background) const {
+  if (!background) return {};
+  if (background->top == background->bottom) return background->top;
+  return {{"top", background->top}, {"bottom", background->bottom}};
 }
 
 OptionForm PixelBox::form() const {

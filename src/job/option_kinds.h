@@ -180,8 +180,8 @@ struct ColorValue {
 /// One colour behind the volume, or two. A colour is [red, green, blue, alpha], a text, or "transparent".
 struct BackgroundColors {
   OptionForm form() const;
-  void read(const JobObject& object, std::string_view key, Background& out) const;
-  nlohmann::ordered_json write(const Background& background) const;
+  void read(const JobObject& object, std::string_view key, std::optional<Background>& out) const;
+  nlohmann::ordered_json write(const std::optional<Background>& background) const;
 };
 
 /// The rectangle of drawn pixels.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/error.h"
@@ -37,6 +38,13 @@ bool isVideo(const fs::path& path) {
 
 void putOutput(const fs::path& path, OutputOptions& output) {
   (isVideo(path) ? output.video.path : output.path) = path;
+}
+
+Background defaultBackground(const PictureOptions& picture, const TransferFunction& transfer_function) {
+  if (engineOf(picture).capabilities().composites) return {};
+  const glm::dvec3 color = transfer_function.at(-std::numeric_limits<double>::infinity()).color;
+  const std::array<double, 4> opaque{color.r, color.g, color.b, 1};
+  return {opaque, opaque};
 }
 
 bool samplesKnown(int samples) { return samples == 1 || samples == 2 || samples == 4 || samples == 16; }

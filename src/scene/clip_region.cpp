@@ -132,6 +132,12 @@ bool ClipRegion::Part::touches(const VoxelBox& voxels) const noexcept {
   return true;
 }
 
+std::vector<glm::dvec4> ClipRegion::halfSpaces() const {
+  std::vector<glm::dvec4> out;
+  for (const HalfSpace& h : half_spaces_) out.emplace_back(h.normal, h.offset - h.least);
+  return out;
+}
+
 bool ClipRegion::contains(const glm::dvec3& index) const noexcept {
   for (const HalfSpace& h : half_spaces_) {
     if (!(glm::dot(h.normal, index) + h.offset >= h.least)) return false;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -53,6 +54,9 @@ class ClipRegion {
   ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, const Extent3& span = {1, 1, 1});
 
   bool showsAll() const noexcept { return half_spaces_.empty(); }
+
+  /// Returns the half-spaces in the level's index space: points p with normal·p + w >= 0, normal the first three.
+  std::vector<glm::dvec4> halfSpaces() const;
 
   /// `index` is a position in the level's index space, with voxel centres at integers. Adjacent regions share no point:
   /// a region contains its lower faces and not its upper faces, like a box of voxels.

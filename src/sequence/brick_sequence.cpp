@@ -168,7 +168,7 @@ class BrickSequence : public RankedSequence {
     image = pixelsOf(made, drawn.scene.picture, aovs);
     statistics.visible = isVisible(image);
     const PixelRect crop = drawnPixels(job_.picture.size, job_.picture.crop);
-    layOverBackground(image, crop.y0, job_.picture.size.height, job_.picture.background);
+    layOverBackground(image, crop.y0, job_.picture.size.height, drawn.scene.picture.background.value());
   }
 
   const std::vector<VoxelBox> boxes_;

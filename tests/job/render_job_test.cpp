@@ -483,7 +483,7 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
   job.picture.skip_damaged = true;
   job.picture.samples = 4;
   job.picture.crop = PixelRect{3, 4, 50, 61};
-  job.picture.background.bottom = {1 / 3.0, 0, 1 / 7.0, 1};
+  job.picture.background = Background{{0, 0.25, 0, 0.5}, {1 / 3.0, 0, 1 / 7.0, 1}};
   job.picture.shading.lights = {{LightKind::kPoint, {1 / 3.0, 2, -1 / 7.0}, {1 / 9.0, 2, 3}, 1 / 1.1},
                                 {LightKind::kDirectional, {1 / 3.0, 2, -1 / 7.0}},
                                 {LightKind::kHeadlight, {0, 0, 1}, {1, 0, 1 / 3.0}}};

@@ -13,10 +13,10 @@ namespace kiln {
 
 class PixelRay {
  public:
-  /// Ray through the centre of pixel (x, y). requires: `projector` belongs to the level.
-  PixelRay(const Projector& projector, int x, int y) {
-    const glm::dvec2 across((x + 0.5 - projector.centre().x) / projector.focal(),
-                            (y + 0.5 - projector.centre().y) / projector.focal());
+  /// Ray through a point of the picture. unit: pixels. requires: `projector` belongs to the level.
+  PixelRay(const Projector& projector, const glm::dvec2& place) {
+    const glm::dvec2 across((place.x - projector.centre().x) / projector.focal(),
+                            (place.y - projector.centre().y) / projector.focal());
     for (int axis = 0; axis < 3; ++axis) {
       const glm::dvec4& row = projector.indexRow(axis);
       const double lateral = row.x * across.x + row.y * across.y;

@@ -174,9 +174,12 @@ void forEachRay(const RayFrame& frame, const VoxelBox& core, double bound, bool 
   for (int y = rect.y0; y < rect.y1; ++y) {
     double* const held = values.held(rect.x0, y);
     double* const length = values.mean() ? values.length(rect.x0, y) : nullptr;
+    const Silhouette::Row outline = frame.outline->row(y);
     for (int i = 0; i < rect.width(); ++i) {
       if (length == nullptr && (std::isnan(held[i]) || (!all && !(bound > held[i])))) continue;
-      const PixelRay ray(*frame.projector, rect.x0 + i, y);
+      const Silhouette::Part covered = outline.at(rect.x0 + i);
+      if (covered.share == 0) continue;
+      const PixelRay ray(*frame.projector, covered.middle);
       const RayPart part = partIn(frame, ray, core);
       if (part.empty()) continue;
       double* const length_here = length == nullptr ? nullptr : length + i;
@@ -198,8 +201,8 @@ void forEachRay(const RayFrame& frame, const VoxelBox& core, double bound, bool 
 
 }  // namespace
 
-bool hasSample(const RayFrame& frame, int x, int y) {
-  const RayPart part = partIn(frame, PixelRay(*frame.projector, x, y), boxOf(frame.dims));
+bool hasSample(const RayFrame& frame, const glm::dvec2& place) {
+  const RayPart part = partIn(frame, PixelRay(*frame.projector, place), boxOf(frame.dims));
   return !part.empty() && (hasMiddle(frame, part) || shortRay(frame, part));
 }
 

@@ -11,6 +11,7 @@
 
 #include "engine/projection/pixel_slabs.h"
 #include "engine/projection/projected_values.h"
+#include "engine/projection/silhouette.h"
 #include "engine/shared/draw_counts.h"
 #include "scene/clip_region.h"
 #include "store/codec/brick_block.h"
@@ -19,6 +20,7 @@ namespace kiln {
 
 /// Parameters that all bricks and tiles of a level share.
 struct RayFrame {
+  const Silhouette* outline = nullptr;   // of the frame; decides the place of each pixel's ray
   std::vector<SlabZone> zones;           // zones of the level, near to far; samples are in the middle of slabs
   const Projector* projector = nullptr;  // belongs to the level
   const ClipRegion* clip = nullptr;      // belongs to the level
@@ -26,8 +28,9 @@ struct RayFrame {
   glm::dvec3 end{0};                     // end of level 0 in the level's index space
 };
 
-/// Returns true if the ray of pixel (x, y) has a sample of the level, inside the volume and the clip region.
-bool hasSample(const RayFrame& frame, int x, int y);
+/// Returns true if the ray through `place` has a sample of the level, inside the volume and the clip region. unit:
+/// pixels.
+bool hasSample(const RayFrame& frame, const glm::dvec2& place);
 
 /// Takes the brick's samples into the pixels of `rect`. An extremum skips cells whose range does not exceed the pixel's
 /// value, unless `all`. Counts: visited are samples on the rays, splats are interpolated samples, nodes are cells on

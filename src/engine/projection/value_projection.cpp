@@ -50,9 +50,10 @@ ValueProjection::ValueProjection(const StoreReader& store, const FrameLevels& le
       levels_(levels),
       held_(options.held),
       culls_(options.culls && options.held != PixelValue::kMean),
-      zones_(levels, rayZones(store.manifest(), view, options, levels.projector(levels.finest()).nearDepth())) {
+      zones_(levels, rayZones(store.manifest(), view, options, levels.projector(levels.finest()).nearDepth())),
+      outline_(levels.projector(levels.finest()), levels.clipRegion(levels.finest()), endOf(levels.finest())) {
   for (int l = levels.finest(); l <= levels.coarsest(); ++l) {
-    RayFrame frame{{}, &levels.projector(l), &levels.clipRegion(l), levels.dims(l), endOf(l)};
+    RayFrame frame{&outline_, {}, &levels.projector(l), &levels.clipRegion(l), levels.dims(l), endOf(l)};
     std::copy_if(zones_.zones().begin(), zones_.zones().end(), std::back_inserter(frame.zones),
                  [&](const SlabZone& zone) { return zone.level == l; });
     frames_.push_back(frame);
@@ -91,9 +92,12 @@ void ValueProjection::begin(const PixelRect& pixels) {
   ProjectedValues& out = values_.emplace(held_, pixels);
   parallelFor(static_cast<std::size_t>(pixels.height()), [&](std::size_t row) {
     const int y = pixels.y0 + static_cast<int>(row);
+    const Silhouette::Row outline = outline_.row(y);
     for (int x = pixels.x0; x < pixels.x1; ++x) {
-      const bool shown =
-          std::any_of(frames_.begin(), frames_.end(), [&](const RayFrame& frame) { return hasSample(frame, x, y); });
+      const Silhouette::Part covered = outline.at(x);
+      const bool shown = covered.share > 0 && std::any_of(frames_.begin(), frames_.end(), [&](const RayFrame& frame) {
+        return hasSample(frame, covered.middle);
+      });
       if (!shown) out.leaveOut(x, y);
     }
   });
@@ -161,14 +165,16 @@ void ValueProjection::draw(std::span<const PreparedBrick* const> bricks, const T
 void ValueProjection::finish(const TransferFunction& transfer_function, const TilePixels& target) const {
   parallelFor(static_cast<std::size_t>(target.rect.height()), [&](std::size_t row) {
     const int y = target.rect.y0 + static_cast<int>(row);
+    const Silhouette::Row outline = outline_.row(y);
     for (int x = target.rect.x0; x < target.rect.x1; ++x) {
       const double value = values_->value(x, y);
       if (std::isnan(value)) continue;
-      const glm::dvec3 color = transfer_function.at(value).color;
+      const double alpha = outline.at(x).share;
+      const glm::dvec3 color = alpha * transfer_function.at(value).color;
       const std::ptrdiff_t place = target.placeOf(x, y);
       float* const pixel = target.rgba + 4 * place;
       for (int channel = 0; channel < 3; ++channel) pixel[channel] = static_cast<float>(color[channel]);
-      pixel[3] = 1;
+      pixel[3] = static_cast<float>(alpha);
       if (target.aovs.value != nullptr) target.aovs.value[place] = static_cast<float>(value);
     }
   });

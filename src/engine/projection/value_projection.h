@@ -9,6 +9,7 @@
 #include "engine/engine.h"
 #include "engine/engine_memory.h"
 #include "engine/projection/project_brick.h"
+#include "engine/projection/silhouette.h"
 #include "traverse/brick_walk.h"
 #include "traverse/depth_zones.h"
 
@@ -63,6 +64,7 @@ class ValueProjection final : public VolumeEngine {
   const PixelValue held_;
   const bool culls_;
   DepthZones zones_;
+  const Silhouette outline_;
   std::vector<RayFrame> frames_;  // one per level, the finest first
   std::optional<ProjectedValues> values_;
 };
