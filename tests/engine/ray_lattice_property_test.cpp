@@ -81,7 +81,7 @@ class SamplesAlone {
 
 std::array<double, 4> SamplesAlone::composited(int x, int y) const {
   const Projector& projector = levels_.projector(0);
-  const PixelRay ray(projector, x, y);
+  const PixelRay ray(projector, {x + 0.5, y + 0.5});
   const std::array<double, 2> inside = depthsInside(ray, volume_.geometry.dims);
   std::vector<std::array<double, 2>> slabs;
   for (const SlabZone& zone : zones_) {

@@ -280,7 +280,7 @@ TEST(RenderJob, LightsAndBackgrounds_haveColoursByName) {
     EXPECT_EQ(picture(R"("image": {"background": "orange"})").background, (Background{opaque, opaque}));
     EXPECT_EQ(picture(R"("image": {"background": {"top": "#ffa500", "bottom": "transparent"}})").background,
               (Background{opaque, {}}));
-    EXPECT_EQ(picture(R"("image": {"background": [0.5, 0.5, 0.5, 1]})").background.top[0], 0.5);
+    EXPECT_EQ(picture(R"("image": {"background": [0.5, 0.5, 0.5, 1]})").background->top[0], 0.5);
     const auto lights = picture(R"("lights": [{"type": "headlight", "color": "Orange"},
                                               {"type": "headlight", "color": [0.5, 2, 3]}])")
                             .shading.lights;

@@ -50,8 +50,7 @@ void addEdge(std::span<const glm::dvec4> planes, std::size_t a, std::size_t b, s
       if (at_base < -kInside) return;
       continue;
     }
-    (change > 0 ? lo : hi) =
-        change > 0 ? std::max(lo, -at_base / change) : std::min(hi, -at_base / change);
+    (change > 0 ? lo : hi) = change > 0 ? std::max(lo, -at_base / change) : std::min(hi, -at_base / change);
   }
   if (!(lo <= hi) || std::isinf(lo) || std::isinf(hi)) return;
   out.push_back(base + lo * along);
@@ -118,7 +117,7 @@ struct Moments {
       at[2] = std::clamp(left.x + (1 - left.y) / slope, first, last);
       if (at[1] > at[2]) std::swap(at[1], at[2]);
     }
-    const auto height = [&](double x) { return std::clamp(left.y + slope * (x - left.x), 0.0, 1.0); };
+    const auto height = [&](double at_x) { return std::clamp(left.y + slope * (at_x - left.x), 0.0, 1.0); };
     for (std::size_t i = 0; i + 1 < at.size(); ++i) {
       if (at[i] < at[i + 1]) addStraight(sign, at[i], height(at[i]), at[i + 1], height(at[i + 1]));
     }

@@ -96,8 +96,8 @@ void ValueProjection::begin(const PixelRect& pixels) {
     for (int x = pixels.x0; x < pixels.x1; ++x) {
       const Silhouette::Part covered = outline.at(x);
       const bool shown = covered.share > 0 && std::any_of(frames_.begin(), frames_.end(), [&](const RayFrame& frame) {
-        return hasSample(frame, covered.middle);
-      });
+                           return hasSample(frame, covered.middle);
+                         });
       if (!shown) out.leaveOut(x, y);
     }
   });
