@@ -40,7 +40,9 @@ PlotImage::PlotImage(int width, int height, const glm::dvec3& srgb) : image_(wid
 
 void PlotImage::fill(const PixelRect& rect, const glm::dvec3& srgb) {
   float linear[3];
-  for (int channel = 0; channel < 3; ++channel) linear[channel] = static_cast<float>(linearFromSrgb(srgb[channel]));
+  // A colour of whole bytes, which dithering leaves flat.
+  for (int channel = 0; channel < 3; ++channel)
+    linear[channel] = static_cast<float>(linearFromSrgb(std::round(255 * srgb[channel]) / 255));
   for (int y = std::max(rect.y0, 0); y < std::min(rect.y1, image_.height); ++y) {
     for (int x = std::max(rect.x0, 0); x < std::min(rect.x1, image_.width); ++x) {
       float* const pixel = image_.pixel(x, y);

@@ -23,6 +23,8 @@ double beginOf(long byte) {
 SrgbBytes::SrgbBytes() {
   next_.back() = std::numeric_limits<double>::infinity();
   for (std::size_t byte = 0; byte < 255; ++byte) next_[byte] = beginOf(static_cast<long>(byte) + 1);
+  for (std::size_t byte = 0; byte < 256; ++byte) light_[byte] = linearFromSrgb(static_cast<double>(byte) / 255);
+  for (std::size_t byte = 0; byte < 255; ++byte) bytes_per_light_[byte] = 1 / (light_[byte + 1] - light_[byte]);
   for (std::size_t cell = 0; cell < kCells; ++cell)
     at_cell_[cell] = static_cast<std::uint8_t>(stepOf(static_cast<double>(cell) / kCells));
 }

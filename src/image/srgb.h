@@ -34,6 +34,16 @@ class SrgbBytes {
     return static_cast<std::uint8_t>(byte + (linear >= next_[byte] ? 1 : 0));
   }
 
+  /// Returns the byte below or above the light: above where its fraction of a byte and `threshold` are at least 1. The
+  /// mean over thresholds from 0 to 1 is the light's place between the bytes.
+  std::uint8_t dithered(double linear, double threshold) const {
+    std::uint8_t below = of(linear);
+    if (!(linear > 0) || linear >= 1) return below;
+    if (linear < light_[below]) --below;
+    const double fraction = (linear - light_[below]) * bytes_per_light_[below];
+    return static_cast<std::uint8_t>(below + (fraction + threshold >= 1 ? 1 : 0));
+  }
+
  private:
   // A cell is never longer than the interval of a byte: near black there are 255 · 12.92 bytes per unit.
   static constexpr std::size_t kCells = 4096;
@@ -42,6 +52,8 @@ class SrgbBytes {
 
   std::array<std::uint8_t, kCells> at_cell_;  // the byte at the start of each cell
   std::array<double, 256> next_;              // the start of the byte after each byte
+  std::array<double, 256> light_;             // the light of each byte
+  std::array<double, 255> bytes_per_light_;   // between a byte's light and the next byte's
 };
 
 }  // namespace kiln

@@ -157,8 +157,10 @@ void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, 
     writeImage(first, views.front().metadata, options, file.path);
   else if (isExrPath(file.path))
     writeImageViews(views, options, file.path);
-  else
+  else {
+    views.front().metadata.views_beside = 2;
     writeImage(besideEachOther(first, *views.back().image), views.front().metadata, options, file.path);
+  }
 }
 
 // Describes the difference between the job of an existing picture and this job, as the end of a sentence.

@@ -1,5 +1,6 @@
 // Known answers: half has 11 significant bits, so a value k/1024 in [0, 2] is exact, and other values have a relative
-// error of at most 2^-11. PNG pixels are computed by hand from the sRGB curve (0.5 light is 188, or 48192 of 65535).
+// error of at most 2^-11. PNG pixels are computed by hand from the sRGB curve (0.5 light is
+// 187.5, or 48192 of 65535).
 #include "image/file/image_file.h"
 
 #include <ImfChannelList.h>
@@ -10,6 +11,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -19,8 +21,10 @@
 
 #include "base/error.h"
 #include "base/memory/memory.h"
+#include "image/dither.h"
 #include "image/file/exr_file.h"
 #include "image/file/png_file.h"
+#include "image/srgb.h"
 #include "job/job_names.h"
 #include "support/system/sanitized.h"
 
@@ -220,7 +224,8 @@ TEST_F(ImageFile, PngOfEightBitsIsStraightSrgb) {
   writeImage(image, {}, {}, folder_ / "a.png");
   const Image back = readImage(folder_ / "a.png");
   const auto light = [](double srgb) { return std::pow((srgb / 255 + 0.055) / 1.055, 2.4); };
-  EXPECT_NEAR(back.pixel(0, 0)[0], light(188) * 128 / 255, 1e-6);
+  // The first threshold of the pattern is the smallest, which takes the lower byte.
+  EXPECT_NEAR(back.pixel(0, 0)[0], light(187) * 128 / 255, 1e-6);
   EXPECT_EQ(back.pixel(0, 0)[1], 0);
   EXPECT_NEAR(back.pixel(0, 0)[2], 128 / 255.0, 1e-6);
   EXPECT_NEAR(back.pixel(0, 0)[3], 128 / 255.0, 1e-6);
@@ -250,6 +255,84 @@ TEST_F(ImageFile, PngIsTaggedSrgbAndTheSameEveryTime) {
   const std::string_view text(reinterpret_cast<const char*>(a.data()), a.size());
   EXPECT_NE(text.find("sRGB"), std::string_view::npos);
   EXPECT_EQ(text.find("tIME"), std::string_view::npos);
+}
+
+// The mean of the bytes in a block of the pattern is the light's place between two bytes, so that a ramp over a single
+// byte has no band. Rounded, the same ramp has two bands and an error of half a byte.
+TEST_F(ImageFile, PngOfEightBitsDithersSmoothGradients) {
+  constexpr int kWidth = 256, kHeight = 64;
+  const auto place = [](int x) { return 100 + (x + 0.5) / kWidth; };  // unit: bytes
+  Image ramp(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const auto light = static_cast<float>(linearFromSrgb(place(x) / 255));
+      std::copy_n(std::array<float, 4>{light, light, light, 1}.data(), 4, ramp.pixel(x, y));
+    }
+  }
+  writeImage(ramp, {}, {}, folder_ / "ramp.png");
+  const Image back = readImage(folder_ / "ramp.png");
+  const auto byteAt = [&](int x, int y) { return 255 * srgbFromLinear(back.pixel(x, y)[0]); };
+  double worst = 0;
+  for (int y = 0; y < kHeight; y += kDitherEdge) {
+    for (int x = 0; x < kWidth; x += kDitherEdge) {
+      double found = 0, wanted = 0;
+      for (int i = 0; i < kDitherEdge * kDitherEdge; ++i) {
+        found += byteAt(x + i % kDitherEdge, y + i / kDitherEdge);
+        wanted += place(x + i % kDitherEdge);
+        EXPECT_EQ(back.pixel(x, y)[0], back.pixel(x, y)[1]) << "grey stays grey";
+      }
+      worst = std::max(worst, std::abs(found - wanted) / (kDitherEdge * kDitherEdge));
+    }
+  }
+  RecordProperty("worst_block_error_in_bytes", std::to_string(worst));
+  EXPECT_LT(worst, 1.0 / 32);
+}
+
+// Colours of whole bytes, black, white, light outside of 0 to 1, and alpha are what rounding gives.
+TEST_F(ImageFile, DitheringLeavesWholeBytesFlat) {
+  for (int byte = 0; byte < 256; ++byte) {
+    const auto light = static_cast<float>(linearFromSrgb(byte / 255.0));
+    for (const float alpha : {1.0f, 0.3f}) {
+      Image flat(16, 16);
+      for (int i = 0; i < 256; ++i)
+        std::copy_n(std::array<float, 4>{light * alpha, 2 * alpha, -alpha, alpha}.data(), 4,
+                    flat.pixel(i % 16, i / 16));
+      const Image back = decodePng(encodePng(flat, 8, "flat"), "flat");
+      const auto stored = static_cast<float>(std::round(255 * alpha)) / 255;
+      for (int i = 0; i < 256; ++i) {
+        const float* const pixel = back.pixel(i % 16, i / 16);
+        ASSERT_NEAR(pixel[0], light * stored, 1e-6) << byte;
+        ASSERT_EQ(pixel[1], pixel[3]);
+        ASSERT_EQ(pixel[2], 0);
+        ASSERT_EQ(pixel[3], stored);
+      }
+    }
+  }
+}
+
+// A pixel has the same bytes in the whole picture, in a crop, in a band of rows and in each of two views side by side.
+TEST_F(ImageFile, DitheringFollowsTheWholePicture) {
+  const Image whole = somePicture(40, 30);
+  const auto partOf = [&](int x0, int y0, int width, int height) {
+    Image out(width, height);
+    for (int y = 0; y < height; ++y) std::copy_n(whole.pixel(x0, y0 + y), 4 * width, out.pixel(0, y));
+    return out;
+  };
+  const Image drawn = decodePng(encodePng(whole, 8, "whole"), "whole");
+  const Image crop = decodePng(encodePng(partOf(13, 7, 17, 20), 8, "crop", {}, {13, 7}), "crop");
+  Image beside(34, 20);
+  for (int y = 0; y < 20; ++y) {
+    std::copy_n(whole.pixel(13, 7 + y), 4 * 17, beside.pixel(0, y));
+    std::copy_n(whole.pixel(13, 7 + y), 4 * 17, beside.pixel(17, y));
+  }
+  const Image pair = decodePng(encodePng(beside, 8, "pair", {}, {13, 7, 2}), "pair");
+  for (int y = 0; y < 20; ++y) {
+    for (int i = 0; i < 4 * 17; ++i) {
+      ASSERT_EQ(crop.pixel(0, y)[i], drawn.pixel(13, 7 + y)[i]);
+      ASSERT_EQ(pair.pixel(0, y)[i], crop.pixel(0, y)[i]);
+      ASSERT_EQ(pair.pixel(17, y)[i], crop.pixel(0, y)[i]);
+    }
+  }
 }
 
 // A 2x1 grey picture of one bit made by hand: black, white. Zlib stream: stored block of filter 0 and bits 01.

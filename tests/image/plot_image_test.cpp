@@ -63,7 +63,7 @@ TEST(PlotImage, Picture_isLaidOver) {
   half.pixel(0, 0)[0] = 0.25f;
   half.pixel(0, 0)[3] = 0.5f;
   plot.draw(half, 2, 1);
-  const auto grey = static_cast<float>(linearFromSrgb(0.5));
+  const auto grey = static_cast<float>(linearFromSrgb(128 / 255.0));  // the nearest byte
   EXPECT_FLOAT_EQ(plot.image().pixel(2, 1)[0], 0.25f + 0.5f * grey);
   EXPECT_FLOAT_EQ(plot.image().pixel(2, 1)[1], 0.5f * grey);
   EXPECT_FLOAT_EQ(plot.image().pixel(2, 1)[3], 1.0f);

@@ -36,6 +36,15 @@ void requireImagePath(const std::filesystem::path& path, bool with_planes) {
   throw Error(ErrorCode::kUsage, path, "", "is no picture's name; it must end in .exr or .png");
 }
 
+namespace {
+
+PatternPlace patternPlaceOf(const ImageMetadata& metadata) {
+  const ImageMetadata::Whole whole = metadata.whole.value_or(ImageMetadata::Whole());
+  return {whole.x, whole.y, metadata.views_beside};
+}
+
+}  // namespace
+
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path, FileSystem& disk) {
   assert(image.width > 0 && image.height > 0);
@@ -46,8 +55,9 @@ void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFi
     RowsOfImage rows(image);
     return writeImage(rows, metadata, options, path, disk);
   }
-  disk.writeAtomic(path, isExrPath(path) ? encodeExr(image, metadata, options, path)
-                                         : encodePng(image, options.png_bits, path, metadata.text));
+  disk.writeAtomic(path, isExrPath(path)
+                             ? encodeExr(image, metadata, options, path)
+                             : encodePng(image, options.png_bits, path, metadata.text, patternPlaceOf(metadata)));
 }
 
 void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
@@ -57,7 +67,7 @@ void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileO
   if (isExrPath(path))
     encodeExr(rows, metadata, options, path, out);
   else
-    encodePng(rows, options.png_bits, path, metadata.text,
+    encodePng(rows, options.png_bits, path, metadata.text, patternPlaceOf(metadata),
               [&](std::span<const std::byte> bytes) { out.write(out.size(), bytes); });
   out.publish();
 }

@@ -28,6 +28,7 @@ struct ImageMetadata {
   };
   std::optional<Whole> whole;
   std::optional<glm::dmat4> world_to_camera, world_to_ndc;
+  int views_beside = 1;   // views of equal width, side by side in one picture
   bool panorama = false;  // covers all directions: the EXR attribute envmap
   /// String attributes of an EXR, texts of a PNG, by name: kJob, "comments", …
   std::map<std::string, std::string> text;

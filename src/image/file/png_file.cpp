@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/thread/parallel.h"
+#include "image/dither.h"
 #include "image/image_memory.h"
 #include "image/pixel_rect.h"
 #include "image/srgb.h"
@@ -83,17 +84,21 @@ png_byte* putSixteen(double v, png_byte* out) noexcept {
   return out;
 }
 
-// Converts a row of linear premultiplied light to straight sRGB. shape: 4 samples of `bits` per pixel, big-endian. NaN
-// becomes 0.
-void encodeRow(const Image& image, int y, int bits, png_byte* out) noexcept {
+// Converts row `y` of linear premultiplied light, row `file_y` of the file, to straight sRGB. shape: 4 samples of
+// `bits` per pixel, big-endian. NaN becomes 0.
+void encodeRow(const Image& image, int y, int file_y, const PatternPlace& place, int bits, png_byte* out) noexcept {
   const SrgbBytes& bytes = SrgbBytes::all();
+  // All channels of a pixel have one threshold, so that grey stays grey.
+  const DitherRow dither(place.y + file_y);
+  const int view_width = image.width / place.views;
   for (int x = 0; x < image.width; ++x) {
+    const double threshold = dither.at(place.x + x % view_width);
     const float* const rgba = image.pixel(x, y);
     const double alpha = rgba[3] > 0 ? std::min<double>(rgba[3], 1) : 0;
     for (int channel = 0; channel < 3; ++channel) {
       const double straight = alpha > 0 ? rgba[channel] / alpha : 0;
       if (bits == 8)
-        *out++ = bytes.of(straight);
+        *out++ = bytes.dithered(straight, threshold);
       else
         out = putSixteen(straight > 0 ? srgbFromLinear(std::min(straight, 1.0)) : 0, out);
     }
@@ -303,16 +308,16 @@ bool looksLikePng(std::span<const std::byte> data) {
 }
 
 std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesystem::path& path,
-                                 const std::map<std::string, std::string>& text) {
+                                 const std::map<std::string, std::string>& text, const PatternPlace& place) {
   std::vector<std::byte> out;
   RowsOfImage rows(image);
-  encodePng(rows, bits, path, text,
+  encodePng(rows, bits, path, text, place,
             [&](std::span<const std::byte> bytes) { out.insert(out.end(), bytes.begin(), bytes.end()); });
   return out;
 }
 
 void encodePng(ImageRows& picture, int bits, const std::filesystem::path& path,
-               const std::map<std::string, std::string>& text,
+               const std::map<std::string, std::string>& text, const PatternPlace& place,
                const std::function<void(std::span<const std::byte>)>& put) {
   Writer writer;
   writer.put = &put;
@@ -336,7 +341,8 @@ void encodePng(ImageRows& picture, int bits, const std::filesystem::path& path,
     const ImageRows::Band band = picture.bandAt(y);
     const int rows = std::min(kRows, band.end() - y);
     parallelFor(static_cast<std::size_t>(rows), [&](std::size_t i) {
-      encodeRow(*band.image, y - band.first_row + static_cast<int>(i), bits, samples.data() + i * row_bytes);
+      const int row = y + static_cast<int>(i);
+      encodeRow(*band.image, row - band.first_row, row, place, bits, samples.data() + i * row_bytes);
     });
     require(writeRows(writer.png, samples.data(), rows, row_bytes));
     y += rows;

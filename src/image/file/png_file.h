@@ -17,16 +17,23 @@ namespace kiln {
 
 bool looksLikePng(std::span<const std::byte> data);
 
+/// Position of a file's first pixel in the pattern of dithering. Views side by side have the pattern of a view each.
+struct PatternPlace {
+  int x = 0, y = 0;
+  int views = 1;  // of equal width, in the file
+};
+
 /// Encodes RGBA and texts (UTF-8; keys of 1 to 79 Latin-1 characters) with `bits` (8 or 16) per channel, straight
-/// alpha, sRGB. Values outside the range of PNG are clamped. Equal input gives equal bytes. `path` is for errors. cost:
-/// the compressed file in memory beside the image. throws: Error kIo.
+/// alpha, sRGB. Values outside the range of PNG are clamped. Colours of 8 bits are dithered (image/dither.h), alpha is
+/// rounded. Equal input gives equal bytes. `path` is for errors. cost: the compressed file in memory beside the image.
+/// throws: Error kIo.
 std::vector<std::byte> encodePng(const Image& image, int bits, const std::filesystem::path& path,
-                                 const std::map<std::string, std::string>& text = {});
+                                 const std::map<std::string, std::string>& text = {}, const PatternPlace& place = {});
 
 /// Encodes band by band and passes the file's bytes to `put` in order. cost: 64 rows beside a band. throws: also any
 /// exception of `rows` and `put`.
 void encodePng(ImageRows& rows, int bits, const std::filesystem::path& path,
-               const std::map<std::string, std::string>& text,
+               const std::map<std::string, std::string>& text, const PatternPlace& place,
                const std::function<void(std::span<const std::byte>)>& put);
 
 /// Returns the texts in front of the pixels, in at most `memory_bytes` beside `data`. throws: Error kFormat, kBudget
