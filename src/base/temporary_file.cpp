@@ -14,12 +14,25 @@
 namespace kiln {
 namespace fs = std::filesystem;
 
+namespace {
+
+// Upper bound of processes that write one file at once. On a disk without locks each killed process uses up a slot.
+constexpr int kSlots = 99;
+// Slots without a file after which there are no leftovers: processes take the first free slot.
+constexpr int kMostGaps = 4;
+
+fs::path slotOf(const fs::path& path, int slot) { return fmt::format("{}.kiln-{:03}.tmp", path.string(), slot); }
+
+int openSlot(const fs::path& slot) { return ::open(slot.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC); }
+
+}  // namespace
+
 TemporaryFile::TemporaryFile(const fs::path& path) : destination_(path) {
-  // Upper bound of processes that write one file at once. On a disk without locks each killed process uses up a slot.
-  constexpr int kSlots = 99;
   for (int slot = 1; slot <= kSlots; ++slot) {
-    path_ = fmt::format("{}.kiln-{:03}.tmp", path.string(), slot);
-    if (claim()) return;
+    path_ = slotOf(path, slot);
+    if (!claim()) continue;
+    removeLeftovers(path, slot + 1);
+    return;
   }
   throw Error(ErrorCode::kIo, path, "",
               fmt::format("cannot be written: {} temporary files such as {} are in the way; remove them", kSlots,
@@ -32,7 +45,7 @@ bool TemporaryFile::claim() {
   } while (file_ < 0 && errno == EINTR);
   const bool made = file_ >= 0;
   if (!made && errno != EEXIST) throw systemError(errno, destination_, "creating the file");
-  if (!made) file_ = ::open(path_.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (!made) file_ = openSlot(path_);
   if (file_ < 0) return false;
   const bool locked = lockAtOnce(file_), no_locks = !locked && errno != EWOULDBLOCK;
   try {
@@ -47,6 +60,20 @@ bool TemporaryFile::claim() {
   }
   ::close(std::exchange(file_, -1));
   return false;
+}
+
+void TemporaryFile::removeLeftovers(const fs::path& path) { removeLeftovers(path, 1); }
+
+void TemporaryFile::removeLeftovers(const fs::path& path, int first_slot) {
+  int gaps = 0;
+  for (int slot = first_slot; slot <= kSlots && gaps < kMostGaps; ++slot) {
+    const fs::path name = slotOf(path, slot);
+    const int file = openSlot(name);
+    gaps = file < 0 && errno == ENOENT ? gaps + 1 : 0;
+    if (file < 0) continue;
+    if (lockAtOnce(file) && isOwnFile(file)) removeIfStill(name, file);
+    ::close(file);
+  }
 }
 
 Error TemporaryFile::named(const Error& error) const { return renamed(error, path_, destination_); }

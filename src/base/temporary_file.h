@@ -1,8 +1,8 @@
 // A file that gets its final name only when complete.
 // Method. Until then the file lies beside its destination under a slot name: `NAME.kiln-001.tmp`, `NAME.kiln-002.tmp`,
 // …. A process owns a slot while it holds a lock (flock) on the slot's file.
-// Invariant. Two processes never write into one slot. The slot of a killed process is used again by the next process,
-// so leftovers do not accumulate. A slot is created exclusively: no other file or link is written through.
+// Invariant. Two processes never write into one slot. The next process with the same destination removes the files of
+// killed processes. A slot is created exclusively: no other file or link is written through.
 #pragma once
 
 #include <filesystem>
@@ -21,6 +21,10 @@ class TemporaryFile {
   TemporaryFile(const TemporaryFile&) = delete;
   TemporaryFile& operator=(const TemporaryFile&) = delete;
 
+  /// Removes files that killed processes left in slots beside `path`. Files of running processes and of other users
+  /// stay, and so do all files on a disk without locks. requires: as the constructor.
+  static void removeLeftovers(const std::filesystem::path& path);
+
   const std::filesystem::path& path() const { return path_; }
   /// Returns the error of a failed write with the destination's name in place of the temporary name.
   Error named(const Error& error) const;
@@ -28,6 +32,7 @@ class TemporaryFile {
   static constexpr int kLongerBytes = 13;
 
  private:
+  static void removeLeftovers(const std::filesystem::path& path, int first_slot);
   bool claim();
   const std::filesystem::path destination_;
   std::filesystem::path path_;

@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "base/path_status.h"
+#include "base/temporary_file.h"
 #include "job/frame_list.h"
 #include "sequence/video.h"
 
@@ -44,7 +45,7 @@ SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progres
       beside_(beside),
       role_(role),
       numbers_(framesOf(job)) {
-  requireOutputs(job_, numbers_);
+  if (role_.has_files) requireOutputs(job_, numbers_);
 }
 
 void SequenceFrames::makeFolders() const {
@@ -100,7 +101,10 @@ bool SequenceFrames::isThere(int frame) {
   bool whole = true;
   for (const OutputFile& file : filesOf(job_, frame))
     whole = findFile(job, file, scene, opened.store()) == FoundFile::kWhole && whole;
-  return whole;
+  if (!whole) return false;
+  // Drawing a frame would remove them.
+  for (const OutputFile& file : filesOf(job_, frame)) TemporaryFile::removeLeftovers(behindLinks(file.path));
+  return true;
 }
 
 FrameScene SequenceFrames::sceneToWrite(const OpenedJob& opened, int frame) const {

@@ -149,6 +149,31 @@ TEST(TemporaryFile, OfAKilledProcess_IsUsedAgain) {
   EXPECT_TRUE(fs::is_empty(directory));
 }
 
+// Files of killed processes in any slot go with the next file of the name; a running process keeps its own.
+TEST(TemporaryFile, OfKilledProcesses_AreRemovedByTheNextOfTheName) {
+  const fs::path directory = freshDirectory("killed_temporaries"), path = directory / "p.png";
+  writeText(directory / "q.png.kiln-001.tmp", "of another name");
+  const auto slot = [&](int number) { return path.string() + ".kiln-00" + std::to_string(number) + ".tmp"; };
+  const auto leave = [&] {
+    inKilledProcess([&] {
+      for (int i = 0; i < 4; ++i) new TemporaryFile(path);
+    });
+  };
+  leave();
+  {
+    const TemporaryFile running(path);
+    EXPECT_EQ(running.path(), slot(1));
+    for (int i = 2; i <= 4; ++i) EXPECT_FALSE(fs::exists(slot(i))) << i;
+    leave();
+    FileSystem::real().writeAtomic(path, std::string("text"));
+    for (int i = 2; i <= 5; ++i) EXPECT_FALSE(fs::exists(slot(i))) << i;
+    EXPECT_TRUE(fs::exists(slot(1))) << "of a running process";
+  }
+  leave();
+  TemporaryFile::removeLeftovers(path);
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory), {}), 2) << "the picture, and the file of another name";
+}
+
 TEST(TemporaryFile, OfAnotherUser_IsLeft) {
   if (!mayChangeOwners()) GTEST_SKIP() << "needs the administrator to change a file's owner";
   const fs::path directory = freshDirectory("foreign_temporary"), path = directory / "p.png";
