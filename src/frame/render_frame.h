@@ -51,6 +51,9 @@ class FramePainter {
   /// Returns pixels of the whole picture, with planes. requires: the pixels lie in the crop and are drawn once. throws:
   /// as renderFrame.
   Image draw(const PixelRect& pixels);
+  /// The times of all pieces so far, and of the plan. unit: seconds.
+  double wallSeconds() const { return cost_.wall_s; }
+  const BusyTimes& busy() const { return cost_.busy; }
   /// Returns the statistics of all pieces, and ends reading ahead.
   FrameStatistics finish();
 

@@ -28,7 +28,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'T', 'I', 'L', '2'};
+constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'T', 'I', 'L', '3'};
 // Edge of a tile: a multiple of the occlusion structure's blocks. unit: pixels.
 constexpr int kEdge = 512;
 
@@ -66,10 +66,22 @@ Image filledWith(const Image& pixel, const PixelRect& at) {
 
 enum class Stored : std::uint8_t { kPixels, kOnePixel };
 
-std::vector<std::byte> recordOf(const PixelRect& at, const Image& tile) {
+// The time that a tile took; the plan of its run counts for the run's first tile.
+struct TileTime {
+  double wall_s = 0;
+  BusyTimes busy;
+
+  void add(const TileTime& other) {
+    wall_s += other.wall_s;
+    busy.add(other.busy);
+  }
+};
+
+std::vector<std::byte> recordOf(const PixelRect& at, const Image& tile, const TileTime& time) {
   std::vector<std::byte> out;
   const std::optional<Image> pixel = onePixelOf(tile);
   appendValue(out, at);
+  appendValue(out, time);
   appendValue(out, pixel ? Stored::kOnePixel : Stored::kPixels);
   appendTile(out, at, pixel ? *pixel : tile);
   return out;
@@ -77,6 +89,7 @@ std::vector<std::byte> recordOf(const PixelRect& at, const Image& tile) {
 
 struct PlacedTile {
   PixelRect at;
+  TileTime time;
   Image image;
 };
 
@@ -84,13 +97,14 @@ struct PlacedTile {
 std::optional<PlacedTile> tileFrom(std::span<const std::byte> payload) {
   ByteTaker taker{payload};
   const auto at = taker.take<PixelRect>();
+  const auto time = taker.take<TileTime>();
   const auto stored = taker.take<Stored>();
   if (!taker.ok || !(taker.take<PixelRect>() == at) || at.width() < 1 || at.height() < 1 || at.width() > kEdge ||
       at.height() > kEdge)
     return std::nullopt;
   std::optional<Image> image = takeTile(taker, stored == Stored::kOnePixel ? PixelRect{0, 0, 1, 1} : at);
   if (!image) return std::nullopt;
-  return PlacedTile{at, stored == Stored::kOnePixel ? filledWith(*image, at) : *std::move(image)};
+  return PlacedTile{at, time, stored == Stored::kOnePixel ? filledWith(*image, at) : *std::move(image)};
 }
 
 class TileFile {
@@ -113,8 +127,10 @@ class TileFile {
       }
       const std::optional<PlacedTile> tile = tileFrom(payload);
       if (!tile || !known.contains(placeOf(tile->at))) return false;
-      if (found.insert(placeOf(tile->at)).second)
+      if (found.insert(placeOf(tile->at)).second) {
         records_.push_back({tile->at, offset, payload.size(), hashOf(payload)});
+        time_.add(tile->time);
+      }
       end_ = offset + payload.size();
       return true;
     });
@@ -131,7 +147,10 @@ class TileFile {
     return found;
   }
 
-  void add(const PixelRect& at, const Image& tile) {
+  /// The time of the tiles that were read.
+  const TileTime& time() const { return time_; }
+
+  void add(const PixelRect& at, const Image& tile, const TileTime& time) {
     FileSystem& disk = FileSystem::real();
     if (!std::exchange(begun_, true)) {
       std::vector<std::byte> beginning = beginningOf(kMagic), identity;
@@ -141,7 +160,7 @@ class TileFile {
       end_ = beginning.size();
     }
     std::vector<std::byte> record;
-    const std::vector<std::byte> payload = recordOf(at, tile);
+    const std::vector<std::byte> payload = recordOf(at, tile, time);
     appendRecord(record, payload);
     disk.appendFile(path_, record);
     records_.push_back({at, end_ + kRecordHead, payload.size(), hashOf(payload)});
@@ -153,6 +172,7 @@ class TileFile {
   const fs::path path_;
   const std::string identity_;
   std::vector<FrameTiles::Record>& records_;
+  TileTime time_;
   bool begun_ = false;
   std::uint64_t end_ = 0;  // offset of the next record in the file. unit: bytes
 };
@@ -258,12 +278,15 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
   std::uint64_t done = 0;
   for (const PixelRect& at : tiles) done += kept.contains(placeOf(at)) ? at.count() : 0;
   std::size_t finished = kept.size();
+  TileTime before;
   try {
     progress.advance(step.c_str(), "pixels", done, whole.count());
     for (const PixelRect& at : tiles) {
       if (kept.contains(placeOf(at))) continue;
       const Image tile = painter->draw(at);
-      file.add(at, tile);
+      const TileTime now{painter->wallSeconds(), painter->busy()};
+      file.add(at, tile, {now.wall_s - before.wall_s, now.busy.since(before.busy)});
+      before = now;
       ++finished;
       progress.advance(step.c_str(), "pixels", done += at.count(), whole.count());
     }
@@ -274,6 +297,8 @@ DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& prog
                             error.what(), finished, tiles.size(), out.tiles->path.string()));
   }
   out.statistics = opened.finish(*painter, frame);
+  out.statistics.wall_s += file.time().wall_s;
+  out.statistics.busy.add(file.time().busy);
   out.continued = !kept.empty();
   return out;
 }

@@ -32,7 +32,7 @@ struct DrawnFrame {
       tiles{};  // if not null, the pixels are here (sequence/frame_checkpoint.h) and not in `views`
   FrameScene scene;
   FrameStatistics statistics;
-  bool continued = false;  // an earlier run drew some tiles; statistics cover the rest
+  bool continued = false;  // an earlier run drew some tiles; times cover all runs, other statistics the last
 };
 
 class OpenedJob {

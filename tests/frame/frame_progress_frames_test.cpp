@@ -53,7 +53,8 @@ class FrameProgressOf : public ::testing::Test {
 
   // Draws the seventh frame of a job with these keys and returns the progress reports.
   std::vector<Told> drawn(const std::string& keys, unsigned threads) const {
-    RenderJob job = parseJob(R"({"kiln": 2, "image": {"width": 80, "height": 40}, )" + keys + "}", folder_ / "job.json");
+    RenderJob job =
+        parseJob(R"({"kiln": 2, "image": {"width": 80, "height": 40}, )" + keys + "}", folder_ / "job.json");
     job.speed.threads = threads;
     const ThreadLimit limit(threads);
     Listening listening;
@@ -109,14 +110,34 @@ TEST_F(FrameProgressOf, SeveralVolumesCountTiles) {
 
 // Only a checkpoint counts finished tiles, in pixels.
 TEST_F(FrameProgressOf, ACheckpointCountsPixels) {
-  RenderJob job = parseJob(R"({"kiln": 2, "image": {"width": 600, "height": 550}, "volume": "volume.kiln", "output": "f.exr"})",
-                           folder_ / "job.json");
+  RenderJob job =
+      parseJob(R"({"kiln": 2, "image": {"width": 600, "height": 550}, "volume": "volume.kiln", "output": "f.exr"})",
+               folder_ / "job.json");
   Listening listening;
   OpenedJob opened(job, listening, checkpointMemory(job));
   drawInTiles(opened, 7, false, listening);
   expectOneCount(listening.told, "frame 7", "pixels");
   EXPECT_EQ(listening.told.size(), 5u);
   EXPECT_EQ(listening.told.back().total, 600u * 550);
+}
+
+// The second run finds all tiles finished and draws none: its times are those of the first run, which draws all. The
+// plan of a run takes far less than half of the tiles' time.
+TEST_F(FrameProgressOf, ACheckpointHasTheTimesOfAllRuns) {
+  RenderJob job =
+      parseJob(R"({"kiln": 2, "image": {"width": 600, "height": 550}, "volume": "volume.kiln", "output": "t.exr"})",
+               folder_ / "job.json");
+  Progress silent;
+  const auto run = [&](bool resume) {
+    OpenedJob opened(job, silent, checkpointMemory(job));
+    return drawInTiles(opened, 7, resume, silent);
+  };
+  const DrawnFrame first = run(false), second = run(true);
+  EXPECT_FALSE(first.continued);
+  EXPECT_TRUE(second.continued);
+  EXPECT_EQ(second.statistics.voxels_splats, 0u);
+  EXPECT_GT(second.statistics.wall_s, first.statistics.wall_s / 2);
+  EXPECT_GT(second.statistics.busy.total(), first.statistics.busy.total() / 2);
 }
 
 // Known because the test makes the calls itself.
