@@ -7,6 +7,7 @@
 #include <ctime>
 #include <utility>
 
+#include "base/duration_text.h"
 #include "base/io_count.h"
 #include "base/process.h"
 
@@ -91,10 +92,10 @@ std::string RankWatch::silentRanks(Clock::time_point now) const {
     const double unheard_s = seconds(now - other.pulse_at), silent_s = unheard_s + other.idle_s;
     if (other.ended || silent_s < seconds_ + kTurn_s * rank_) continue;
     const char* const what = unheard_s > seconds_ / 2 && unheard_s > 2 * interval_s_
-                                 ? "has not answered for {:.0f} s; it is stopped, or its machine or network is gone"
-                                 : "has not read, written or computed for {:.0f} s; its disk does not answer";
+                                 ? "has not answered for {}; it is stopped, or its machine or network is gone"
+                                 : "has not read, written or computed for {}; its disk does not answer";
     out += fmt::format("{}rank {} on {} ", out.empty() ? "" : "; ", other.rank, other.host) +
-           fmt::format(fmt::runtime(what), silent_s);
+           fmt::format(fmt::runtime(what), roughDurationText(silent_s));
   }
   return out.empty() ? out : out + fmt::format("; --rank-timeout {:g} ends the run", seconds_);
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/duration_text.h"
 #include "base/memory/memory.h"
 #include "bench/published.h"
 #include "bench/report_figures.h"
@@ -184,7 +185,7 @@ std::string conditions(const Measurements& m) {
   item("Opacity threshold", fmt::format("{:g}", s.threshold));
   item("Samples",
        s.test_samples ? "left out where all of their pixels are closed" : "not asked about, as in the paper");
-  item("Took", fmt::format("{:.0f} s, conversions included", m.seconds));
+  item("Took", roughDurationText(m.seconds) + ", conversions included");
   return out + "</dl>\n";
 }
 

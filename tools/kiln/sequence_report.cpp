@@ -1,13 +1,11 @@
-
-
 #include "sequence_report.h"
 
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
+#include "base/duration_text.h"
 #include "base/memory/memory.h"
-#include "duration_text.h"
 #include "frame/empty_frame.h"
 #include "job/frame_list.h"
 #include "say.h"
@@ -135,9 +133,9 @@ std::string SequenceReport::frameLine(const RenderJob& job, const FrameStatistic
     return fmt::format("{}, {}, {} read, peak {}", picture, durationText(frame.wall_s),
                        formatBytes(frame.bricks_read_bytes), formatBytes(frame.peak_rss_bytes));
   return fmt::format(
-      "{} in {:.3f} s; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak cache {}, resident "
+      "{} in {}; {} of {} bricks read ({}), {} hidden; {} voxels visited, {} splatted; peak cache {}, resident "
       "{}",
-      picture, frame.wall_s, frame.bricks_read, frame.bricks_total, formatBytes(frame.bricks_read_bytes),
+      picture, durationText(frame.wall_s), frame.bricks_read, frame.bricks_total, formatBytes(frame.bricks_read_bytes),
       frame.bricks_hidden, frame.voxels_visited, frame.voxels_splats, formatBytes(frame.peak_cache_bytes),
       formatBytes(frame.peak_rss_bytes));
 }

@@ -9,7 +9,7 @@
 #include <csignal>
 #include <limits>
 
-#include "duration_text.h"
+#include "base/duration_text.h"
 #include "say.h"
 
 namespace kiln::tool {

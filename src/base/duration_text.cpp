@@ -1,10 +1,10 @@
-#include "duration_text.h"
+#include "base/duration_text.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-namespace kiln::tool {
+namespace kiln {
 namespace {
 
 constexpr double kMostSeconds = 100, kMostMinutes = 100;  // of a text in seconds, in minutes
@@ -26,4 +26,4 @@ std::string roughDurationText(double seconds) {
   return seconds >= kMostSeconds ? minutesText(seconds) : fmt::format("{:.0f} s", seconds);
 }
 
-}  // namespace kiln::tool
+}  // namespace kiln

@@ -3,11 +3,11 @@
 
 #include <string>
 
-namespace kiln::tool {
+namespace kiln {
 
 /// Returns "0.17 s", "43.1 s", "12 min", "3 h 20 min": three digits at most of the largest unit.
 std::string durationText(double seconds);
 /// Returns the same without fractions of a second, for estimates: "43 s".
 std::string roughDurationText(double seconds);
 
-}  // namespace kiln::tool
+}  // namespace kiln
