@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/thread/parallel.h"
 #include "frame/empty_frame.h"
-#include "image/plot_image.h"
+#include "image/thumbnail_sheet.h"
 #include "job/frame_scene.h"
 #include "scene/transfer/presets.h"
 #include "sequence/opened_job.h"
@@ -18,11 +18,15 @@
 namespace kiln {
 namespace {
 
-// The sheet, unit: pixels.
-constexpr int kThumbnailGap = 8, kThumbnailCaption = 16, kSheetTitle = 24;
 constexpr int kThumbnailSamples = 1;
 
-const glm::dvec3 kThumbnailPaper{0.16, 0.17, 0.20};
+SheetLayout layoutOf(std::size_t presets, int thumbnail_px) {
+  return {.columns = static_cast<int>(galleryViews().size()),
+          .rows = static_cast<int>(presets),
+          .width = thumbnail_px,
+          .height = thumbnail_px,
+          .title = true};
+}
 
 // One camera for each column.
 CameraKeyframes viewsOfRow() {
@@ -53,7 +57,7 @@ class GalleryPainter {
         stores_(storesOf(job_)),
         total_(presets * galleryViews().size()),
         memory_(memoryOf(job_, readersOf(stores_), SceneOfJob(job_, manifestsOf(stores_)),
-                         sheetBytes(presets, request.thumbnail_px))),
+                         layoutOf(presets, request.thumbnail_px).bytes())),
         cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, job_.volume), readersOfCache()) {}
 
   CacheCounts counts() const { return cache_.counts(); }
@@ -73,14 +77,6 @@ class GalleryPainter {
       progress_.advance("drawing", "thumbnails", ++done_, total_);
     }
     return out;
-  }
-
-  static std::uint64_t sheetBytes(std::size_t rows, int thumbnail_px) {
-    const std::uint64_t width =
-        static_cast<std::uint64_t>(thumbnail_px + kThumbnailGap) * galleryViews().size() + kThumbnailGap;
-    const std::uint64_t height =
-        static_cast<std::uint64_t>(thumbnail_px + kThumbnailGap + kThumbnailCaption) * rows + kSheetTitle;
-    return 2 * 4 * sizeof(float) * width * height;  // the thumbnails, and the sheet
   }
 
  private:
@@ -105,22 +101,14 @@ class GalleryPainter {
 };
 
 Image sheetOf(const std::vector<Thumbnails>& rows, const std::filesystem::path& store, int thumbnail_px) {
-  const int columns = static_cast<int>(galleryViews().size());
-  const int row_height = kThumbnailCaption + thumbnail_px + kThumbnailGap;
-  PlotImage sheet(columns * (thumbnail_px + kThumbnailGap) + kThumbnailGap,
-                  kSheetTitle + static_cast<int>(rows.size()) * row_height, kSheetPaper);
-  sheet.text(kThumbnailGap, kThumbnailGap, "kiln render " + store.filename().string() + " -o PICTURE.png",
-             kSheetCaption);
-  int y = kSheetTitle;
-  for (const Thumbnails& row : rows) {
-    for (int column = 0; column < columns; ++column) {
-      const int x = kThumbnailGap + column * (thumbnail_px + kThumbnailGap);
-      const std::string& view = galleryViews()[static_cast<std::size_t>(column)];
-      sheet.text(x, y + 4, column == 0 ? "--tf " + row.preset : view, column == 0 ? kSheetInk : kSheetCaption);
-      sheet.fill({x, y + kThumbnailCaption, x + thumbnail_px, y + kThumbnailCaption + thumbnail_px}, kThumbnailPaper);
-      sheet.draw(row.pictures[static_cast<std::size_t>(column)], x, y + kThumbnailCaption);
+  ThumbnailSheet sheet(layoutOf(rows.size(), thumbnail_px),
+                       "kiln render " + store.filename().string() + " -o PICTURE.png");
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (std::size_t column = 0; column < galleryViews().size(); ++column) {
+      const bool first = column == 0;
+      sheet.put(static_cast<int>(column), static_cast<int>(row), rows[row].pictures[column],
+                first ? "--tf " + rows[row].preset : galleryViews()[column], first ? kSheetInk : kSheetCaption);
     }
-    y += row_height;
   }
   return std::move(sheet).take();
 }

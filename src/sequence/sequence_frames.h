@@ -35,6 +35,8 @@ struct FramesRole {
   bool warns = true;                    // print doubts about the volumes
   /// Write the files of a frame while the next frame is drawn, if memory is left.
   bool writes_behind = false;
+  /// The frames become files; else pictures in memory, and the job's names of files are not tested.
+  bool has_files = true;
 };
 
 class SequenceFrames {
@@ -53,7 +55,8 @@ class SequenceFrames {
   void requireScenes();
   /// Opens the job over the frame's stores and closes any other. throws: as OpenedJob.
   OpenedJob& openedFor(int frame);
-  /// Returns true if all files of a frame exist and are whole. throws: Error kExists if another job wrote a file.
+  /// Returns true if all files of a frame exist and are whole, and then removes what killed runs left beside them.
+  /// throws: Error kExists if another job wrote a file.
   bool isThere(int frame);
   /// Return scene and job for the headers of files: without the part.
   FrameScene sceneToWrite(const OpenedJob& opened, int frame) const;

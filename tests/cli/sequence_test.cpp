@@ -347,5 +347,62 @@ TEST_F(SequenceCli, EyesMoveApartAndAreBesideEachOtherInAVideo) {
   EXPECT_TRUE(readFile(in("n_1.exr")) == readFile(in("s.exr"))) << "what an option names stands still";
 }
 
+// The sheet's frames are the pictures of the sequence: below captions, in a grid of two by two. No frame has a file.
+TEST_F(SequenceCli, Sheet_showsFramesAtEqualSteps) {
+  const std::vector<std::string> turn = {"render",      in("h.kiln"), "--tf",       "ct-bone", "--size",       "48x40",
+                                         "--turntable", "8",          "--exr-type", "float",   "--background", "navy"};
+  const auto draw = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = turn;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return done(arguments);
+  };
+  const ToolResult result = draw({"-o", in("sheet.exr"), "--sheet", "4"});
+  EXPECT_NE(result.out.find("4 frames (1,3,5,7)"), std::string::npos) << result.out;
+  draw({"-o", in("f_#.exr"), "--frames", "1-7x2"});
+  const Image sheet = readImage(in("sheet.exr"));
+  constexpr int kGap = 8, kCaption = 16, kTop = 4;
+  ASSERT_EQ(sheet.width, 2 * (48 + kGap) + kGap);
+  ASSERT_EQ(sheet.height, 2 * (40 + kGap + kCaption) + kTop);
+  for (int i = 0; i < 4; ++i) {
+    const Image frame = readImage(in("f_" + std::to_string(1 + 2 * i) + ".exr"));
+    const int x0 = kGap + i % 2 * (48 + kGap), y0 = kTop + kCaption + i / 2 * (40 + kGap + kCaption);
+    for (int y = 0; y < 40; ++y) {
+      for (int x = 0; x < 4 * 48; ++x) ASSERT_EQ(sheet.pixel(x0, y0 + y)[x], frame.pixel(0, y)[x]) << i << " " << y;
+    }
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 2 + 4) << "a sheet has no frames' files";
+  std::vector<std::string> still = {"render", in("h.kiln"), "-o", in("s.exr"), "--sheet", "4"};
+  refused(still, 2, "--sheet: a sheet shows frames of a sequence (found 1)");
+  still.insert(still.end(), {"--turntable", "8", "--resume"});
+  refused(still, 2, "--sheet: a sheet is drawn at once");
+  still.back() = "--deep";
+  refused(still, 2, "--sheet: a sheet holds colours alone");
+}
+
+// A picture's job draws the picture again, wherever picture and volume were moved together.
+TEST_F(SequenceCli, Picture_isDrawnFromItsJobBesideItsVolume) {
+  for (const std::string ending : {".exr", ".png"}) {
+    SCOPED_TRACE(ending);
+    fs::create_directories(in("a"));
+    done({"render", in("h.kiln"), "-o", in("a/p" + ending), "--size", "40x36", "--tf", "ct-bone"});
+    done({"render", in("a/p" + ending), "-o", in("again" + ending)});  // where it was
+    EXPECT_EQ(readImage(in("again" + ending)).rgba, readImage(in("a/p" + ending)).rgba);
+    fs::rename(in("h.kiln"), in("a/h.kiln"));
+    fs::rename(in("a"), in("b"));
+    done({"render", in("b/p" + ending), "-o", in("again" + ending)});  // beside the picture
+    EXPECT_EQ(readImage(in("again" + ending)).rgba, readImage(in("b/p" + ending)).rgba);
+    fs::rename(in("b/h.kiln"), in("h.kiln"));
+    fs::rename(in("h.kiln"), in("moved.kiln"));
+    const ToolResult lost = runTool({"render", in("b/p" + ending), "-o", in("lost" + ending)});
+    EXPECT_EQ(lost.exit_code, 1);
+    for (const std::string& place : {in("b/h.kiln"), in("h.kiln")})
+      EXPECT_NE(lost.err.find(place), std::string::npos) << place << " is not in: " << lost.err;
+    fs::rename(in("moved.kiln"), in("h.kiln"));
+    fs::remove_all(in("b"));
+  }
+  done({"tf", "ct-bone", "-o", in("plot.png")});
+  refused({"render", in("plot.png"), "-o", in("x.png")}, 2, "is a picture without a job of Kiln");
+}
+
 }  // namespace
 }  // namespace kiln::test

@@ -1,0 +1,77 @@
+#include "sequence/sequence_sheet.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/thread/parallel.h"
+#include "frame/pass/frame_progress.h"
+#include "image/thumbnail_sheet.h"
+#include "sequence/series_volumes.h"
+
+namespace kiln {
+namespace {
+
+SheetLayout layoutOf(const RenderJob& job) {
+  const auto frames = static_cast<int>(framesOf(job).size());
+  const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
+  // Columns and rows of the sheet are about equally long.
+  const double square = std::sqrt(frames * double(drawn.height()) / drawn.width());
+  SheetLayout out;
+  out.columns = std::clamp(static_cast<int>(std::ceil(square)), 1, frames);
+  out.rows = (frames + out.columns - 1) / out.columns;
+  out.width = drawn.width(), out.height = drawn.height();
+  return out;
+}
+
+}  // namespace
+
+std::vector<int> framesOfSheet(const std::vector<int>& frames, int count) {
+  if (frames.size() <= static_cast<std::size_t>(count)) return frames;
+  std::vector<int> out;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
+    out.push_back(frames[i * frames.size() / static_cast<std::size_t>(count)]);
+  return out;
+}
+
+void requireSheet(const RenderJob& job) {
+  const auto refuse = [](const std::string& why) { throw Error(ErrorCode::kUsage, "--sheet: " + why); };
+  if (framesOf(job).size() < 2)
+    refuse("a sheet shows frames of a sequence (found 1); add --turntable 120, or give a job with frames");
+  if (job.output.path.empty() || !job.output.files.empty() || !job.output.video.path.empty())
+    refuse(
+        "a sheet is one picture, .exr or .png, and the job has other outputs; name the sheet by -o and leave outputs "
+        "out");
+  if (drawsDeep(job) || drawsPart(job.picture) || drawnAovs(job).any())
+    refuse("a sheet holds colours alone; leave --deep, --part and --aov out");
+  if (drawsBothEyes(job.picture.stereo)) refuse("a sheet shows one eye (found both); choose --stereo left or right");
+  const SheetLayout layout = layoutOf(job);
+  if (std::max(layout.sheetWidth(), layout.sheetHeight()) > kLargestSide_px)
+    refuse(fmt::format("the sheet's sides are at most {} pixels (found {}x{}); give a smaller --size", kLargestSide_px,
+                       layout.sheetWidth(), layout.sheetHeight()));
+}
+
+Image drawSequenceSheet(const RenderJob& given, const StoreFor& store_for, Progress& progress) {
+  const ThreadLimit threads(given.speed.threads);
+  RenderJob job = given;
+  if (!job.series) job.series = seriesLook(job, store_for);
+  if (job.series) progress.note(job.series->choice);
+  const SheetLayout layout = layoutOf(job);
+  ThumbnailSheet sheet(layout);
+  SequenceFrames frames(job, store_for, progress, layout.bytes(), {.has_files = false});
+  frames.requireScenes();
+  UncountedProgress of_frames(progress);
+  const std::vector<int>& numbers = frames.numbers();
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    progress.throwIfCancelled("drawing a sheet");
+    const DrawnFrame drawn = frames.openedFor(numbers[i]).draw(numbers[i], of_frames);
+    const auto place = static_cast<int>(i);
+    sheet.put(place % layout.columns, place / layout.columns, drawn.views.front().image, fmt::format("{}", numbers[i]));
+    progress.advance("drawing", "frames", i + 1, numbers.size());
+  }
+  return std::move(sheet).take();
+}
+
+}  // namespace kiln
