@@ -2,6 +2,7 @@
 #include "bench/report_text.h"
 #include "bench/run_suite.h"
 #include "commands.h"
+#include "examples.h"
 #include "output_files.h"
 #include "say.h"
 #include "source_arguments.h"
@@ -57,6 +58,7 @@ void addBench(CLI::App& app, Context& context) {
   command->add_option("SUITE", a->suite, "what to measure: JSON")->required();
   command->add_option("-o,--output", a->output, "the report's directory, new or with an earlier report")->required();
   command->add_flag("--quick", a->quick, "fewer views and sizes: a look, not a measurement");
+  addExamples(*command, {"kiln bench suite.json -o report --quick"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

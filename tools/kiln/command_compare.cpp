@@ -5,6 +5,7 @@
 
 #include "base/memory/memory.h"
 #include "commands.h"
+#include "examples.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
 #include "image/image_memory.h"
@@ -74,6 +75,7 @@ void addCompare(CLI::App& app, Context& context) {
                       "the difference as a picture, in the colours of Lee and Ihm's Figure 11");
   command->add_flag("--json", a->json, "for programs");
   addMemory(*command, a->memory, "both pictures and their difference")->capture_default_str();
+  addExamples(*command, {"kiln compare face.png mip.png", "kiln compare face.png mip.png -o difference.png --json"});
   command->callback([a, &context] { context.action = [a] { run(*a); }; });
 }
 

@@ -5,6 +5,7 @@
 #include "base/memory/memory.h"
 #include "commands.h"
 #include "composite/composite_parts.h"
+#include "examples.h"
 #include "job/job_names.h"
 #include "output_files.h"
 #include "say.h"
@@ -55,6 +56,9 @@ void addComposite(CLI::App& app, Context& context) {
       ->check(CLI::IsMember(std::vector<std::string>(kExrCompressionNames.begin(), kExrCompressionNames.end())));
   addMemory(*command, a->memory, "the picture and a part")->capture_default_str();
   addNumber(*command, "--png-bits", a->png_bits, "8 (default) or 16")->check(CLI::IsMember({8, 16}));
+  addExamples(*command,
+              {"kiln render head.kiln -o part1.exr --part 1/2", "kiln render head.kiln -o part2.exr --part 2/2",
+               "kiln composite part1.exr part2.exr -o head.exr"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

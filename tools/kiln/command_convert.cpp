@@ -5,13 +5,14 @@
 #include <system_error>
 
 #include "base/byte_record.h"
+#include "base/duration_text.h"
 #include "base/memory/memory.h"
 #include "base/thread/parallel.h"
 #include "commands.h"
 #include "convert/conversion_cost.h"
 #include "convert/convert.h"
 #include "convert/stream/half_source.h"
-#include "duration_text.h"
+#include "examples.h"
 #include "ingest/open_source.h"
 #include "say.h"
 #include "scene/transfer/label_styles.h"
@@ -195,6 +196,8 @@ void addConvert(CLI::App& app, Context& context) {
       ->excludes(overwrite);
   addRankTimeout(*command, context);
   addSourceArguments(*command, a->source);
+  addExamples(*command, {"kiln convert phantom:head:64x64x64 head.kiln", "kiln convert scan.nrrd scan.kiln --memory 1G",
+                         "kiln convert rock.raw rock.kiln --dims 16,16,8 --type u16 --spacing 0.02,0.02,0.02"});
   command->callback([a, &context] {
     context.by_all_ranks = true;
     context.action = [a, &context] { run(*a, context); };

@@ -2,6 +2,7 @@
 #include "base/memory/memory.h"
 #include "commands.h"
 #include "convert/export_vdb.h"
+#include "examples.h"
 #include "output_files.h"
 #include "say.h"
 #include "source_arguments.h"
@@ -42,6 +43,7 @@ void addExport(CLI::App& app, Context& context) {
   addNumber(*command, "--level", a->level, "0 is finest")->capture_default_str();
   addMemory(*command, a->memory, "the grid, a brick and the index")->capture_default_str();
   command->add_flag("--overwrite", a->overwrite, "replace a file that is there");
+  addExamples(*command, {"kiln export head.kiln head.vdb", "kiln export head.kiln head.vdb --overwrite"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

@@ -3,6 +3,7 @@
 #include "base/memory/memory.h"
 #include "base/process.h"
 #include "commands.h"
+#include "examples.h"
 #include "foreign_store.h"
 #include "image/file/image_file.h"
 #include "output_files.h"
@@ -57,6 +58,8 @@ void addGallery(CLI::App& app, Context& context) {
       ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
   addSourceArguments(*command, a->source);
+  addExamples(*command, {"kiln gallery head.kiln -o gallery.png",
+                         "kiln gallery head.kiln -o bones.png --tf ct-bone --tf ct-teeth --thumbnail 256"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

@@ -11,6 +11,7 @@
 #include "base/memory/memory.h"
 #include "commands.h"
 #include "convert/foreign_cache.h"
+#include "examples.h"
 #include "histogram_text.h"
 #include "image/file/image_file.h"
 #include "ingest/open_source.h"
@@ -264,6 +265,7 @@ void addInfo(CLI::App& app, Context& context) {
                     "picture's job, which kiln render draws again");
   addMemory(*command, *memory, "the index of a store, a volume file, or the texts of a picture")->capture_default_str();
   addSourceArguments(*command, *source);
+  addExamples(*command, {"kiln info head.kiln", "kiln info scan.nrrd --json", "kiln info face.png"});
   command->callback([path, json, memory, source, &context] {
     context.action = [path, json, memory, source] {
       const std::uint64_t memory_bytes = parseBytes(*memory, "--memory");

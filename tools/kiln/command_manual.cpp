@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "commands.h"
+#include "examples.h"
 #include "manual.h"
 #include "store/store_reader.h"
 
@@ -29,6 +30,7 @@ void addManual(CLI::App& app, Context& context) {
   command
       ->add_option("DIR", *share, "a directory such as /usr/local/share: DIR/man/man1, DIR/bash-completion/completions")
       ->required();
+  addExamples(*command, {"kiln manual share"});
   command->callback([&app, share, &context] { context.action = [&app, share] { writeManual(app, *share); }; });
 }
 

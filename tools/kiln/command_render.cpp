@@ -10,13 +10,16 @@
 #include "cluster/shared_lists.h"
 #include "commands.h"
 #include "convert/foreign_cache.h"
+#include "examples.h"
 #include "find_program.h"
 #include "foreign_store.h"
 #include "frame/empty_frame.h"
+#include "image/file/image_file.h"
 #include "job/frame_list.h"
 #include "job/job_names.h"
 #include "job_arguments.h"
 #include "output_files.h"
+#include "picture_job.h"
 #include "say.h"
 #include "scene/transfer/presets.h"
 #include "scene_arguments.h"
@@ -26,6 +29,7 @@
 #include "sequence/render_job_run.h"
 #include "sequence/sequence.h"
 #include "sequence/sequence_frames.h"
+#include "sequence/sequence_sheet.h"
 #include "sequence/series_volumes.h"
 #include "sequence_report.h"
 #include "source_arguments.h"
@@ -41,7 +45,7 @@ struct RenderArguments {
   std::vector<std::string> added, added_tfs, labels;
   std::optional<std::string> store_local, share;
   bool quiet = false, verbose = false, strict = false, dry_run = false, resume = false, checkpoint = false;
-  int repeat = 1;
+  int repeat = 1, sheet = 0;
   JobArguments job;
   SourceArguments source;
 };
@@ -117,6 +121,19 @@ void applyShare(const std::string& text, RenderJob& job) {
   if (!job.output.video.path.empty() && share->count > 1)
     throw Error(ErrorCode::kUsage, job.output.video.path, "--share",
                 "a video needs all frames (found a share); write pictures, frame_####.png, and make the video of them");
+}
+
+// Returns whether INPUT is a volume, and no job.
+bool isVolumeName(const fs::path& input) { return extensionOf(input) != ".json" && !isPicture(input); }
+
+// Leaves the frames of a sheet.
+void applySheet(const RenderArguments& a, RenderJob& job) {
+  if (a.resume || a.checkpoint || a.repeat > 1 || !a.stats.empty())
+    throw Error(ErrorCode::kUsage,
+                "--sheet: a sheet is drawn at once; leave --resume, --checkpoint, --repeat and --stats out");
+  job.frames = framesOfSheet(framesOf(job), a.sheet);
+  if (!a.job.has("--size") && isVolumeName(a.input)) job.picture.size = kSheetFrameSize;
+  requireSheet(job);
 }
 
 // Adds volumes to the job. Options of a volume replace the options of the first volume.
@@ -241,6 +258,8 @@ RenderJob jobOf(const RenderArguments& a) {
   RenderJob job;
   if (extensionOf(a.input) == ".json") {
     job = readJob(a.input);
+  } else if (isPicture(a.input)) {
+    job = jobOfPicture(a.input);
   } else {
     job.volume = a.input;
   }
@@ -249,7 +268,7 @@ RenderJob jobOf(const RenderArguments& a) {
   if (const auto name = a.job.text("--tf")) transferFunctionNamed(*name, "--tf");
   a.job.apply(job);
   if (a.job.hasAny({"--interocular", "--convergence"})) job.animation.stereo.clear();
-  if (a.job.text("--projection") == kProjectionNames[2] && !a.job.has("--size") && extensionOf(a.input) != ".json")
+  if (a.job.text("--projection") == kProjectionNames[2] && !a.job.has("--size") && isVolumeName(a.input))
     job.picture.size = kPanoramaSize;
   requirePicture(job.picture);
   applyVolumes(a, job);
@@ -261,7 +280,10 @@ RenderJob jobOf(const RenderArguments& a) {
   requireViews(job);
   if (a.job.hasAny({"--deep-samples", "--deep-error"}) && !drawsDeep(job))
     throw Error(ErrorCode::kUsage, "--deep-samples, --deep-error: no deep image is drawn; add --deep");
-  requireOutputs(job, framesOf(job));
+  if (a.sheet > 0)
+    applySheet(a, job);
+  else
+    requireOutputs(job, framesOf(job));
   requireOwnFiles(a, job);
   return job;
 }
@@ -407,6 +429,18 @@ void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions&
   if (a.strict) requireNoWarnings(context.progress.warnings());
 }
 
+void drawSheet(const RenderArguments& a, const RenderJob& job, const SequenceOptions& options, Context& context) {
+  FileSystem::real().requirePlaceFor(job.output.path);
+  const Image sheet = drawSequenceSheet(job, options.store_for, context.progress);
+  ImageFileOptions file{job.output.exr_float, job.output.png_bits, job.output.exr_compression};
+  file.writer_bytes = job.speed.memory_bytes - std::min(job.speed.memory_bytes, sheet.bytes());
+  writeImage(sheet, {}, file, job.output.path);
+  context.progress.clear();
+  if (!a.quiet)
+    say("{}: {} x {} pixels, {}\n", job.output.path.string(), sheet.width, sheet.height, countedFrames(framesOf(job)));
+  if (a.strict) requireNoWarnings(context.progress.warnings());
+}
+
 // Returns the store. throws: Error kUsage if labels are required and the store holds amounts.
 fs::path requiredClass(const fs::path& store, bool labels) {
   if (labels && readManifest(store).volume_class != VolumeClass::kLabels)
@@ -429,7 +463,7 @@ void run(const RenderArguments& a, Context& context) {
   applyProgress(a.quiet && a.progress == "auto" ? "none" : a.progress, context.progress);
   shareHeaps();
   const RenderJob job = jobOf(a);
-  if (!context.ranks->first() && (a.dry_run || a.repeat > 1)) return;
+  if (!context.ranks->first() && (a.dry_run || a.repeat > 1 || a.sheet > 0)) return;
   SequenceOptions options;
   options.ranks = context.ranks;
   options.store_local = a.store_local.value_or("");
@@ -440,10 +474,11 @@ void run(const RenderArguments& a, Context& context) {
   if (a.checkpoint && (a.repeat > 1 || !context.ranks->alone()))
     throw Error(ErrorCode::kUsage,
                 "--checkpoint keeps the tiles of one process, drawn once: not with --repeat or mpirun");
-  if (a.progress == "json" && (a.dry_run || a.repeat > 1))
-    throw Error(ErrorCode::kUsage,
-                "--progress json: tells of frames that become files, not of --dry-run and --repeat; --stats has their "
-                "numbers");
+  if (a.progress == "json" && (a.dry_run || a.repeat > 1 || a.sheet > 0))
+    throw Error(
+        ErrorCode::kUsage,
+        "--progress json: tells of frames that become files, not of --dry-run, --repeat and --sheet; --stats has their "
+        "numbers");
   if (a.checkpoint) requireCheckpoint(job);
   const InputOptions input(a, job);
   if (a.dry_run) return sayCost(a, job, input, besideBytes(job, options), context.progress);
@@ -455,6 +490,8 @@ void run(const RenderArguments& a, Context& context) {
   };
   if (a.repeat > 1)
     repeatFrame(a, job, options, context);
+  else if (a.sheet > 0)
+    drawSheet(a, job, options, context);
   else
     runFrames(a, job, options, context);
 }
@@ -473,7 +510,11 @@ Error inJob(const RenderArguments& a, const Error& error) {
 class RenderCommandLine {
  public:
   RenderCommandLine(CLI::App& command, RenderArguments& a, Context& context) : command_(command), a_(a) {
-    command.add_option("INPUT", a.input, "A store, a volume file (converted to a store beside it first), or JOB.json.")
+    command
+        .add_option("INPUT", a.input,
+                    "A store, a volume file (converted to a store beside it first), JOB.json, or a picture of Kiln, "
+                    ".exr or .png, "
+                    "whose job is drawn.")
         ->required();
     for (std::size_t i = 0; i < kOptionGroupNames.size(); ++i) {
       group_ = static_cast<OptionGroup>(i);
@@ -524,6 +565,10 @@ class RenderCommandLine {
   void addFrames() {
     option("--share", "I/N", a_.share,
            "Draw every N-th of the frames, from the I-th on: the share of one of N machines without MPI.");
+    option("--sheet", "N", a_.sheet,
+           "Instead of the frames, draw N of them at equal steps into one picture, -o, each with its number. A frame "
+           "has 256x256 pixels without --size.")
+        ->check(wholeNumberFrom(2, kMostSheetFrames));
     flag("--resume", a_.resume, "Keep frames that exist and are whole; draw the others.");
     flag("--checkpoint", a_.checkpoint,
          "Draw a long frame in tiles of 512x512 pixels, and keep finished tiles in NAME.tiles until the picture is "
@@ -547,6 +592,11 @@ void addRender(CLI::App& app, Context& context) {
   auto a = std::make_shared<RenderArguments>();
   CLI::App* command = app.add_subcommand("render", "Draw a picture of a store, a volume file or a job.");
   RenderCommandLine(*command, *a, context);
+  addExamples(*command,
+              {"kiln render head.kiln -o face.png --tf ct-skin --view front",
+               "kiln render head.kiln -o mip.png --mode mip --window 1100,2000",
+               "kiln render head.kiln -o turn.png --tf ct-bone --turntable 120 --sheet 12",
+               "kiln render head.kiln -o frame_####.png --tf ct-bone --turntable 24 --size 256x256 --resume"});
   command->callback([a, &context] {
     context.by_all_ranks = true;
     context.action = [a, &context] {

@@ -1,4 +1,5 @@
 #include "commands.h"
+#include "examples.h"
 #include "job/job_schema.h"
 #include "say.h"
 
@@ -6,6 +7,7 @@ namespace kiln::tool {
 
 void addSchema(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("schema", "print the JSON Schema of jobs, for editors and checks");
+  addExamples(*command, {"kiln schema > job.schema.json"});
   command->callback([&context] { context.action = [] { sayJson(jobSchemaText()); }; });
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/memory/memory.h"
 #include "commands.h"
+#include "examples.h"
 #include "foreign_store.h"
 #include "frame/slice.h"
 #include "frame/slice_sheet.h"
@@ -142,6 +143,8 @@ void addSlice(CLI::App& app, Context& context) {
       ->capture_default_str();
   addMemory(*command, a->memory, "the picture, a brick and the index")->capture_default_str();
   addSourceArguments(*command, a->source);
+  addExamples(*command, {"kiln slice head.kiln -o sheet.png --sheet",
+                         "kiln slice head.kiln -o slice_###.png --axis z --index 0-63x16"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

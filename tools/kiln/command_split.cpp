@@ -2,6 +2,7 @@
 
 #include "base/memory/memory.h"
 #include "commands.h"
+#include "examples.h"
 #include "job/frame_list.h"
 #include "ranks/rank_boxes.h"
 #include "ranks/split_store.h"
@@ -55,6 +56,8 @@ void addSplit(CLI::App& app, Context& context) {
                    "the transfer function that is to be drawn: each part has an even share of what it shows")
       ->capture_default_str();
   addMemory(*command, a->memory, "the index")->capture_default_str();
+  addExamples(*command, {"kiln split head.kiln -o node_##.kiln --parts 2",
+                         "kiln split head.kiln -o bone_##.kiln --parts 2 --tf ct-bone"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

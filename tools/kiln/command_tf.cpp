@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "commands.h"
+#include "examples.h"
 #include "frame/transfer_function_picture.h"
 #include "image/file/image_file.h"
 #include "image/srgb.h"
@@ -130,6 +131,8 @@ void addTf(CLI::App& app, Context& context) {
       ->type_name("CENTRE,WIDTH");
   command->add_flag("--json", a->json, "print it as a transfer function file: the object transferFunction of a job");
   command->add_option("-o,--output", a->output, "the picture, .png or .exr");
+  addExamples(*command, {"kiln tf ct-bone", "kiln tf head.kiln --tf viridis -o viridis.png",
+                         "kiln tf head.kiln --tf ct-bone --json > bone.json"});
   command->callback([a, &context] { context.action = [a] { run(*a); }; });
 }
 

@@ -9,6 +9,7 @@
 #include "base/path_status.h"
 #include "base/thread/parallel.h"
 #include "commands.h"
+#include "examples.h"
 #include "ranks/split_store.h"
 #include "say.h"
 #include "source_arguments.h"
@@ -62,6 +63,7 @@ void addVerify(CLI::App& app, Context& context) {
   command->add_option("--threads", a->threads, "threads; 0 takes all")
       ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
+  addExamples(*command, {"kiln verify head.kiln", "kiln verify head.kiln --threads 2 --memory 500M"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

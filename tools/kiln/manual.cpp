@@ -65,6 +65,14 @@ constexpr const char* kExitStatus =
     ".SH EXIT STATUS\n0 where all is done, 1 for data, disk and memory, 2 for what was asked: the command line, or a "
     "job's key or value.\n";
 
+// Returns the section of the examples that end a command's help.
+std::string examplesOf(const CLI::App& command) {
+  const std::string text = command.get_footer();
+  const std::size_t lines = text.find('\n');
+  if (lines == std::string::npos) return {};
+  return fmt::format(".SH {}\n.nf\n{}\n.fi\n", roff(text.substr(0, lines)), roff(text.substr(lines + 1)));
+}
+
 std::string optionWords(const CLI::App& command) {
   std::string out;
   for (const CLI::Option* option : command.get_options()) {
@@ -82,8 +90,8 @@ std::string manualPage(const CLI::App& app, const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_positional()) synopsis += fmt::format(" \\fI{}\\fR", roff(option->get_name(true)));
   }
-  return header(name, name, command.get_description()) + synopsis + "\n" + optionsOf(command) + kExitStatus +
-         fmt::format(".SH SEE ALSO\n\\fB{}\\fR(1)\n", app.get_name());
+  return header(name, name, command.get_description()) + synopsis + "\n" + optionsOf(command) + examplesOf(command) +
+         kExitStatus + ".SH SEE ALSO\n\\fBkiln\\fR(1), \\fBkiln\\-job\\fR(5), \\fBkiln\\-transfer\\-functions\\fR(5)\n";
 }
 
 std::string manualPage(const CLI::App& app) {

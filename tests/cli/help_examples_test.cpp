@@ -1,0 +1,80 @@
+// Known: each example of each command's help ends with exit code 0. The lines run in one folder, which has the files
+// that examples read; commands that make files for others come first.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "base/file.h"
+#include "support/system/run_tool.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+// The commands in the order in which their examples run.
+const std::vector<std::string>& commands() {
+  static const std::vector<std::string> names = {"convert", "render",  "info",  "verify", "export",
+                                                 "slice",   "gallery", "tf",    "split",  "composite",
+                                                 "compare", "schema",  "bench", "manual"};
+  return names;
+}
+
+std::vector<std::string> linesOf(const std::string& text) {
+  std::vector<std::string> out;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) out.push_back(line);
+  return out;
+}
+
+// Returns the lines of help from EXAMPLES on.
+std::string examplesOf(const std::string& command) {
+  const std::string help = runTool({command, "--help"}).out;
+  const std::size_t at = help.find("\nEXAMPLES\n");
+  return at == std::string::npos ? "" : help.substr(at + std::string("\nEXAMPLES\n").size());
+}
+
+TEST(HelpExamples, EveryCommand_hasSome) {
+  const std::vector<std::string> help = linesOf(runTool({"--help"}).out);
+  const auto first = std::find(help.begin(), help.end(), "Subcommands:");
+  ASSERT_NE(first, help.end());
+  for (auto line = first + 1; line != help.end() && line->starts_with("  "); ++line) {
+    std::istringstream words(*line);
+    std::string name;
+    words >> name;
+    if (line->size() > 2 && (*line)[2] == ' ') continue;  // a description goes on
+    EXPECT_NE(std::find(commands().begin(), commands().end(), name), commands().end()) << name;
+  }
+  for (const std::string& command : commands())
+    EXPECT_NE(examplesOf(command).find("  kiln " + command + " "), std::string::npos) << command;
+}
+
+TEST(HelpExamples, Lines_endWithoutError) {
+  const fs::path directory = freshDirectory("help_examples");
+  fs::create_directories(directory / "bin");
+  fs::create_symlink(KILN_TOOL, directory / "bin/kiln");
+  writeText(directory / "scan.nrrd",
+            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 3 4\nencoding: raw\n\n" + std::string(24, 'x'));
+  writeText(directory / "rock.raw", std::string(4096, '\177'));
+  writeText(
+      directory / "suite.json",
+      R"({"kiln_suite": 1, "title": "Head", "cases": [{"name": "head", "volume": "head.kiln", "sizes": [[32, 32]]}]})");
+  std::string script;
+  for (const std::string& command : commands()) script += examplesOf(command);
+  writeText(directory / "examples.sh", script);
+  const std::string run = "cd " + directory.string() + " && PATH=" + (directory / "bin").string() +
+                          ":$PATH bash -exuo pipefail examples.sh < /dev/null > log 2>&1";
+  EXPECT_EQ(std::system(run.c_str()), 0) << readTextFile(directory / "log");
+  EXPECT_TRUE(fs::exists(directory / "turn.png"));
+  EXPECT_TRUE(fs::exists(directory / "share/man/man1/kiln-render.1"));
+  EXPECT_NE(readTextFile(directory / "share/man/man1/kiln-render.1").find(".SH EXAMPLES\n.nf\n  kiln render head.kiln"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace kiln::test
