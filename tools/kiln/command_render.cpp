@@ -593,10 +593,10 @@ void addRender(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("render", "Draw a picture of a store, a volume file or a job.");
   RenderCommandLine(*command, *a, context);
   addExamples(*command,
-              {"kiln render head.kiln -o face.png --tf ct-skin --view front",
-               "kiln render head.kiln -o mip.png --mode mip --window 1100,2000",
+              {"kiln render head.kiln -o face.png --tf ct-skin --view front --size 512x512",
+               "kiln render head.kiln -o mip.png --mode mip --window 1100,2000 --size 512x512",
                "kiln render head.kiln -o turn.png --tf ct-bone --turntable 120 --sheet 12",
-               "kiln render head.kiln -o frame_####.png --tf ct-bone --turntable 24 --size 256x256 --resume"});
+               "kiln render head.kiln -o frame_####.png --tf ct-bone --turntable 12 --size 256x256 --resume"});
   command->callback([a, &context] {
     context.by_all_ranks = true;
     context.action = [a, &context] {
