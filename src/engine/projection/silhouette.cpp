@@ -11,10 +11,10 @@
 namespace kiln {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 // A covered share below this is none: its middle has no precision, and 16 bits of alpha hold nothing of it.
-constexpr double kLeastShare = 1e-6;
+constexpr double kLeastCovered = 1e-6;
 
 // Returns the half-spaces (normal, offset) whose intersection is shown.
 std::vector<glm::dvec4> shownHalfSpaces(const Projector& projector, const ClipRegion& clip, const glm::dvec3& end) {
@@ -41,7 +41,7 @@ void addEdge(std::span<const glm::dvec4> planes, std::size_t a, std::size_t b, s
   if (sine2 < kParallel) return;
   // The point of both planes nearest to the origin.
   const glm::dvec3 base = glm::cross(planes[b].w * m - planes[a].w * n, along) / sine2;
-  double lo = -kInfinity, hi = kInfinity;
+  double lo = -kUnbounded, hi = kUnbounded;
   for (std::size_t i = 0; i < planes.size(); ++i) {
     if (i == a || i == b) continue;
     const double at_base = glm::dot(glm::dvec3(planes[i]), base) + planes[i].w;
@@ -65,7 +65,7 @@ std::vector<glm::dvec3> cornersOf(std::span<const glm::dvec4> planes) {
   return out;
 }
 
-double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+double leftTurn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
@@ -79,7 +79,7 @@ std::vector<glm::dvec2> convexHull(std::vector<glm::dvec2> points) {
   const auto addChain = [&](auto begin, auto end) {
     const std::size_t first = out.size();
     for (auto point = begin; point != end; ++point) {
-      while (out.size() >= first + 2 && turn(out[out.size() - 2], out.back(), *point) <= 0) out.pop_back();
+      while (out.size() >= first + 2 && leftTurn(out[out.size() - 2], out.back(), *point) <= 0) out.pop_back();
       out.push_back(*point);
     }
     out.pop_back();  // the first point of the next chain
@@ -134,7 +134,7 @@ Silhouette::Silhouette(const Projector& projector, const ClipRegion& clip, const
 }
 
 Silhouette::Span Silhouette::columnsAt(double y) const {
-  Span out{kInfinity, -kInfinity};
+  Span out{kUnbounded, -kUnbounded};
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const glm::dvec2 &a = corners_[i], &b = corners_[i + 1 < corners_.size() ? i + 1 : 0];
     if (std::min(a.y, b.y) > y || std::max(a.y, b.y) < y) continue;
@@ -176,7 +176,7 @@ Silhouette::Part Silhouette::partOf(int x, int y) const {
     sum.addEdge(corners_[i] - corner, corners_[i + 1 < corners_.size() ? i + 1 : 0] - corner);
   // The sign is the direction of the polygon.
   const double area = std::abs(sum.area);
-  if (area < kLeastShare) return {};
+  if (area < kLeastCovered) return {};
   return {std::min(area, 1.0), corner + glm::clamp(glm::dvec2(sum.x, sum.y) / sum.area, 0.0, 1.0)};
 }
 
