@@ -19,8 +19,8 @@ struct VolumeScene {
 };
 
 struct FrameScene {
-  /// Samples and background are resolved. Camera and transfer function of the picture are the still picture's; the frame
-  /// uses the members below.
+  /// Samples and background are resolved. Camera and transfer function of the picture are the still picture's; the
+  /// frame uses the members below.
   PictureOptions picture;
   Camera camera;
   TransferFunction transfer_function;

@@ -30,8 +30,8 @@ namespace kiln {
 /// Everything that changes the picture's pixels.
 struct PictureOptions {
   ImageSize size;
-  std::optional<PixelRect> crop;  // the pixels of the whole picture to draw; absent: all
-  std::optional<int> samples;     // sub-pixels of a pixel: 1, 2, 4 or 16; absent: chosen by job/auto_samples.h
+  std::optional<PixelRect> crop;         // the pixels of the whole picture to draw; absent: all
+  std::optional<int> samples;            // sub-pixels of a pixel: 1, 2, 4 or 16; absent: chosen by job/auto_samples.h
   std::optional<Background> background;  // absent: chosen by defaultBackground
   Mode mode{};
   Aovs aovs;
