@@ -235,7 +235,8 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
     }
   };
   const bool raw = format == "raw", vdb = format == "OpenVDB", dicom = format == "DICOM";
-  const bool has_times = format == "MRC" || format == "NIfTI" || format == "MGH";
+  const bool has_times = format == "MRC" || format == "NIfTI" || format == "MGH" || format == "TIFF" || format == kZarr;
+  const bool has_channels = format == "VTK" || format == "TIFF" || format == kZarr;
   const bool slices = dicom || format == "TIFF";
   refuse(options.dims && !raw, "--dims", "headerless raw data");
   refuse(options.type && !raw, "--type", "headerless raw data");
@@ -244,10 +245,9 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   refuse(options.grid_name && !vdb, "--grid", "OpenVDB files");
   refuse(options.series.has_value() && !dicom, "--series", "DICOM files");
   refuse(options.allow_irregular && !slices, "--allow-irregular", "TIFF and DICOM files");
-  const bool zarr = format == kZarr;
-  refusePart(options.channel && !zarr && format != "VTK", path, "--channel", format, "channels");
-  refusePart(options.time && !zarr && !has_times, path, "--time", format, "times");
-  refusePart(options.scale && !zarr, path, "--scale", format, "scales");
+  refusePart(options.channel && !has_channels, path, "--channel", format, "channels");
+  refusePart(options.time && !has_times, path, "--time", format, "times");
+  refusePart(options.scale && format != kZarr, path, "--scale", format, "scales");
   refuse(options.spacing && (vdb || format == kStore), "--spacing", "files without axes of their own");
   if (!options.spacing) return;
   for (int axis = 0; axis < 3; ++axis) {
@@ -264,7 +264,7 @@ std::unique_ptr<VolumeSource> openDirectory(const fs::path& input, const SourceO
   SliceFiles slices = slicesIn(input);
   const bool dicom = slices.format == SliceFormat::kDicom;
   requireOptionsApply(input, dicom ? "DICOM" : "TIFF", options);
-  if (!dicom) requireOneStack(slices, options.allow_irregular);
+  if (!dicom) requireOneStack(slices, options);
   return dicom ? openDicom(slices, options) : openTiff(slices, options);
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "base/error.h"
@@ -150,13 +151,63 @@ std::string irregularity(const SliceFiles& slices) {
   return irregularSteps(names, field);
 }
 
+// The second number by which names differ, beside the number that counts slices.
+struct SecondNumber {
+  std::size_t running = 0, field = 0;
+};
+
+// Returns the second number if the names differ in two numbers only.
+std::optional<SecondNumber> secondNumber(const std::vector<NumberedName>& names) {
+  const auto unlike = [&](const NumberedName& name) { return name.texts != names.front().texts; };
+  if (std::any_of(names.begin(), names.end(), unlike)) return std::nullopt;
+  const std::vector<std::set<std::string>> values = valuesOf(names);
+  SecondNumber out;
+  std::vector<std::size_t> changing;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (values[i].size() > 1) changing.push_back(i);
+  if (changing.size() != 2) return std::nullopt;
+  const bool first_runs = values[changing[0]].size() >= values[changing[1]].size();
+  out.running = changing[first_runs ? 0 : 1], out.field = changing[first_runs ? 1 : 0];
+  return out;
+}
+
+std::string withoutZeros(std::string_view number) {
+  number.remove_prefix(std::min(number.find_first_not_of('0'), number.size()));
+  return std::string(number);
+}
+
+// Keeps the files whose second number is the user's channel or time. Returns without effect if the names have no second
+// number.
+void chooseByName(SliceFiles& slices, const SourceOptions& options) {
+  std::vector<NumberedName> names;
+  for (const std::filesystem::path& file : slices.files) names.push_back(numberedName(file));
+  const std::optional<SecondNumber> second = secondNumber(names);
+  if (!second || (!options.channel && !options.time && options.allow_irregular)) return;
+  const bool by_time = !options.channel && options.time;
+  const char* const option = by_time ? "--time" : "--channel";
+  if (!options.channel && !options.time)
+    throw Error(ErrorCode::kUsage, slices.input, "",
+                stacksOf(names, second->running) + "; choose one by its number with --channel or --time");
+  const std::string wanted = by_time ? std::to_string(*options.time) : *options.channel;
+  std::vector<std::filesystem::path> kept;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i].numbers[second->field] == withoutZeros(wanted)) kept.push_back(slices.files[i]);
+  if (kept.empty())
+    throw Error(ErrorCode::kUsage, slices.input, option,
+                "no name has the number " + inQuotes(wanted) + "; " + stacksOf(names, second->running));
+  slices.files = std::move(kept);
+  slices.part = fmt::format(", {} {}", by_time ? "time" : "channel", wanted);
+}
+
 }  // namespace
 
-void requireOneStack(SliceFiles& slices, bool allow_irregular) {
+void requireOneStack(SliceFiles& slices, const SourceOptions& options) {
+  if (slices.files.size() < 2) return;
+  chooseByName(slices, options);
   if (slices.files.size() < 2) return;
   const std::string what = irregularity(slices);
   if (what.empty()) return;
-  if (!allow_irregular) {
+  if (!options.allow_irregular) {
     throw Error(ErrorCode::kFormat, slices.input, "",
                 what + "; --allow-irregular takes all files in the order of their names");
   }

@@ -2,13 +2,16 @@
 #pragma once
 
 #include "ingest/slice_directory.h"
+#include "ingest/source/volume_source.h"
 
 namespace kiln {
 
 /// Returns without effect if the names differ in one number only, and the number grows by a constant step from name
-/// to name. Otherwise adds a sentence to `slices.notes` if `allow_irregular` is true.
-/// requires: `slices.files` in natural order. throws: Error kFormat if `allow_irregular` is false, naming the two
-/// slices around the first gap, or the stacks that the names form.
-void requireOneStack(SliceFiles& slices, bool allow_irregular);
+/// to name. If the names differ in a second number, the files whose second number is `options.channel`, or
+/// `options.time`, are kept, and the choice is noted in `slices.part`. All other names are kept with a sentence in
+/// `slices.notes` if `options.allow_irregular` is true.
+/// requires: `slices.files` in natural order. throws: Error kUsage if there are several stacks and none is chosen, or
+/// the chosen one is not there; kFormat naming the two slices around the first gap, or the groups that the names form.
+void requireOneStack(SliceFiles& slices, const SourceOptions& options);
 
 }  // namespace kiln

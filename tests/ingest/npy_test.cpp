@@ -1,6 +1,8 @@
 // NumPy arrays. Known because the test writes the header as text and the voxels one by one, in either order.
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "ingest/open_source.h"
 #include "support/volumes/foreign_files.h"
 #include "support/volumes/npy_files.h"
@@ -67,6 +69,26 @@ TEST(IngestNpy, SpellingsOfOneHeader_areOneVolume) {
     std::string unpadded = std::string("\x93NUMPY\x01\0", 8) + static_cast<char>(text.size()) + '\0';
     expectReadsBack(volume, files.write("a.npy", unpadded + text + volume.stored(false)), 233);
   }
+}
+
+// Known: 1.5 is 0x3e00 as a half float, and small integers have the same value in 32 and 64 bits.
+TEST(IngestNpy, HalfFloatsAndWideIntegersBecomeVoxels) {
+  const ForeignFiles files;
+  const auto open = [&](const std::string& descr, const std::string& bytes) {
+    const std::string header = npyHeader("{'descr': '" + descr + "', 'fortran_order': False, 'shape': (1, 1, 2), }");
+    return openSource(files.write("a.npy", header + bytes));
+  };
+  const auto half = open("<f2", std::string("\0\x3e\0\xc0", 4));
+  const float halves[] = {1.5f, -2.f};
+  EXPECT_EQ(half->info().type, VoxelType::f32);
+  EXPECT_EQ(std::memcmp(readWhole(*half).data(), halves, 8), 0);
+  const auto wide = open(">i8", std::string(8, '\xff') + std::string(7, '\0') + "\7");
+  const std::int32_t integers[] = {-1, 7};
+  EXPECT_EQ(wide->info().type, VoxelType::i32);
+  EXPECT_EQ(std::memcmp(readWhole(*wide).data(), integers, 8), 0);
+  const auto large = open("<u8", std::string(16, '\xff'));
+  EXPECT_EQ(large->info().type, VoxelType::u32);
+  EXPECT_THROW(readWhole(*large), Error);
 }
 
 TEST(IngestNpy, BytesHaveNoOrder) {
@@ -141,9 +163,6 @@ TEST(IngestNpy, WhatIsNotReadIsRefusedByName) {
     expectRefused(files.write("a.npy", header + std::string(64, 'x')), ErrorCode::kUnsupported, part);
   };
   const std::string cube = "2, 2, 2";
-  refused("'<i8'", cube, "'<i8': 64-bit integers");
-  refused("'>u8'", cube, "64-bit integers");
-  refused("'<f2'", cube, "half floats");
   refused("'<f16'", cube, "save the array as float64");
   refused("'|b1'", cube, "truth values, which Kiln does not read; save the array as uint8");
   refused("'<c8'", cube, "complex numbers");

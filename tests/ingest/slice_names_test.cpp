@@ -14,14 +14,16 @@ std::string sentenceOn(std::vector<std::string> names) {
   std::sort(names.begin(), names.end(), naturallyBefore);
   SliceFiles slices{"scan", SliceFormat::kTiff, {names.begin(), names.end()}, {}};
   SliceFiles allowed = slices;
-  requireOneStack(allowed, true);
+  SourceOptions irregular;
+  irregular.allow_irregular = true;
+  requireOneStack(allowed, irregular);
   EXPECT_EQ(allowed.files, slices.files);
   try {
-    requireOneStack(slices, false);
+    requireOneStack(slices, {});
     EXPECT_TRUE(allowed.notes.empty());
     return "";
   } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kFormat);
+    EXPECT_TRUE(error.code() == ErrorCode::kFormat || error.code() == ErrorCode::kUsage);
     EXPECT_EQ(allowed.notes.size(), 1u);
     return error.what();
   }
@@ -61,6 +63,40 @@ TEST(SliceNames, TwoChannels_AreListed) {
       << sentenceOn(numbered);
   EXPECT_NE(sentenceOn(named).find("'z*_dapi.tif' (12 files), 'z*_gfp.tif' (12 files)"), std::string::npos);
   EXPECT_NE(sentenceOn({"s1.tif", "s2.tif", "mean.tif"}).find("'mean.tif', 's*.tif' (2 files)"), std::string::npos);
+}
+
+// Known: the channel is the second number of the names, and each file is named after its place.
+TEST(SliceNames, SecondNumber_isChosenByChannelOrTime) {
+  SliceFiles all{"scan", SliceFormat::kTiff, {}, {}};
+  for (int z = 8; z < 12; ++z) {
+    for (int c = 1; c < 4; ++c) all.files.push_back("z" + std::to_string(z) + "_c00" + std::to_string(c) + ".tif");
+  }
+  const auto chosen = [&](const SourceOptions& options) {
+    SliceFiles out = all;
+    requireOneStack(out, options);
+    EXPECT_EQ(out.files.size(), 4u);
+    return out.files.front().string() + out.part;
+  };
+  SourceOptions options;
+  options.channel = "2";
+  EXPECT_EQ(chosen(options), "z8_c002.tif, channel 2");
+  options.channel = "003";
+  EXPECT_EQ(chosen(options), "z8_c003.tif, channel 003");
+  options = {}, options.time = 1;
+  EXPECT_EQ(chosen(options), "z8_c001.tif, time 1");
+  const auto refusal = [&](const SourceOptions& wrong) -> std::string {
+    SliceFiles out = all;
+    try {
+      requireOneStack(out, wrong);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal({}).find("'z*_c003.tif' (4 files); choose one by its number with --channel"), std::string::npos);
+  options = {}, options.channel = "0";
+  EXPECT_NE(refusal(options).find("--channel: no name has the number '0'"), std::string::npos);
 }
 
 TEST(SliceNames, NumbersThatAreEqualOrTooLong_AreErrors) {

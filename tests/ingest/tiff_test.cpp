@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <random>
 #include <thread>
@@ -394,21 +395,138 @@ TEST(IngestTiff, PagesOfOtherKindsAreRefusedByName) {
   expect(layout, "2 samples a pixel");
   layout = {}, layout.bits = 12;
   expect(layout, "12-bit integers");
-  layout = {}, layout.bits = 64;
-  expect(layout, "64-bit integers");
   layout = {}, layout.bits = 1;
   expect(layout, "1-bit integers");
-  layout = {}, layout.description = "ImageJ=1.53c\nimages=6\nchannels=3\nslices=2\n";
-  expect(layout, "is 3 stacks (channels, times or positions), by ImageJ's description");
+}
+
+struct Hyperstack {
+  std::string description;
+  int channels, times;
+  /// The number of image z, channel c, time t.
+  std::function<std::int64_t(std::int64_t z, std::int64_t c, std::int64_t t)> image;
+};
+
+// Known: each program's order of images, by its documentation. ImageJ: channels, slices, frames.
+TEST(IngestTiff, ChannelAndTimeChooseOneStackOfSeveral) {
+  const ForeignFiles files;
+  const ForeignVolume all = randomVolume({21, 19, 12}, VoxelType::u16, 31);
+  const auto ome = [](const std::string& order, int c, int t, const std::string& more = "/>") {
+    return "<?xml version=\"1.0\"?><OME xmlns=\"x\"><Image><Pixels DimensionOrder=\"" + order + "\" SizeC=\"" +
+           std::to_string(c) + "\" SizeT=\"" + std::to_string(t) + "\" SizeZ=\"" + std::to_string(12 / c / t) + "\"" +
+           more + "</Image></OME>";
+  };
+  const Hyperstack stacks[] = {
+      {"ImageJ=1.53c\nimages=12\nchannels=2\nslices=3\nframes=2\n", 2, 2,
+       [](auto z, auto c, auto t) { return c + 2 * z + 6 * t; }},
+      {"ImageJ=1.53c\nimages=12\nchannels=3\n", 3, 1, [](auto z, auto c, auto) { return c + 3 * z; }},
+      {ome("XYZCT", 2, 3), 2, 3, [](auto z, auto c, auto t) { return z + 2 * c + 4 * t; }},
+      {ome("XYCZT", 2, 3), 2, 3, [](auto z, auto c, auto t) { return c + 2 * z + 4 * t; }},
+      {ome("XYTCZ", 2, 3), 2, 3, [](auto z, auto c, auto t) { return t + 3 * c + 6 * z; }},
+      {R"({"shape": [4, 3, 19, 21]})", 4, 1, [](auto z, auto c, auto) { return z + 3 * c; }},
+      {R"({"shape": [2, 3, 2, 19, 21], "axes": "TZCYX"})", 2, 2,
+       [](auto z, auto c, auto t) { return c + 2 * z + 6 * t; }},
+  };
+  const fs::path path = files.directory() / "a.tif";
+  for (const Hyperstack& stack : stacks) {
+    SCOPED_TRACE(stack.description);
+    TiffLayout layout;
+    layout.description = stack.description;
+    writeTiff(path, all, 0, 12, layout);
+    for (int c = 0; c < stack.channels; ++c) {
+      for (int t = 0; t < stack.times; ++t) {
+        ForeignVolume one = {{21, 19, 12 / stack.channels / stack.times}, all.type, {}};
+        for (std::int64_t z = 0; z < one.dims.z; ++z) {
+          const std::int64_t i = stack.image(z, c, t);
+          const std::vector<std::byte> slice = all.box({{0, 0, i}, {21, 19, i + 1}});
+          one.voxels.insert(one.voxels.end(), slice.begin(), slice.end());
+        }
+        SourceOptions options;
+        options.channel = std::to_string(c);
+        if (stack.times > 1) options.time = t;
+        expectReadsBack(
+            one, [&] { return openSource(path, options); }, 32);
+      }
+    }
+    expectRefused(path, ErrorCode::kUsage, "choose one with --channel");
+  }
+  const auto expect = [&](const std::string& description, ErrorCode code, const std::string& says) {
+    TiffLayout layout;
+    layout.description = description;
+    writeTiff(path, all, 0, 12, layout);
+    SourceOptions options;
+    options.channel = "1", options.time = 0;
+    expectRefused(path, code, says, options);
+  };
+  expect(ome("XYZCT", 5, 1), ErrorCode::kFormat, "says 2 slices, 5 channels and 1 times, but 12 images are found");
+  expect("ImageJ=1\nchannels=9000000000000000000\nframes=9000000000000000000\n", ErrorCode::kFormat,
+         "1000000 channels and 1000000 times");
+  expect(R"({"shape": [9000000000000000000, 9000000000000000000, 3, 19, 21]})", ErrorCode::kFormat, "1000000 channels");
+  expect(ome("XYZCT", 2, 1, "><TiffData IFD=\"0\" FirstC=\"1\"/></Pixels>"), ErrorCode::kUnsupported,
+         "an order of their own");
+}
+
+TEST(IngestTiff, NamedChannels_areChosenByName) {
+  const ForeignFiles files;
+  const ForeignVolume all = randomVolume({21, 19, 4}, VoxelType::u8, 33);
+  const fs::path path = files.directory() / "a.tif";
+  TiffLayout layout;
   layout.description =
-      R"(<?xml version="1.0"?><OME xmlns="x"><Image><Pixels SizeC="2" SizeT="3" SizeZ="1"/></Image></OME>)";
-  expect(layout, "is 6 stacks (channels, times or positions), by OME's description");
-  layout.description = "ImageJ=1\nchannels=9000000000000000000\nframes=9000000000000000000\n";
-  expect(layout, "is 1000000000000 stacks");
-  layout.description = R"({"shape": [9000000000000000000, 9000000000000000000, 3, 19, 21]})";
-  expect(layout, "is 1000000 stacks");
-  layout.description = R"({"shape": [2, 1, 3, 19, 21]})";
-  expect(layout, "is 2 stacks (channels, times or positions), by tifffile's description");
+      "<?xml version=\"1.0\"?><OME xmlns=\"x\"><Image><Pixels DimensionOrder=\"XYZCT\" SizeC=\"2\" SizeT=\"1\" "
+      "SizeZ=\"2\"><Channel Name=\"DAPI\"/><Channel Name=\"GFP\"/><TiffData IFD=\"0\" "
+      "PlaneCount=\"4\"/></Pixels></Image>"
+      "</OME>";
+  writeTiff(path, all, 0, 4, layout);
+  expectRefused(path, ErrorCode::kUsage,
+                "holds 2 channels; choose one with --channel, from 0 to 1: 0 ('DAPI'), 1 ('GFP')");
+  SourceOptions options;
+  options.channel = "GFP";
+  const ForeignVolume last = {{21, 19, 2}, all.type, all.box({{0, 0, 2}, {21, 19, 4}})};
+  expectReadsBack(
+      last, [&] { return openSource(path, options); }, 34);
+  EXPECT_EQ(openSource(path, options)->info().format, "TIFF, 2 slices, channel 1");
+}
+
+// Known: libtiff writes the 16 and 64 bits as they are given; the reader's values are compared with the definition.
+TEST(IngestTiff, HalfFloatsAndWideIntegersBecomeVoxels) {
+  const ForeignFiles files;
+  const fs::path path = files.directory() / "a.tif";
+  ForeignVolume halves = randomVolume({21, 19, 2}, VoxelType::u16, 35);
+  for (std::size_t i = 1; i < halves.voxels.size(); i += 2) halves.voxels[i] &= std::byte{0xbf};  // no infinity, no NaN
+  ForeignVolume wide = {{21, 19, 2}, VoxelType::f64, {}}, narrow = randomVolume({21, 19, 2}, VoxelType::i32, 36);
+  for (std::size_t i = 0; i < narrow.voxels.size(); i += 4) {
+    std::int32_t value;
+    std::memcpy(&value, &narrow.voxels[i], 4);
+    const std::int64_t same = value;
+    const auto* const bytes = reinterpret_cast<const std::byte*>(&same);
+    wide.voxels.insert(wide.voxels.end(), bytes, bytes + 8);
+  }
+  for (const int tile : {0, 16}) {
+    for (const bool big : {false, true}) {
+      TiffLayout layout;
+      layout.tile = tile, layout.big_endian = big, layout.compression = tile == 0 ? 1 : 8;
+      layout.sample_format = 3;
+      writeTiff(path, halves, 0, 2, layout);
+      const auto source = openSource(path);
+      EXPECT_EQ(source->info().type, VoxelType::f32);
+      const std::vector<std::byte> found = readWhole(*source);
+      for (std::size_t i = 0; 2 * i < halves.voxels.size(); ++i) {
+        std::uint16_t bits;
+        float value;
+        std::memcpy(&bits, &halves.voxels[2 * i], 2), std::memcpy(&value, &found[4 * i], 4);
+        const int exponent = bits >> 10 & 31, mantissa = bits & 1023;
+        const double magnitude = exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);
+        ASSERT_EQ(static_cast<double>(value), bits >> 15 ? -magnitude : magnitude) << bits;
+      }
+      layout.sample_format = 2;
+      writeTiff(path, wide, 0, 2, layout);
+      expectReadsBack(narrow, path, 37);
+    }
+  }
+  wide.voxels[4] = std::byte{1};  // of the first value, beyond 32 bits
+  TiffLayout layout;
+  layout.sample_format = 2;
+  writeTiff(path, wide, 0, 2, layout);
+  expectRefused(path, ErrorCode::kFormat, "slice 0: the 64-bit integer");
 }
 
 // Spacings in descriptions, in the units that each program writes.

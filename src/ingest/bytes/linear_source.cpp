@@ -47,6 +47,13 @@ ValueMap mapOf(const SourceInfo& info, const LinearData& data) {
   return {data.stored_type, info.type, swapped, data.slope, data.intercept};
 }
 
+void requireFits(const ValueMap& map, const std::byte* stored, std::size_t count, const std::filesystem::path& file,
+                 std::int64_t slice) {
+  if (const std::optional<std::string> value = map.misfit(stored, count))
+    throw Error(ErrorCode::kFormat, file, fmt::format("slice {}", slice),
+                fmt::format("the 64-bit integer {} does not fit into 32 bits; save the values as double", *value));
+}
+
 // requires: openLinear has checked the product.
 std::uint64_t volumeBytes(const SourceInfo& info, const ValueMap& map) {
   return static_cast<std::uint64_t>(info.geometry.dims.count()) * sizeOf(map.from);
@@ -94,6 +101,7 @@ void RawSource::read(const VoxelBox& box, std::span<std::byte> out) {
       const std::size_t count = static_cast<std::size_t>(rows.count());
       gather(rows, stored.data());
       map_.order(stored.data(), count);
+      requireFits(map_, stored.data(), count, file_.path(), z);
       map_.apply(stored.data(), count, to);
       to += count * sizeOf(map_.to);
     }
@@ -179,6 +187,7 @@ void StreamSource::read(const VoxelBox& box, std::span<std::byte> out) {
 
 void StreamSource::readRun(std::uint64_t voxels, std::byte* out) {
   const std::string where = place();
+  const auto slice = static_cast<std::int64_t>(next_voxel_ / sliceVoxels());
   const std::size_t size = sizeOf(map_.from);
   next_voxel_ += voxels;
   if (map_.copies()) {
@@ -191,6 +200,7 @@ void StreamSource::readRun(std::uint64_t voxels, std::byte* out) {
     const std::size_t now = std::min(voxels - done, stored.size() / size);
     stream_->read(std::span(stored).first(now * size), where);
     map_.order(stored.data(), now);
+    requireFits(map_, stored.data(), now, info_.files.back(), slice);
     map_.apply(stored.data(), now, out + done * sizeOf(map_.to));
     done += now;
   }

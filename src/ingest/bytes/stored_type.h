@@ -1,4 +1,5 @@
-// The types of numbers in foreign files: the types of voxels, and half floats, which become 32-bit floats.
+// The types of numbers in foreign files: the types of voxels, half floats, which become 32-bit floats, and 64-bit
+// integers, which become 32-bit integers if they fit.
 #pragma once
 
 #include <bit>
@@ -28,26 +29,36 @@ struct Half {
 class StoredType {
  public:
   constexpr StoredType(VoxelType type) : type_(type) {}
-  static constexpr StoredType half() {
-    StoredType out(VoxelType::f32);
-    out.half_ = true;
-    return out;
+  static constexpr StoredType half() { return {VoxelType::f32, Width::kHalf}; }
+  /// Integers of 64 bits, signed or not.
+  static constexpr StoredType wide(bool is_signed) {
+    return {is_signed ? VoxelType::i32 : VoxelType::u32, Width::kWide};
   }
 
-  /// The voxel type that holds every stored value.
+  /// The voxel type that holds the stored values; of wide integers those that fit.
   constexpr VoxelType voxel() const { return type_; }
-  constexpr bool isHalf() const { return half_; }
-  friend constexpr std::size_t sizeOf(const StoredType& type) { return type.half_ ? 2 : sizeOf(type.type_); }
+  constexpr bool isHalf() const { return width_ == Width::kHalf; }
+  constexpr bool isWide() const { return width_ == Width::kWide; }
+  /// True if stored values and voxels have the same bytes, except for the byte order.
+  constexpr bool isVoxel() const { return width_ == Width::kSame; }
+  friend constexpr std::size_t sizeOf(const StoredType& type) {
+    return type.isHalf() ? 2 : type.isWide() ? 8 : sizeOf(type.type_);
+  }
 
  private:
+  enum class Width { kSame, kHalf, kWide };
+  constexpr StoredType(VoxelType type, Width width) : type_(type), width_(width) {}
+
   VoxelType type_;
-  bool half_ = false;
+  Width width_ = Width::kSame;
 };
 
-/// Calls `f(std::type_identity<T>{})`, where T is Half or the C++ type of the voxel type.
+/// Calls `f(std::type_identity<T>{})`, where T is Half, a 64-bit integer or the C++ type of the voxel type.
 template <class F>
 decltype(auto) withStoredType(StoredType type, F&& f) {
   if (type.isHalf()) return std::forward<F>(f)(std::type_identity<Half>{});
+  if (type.isWide() && type.voxel() == VoxelType::i32) return std::forward<F>(f)(std::type_identity<std::int64_t>{});
+  if (type.isWide()) return std::forward<F>(f)(std::type_identity<std::uint64_t>{});
   return withVoxelType(type.voxel(), std::forward<F>(f));
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace kiln {
 namespace {
@@ -39,6 +40,20 @@ bool ValueMap::mergesInFloat() const {
   // A float has 24 bits: neighbouring stored values should differ by at least two units in the last place.
   constexpr double kLastPlace = 0x1p-23;
   return std::abs(intercept) * kLastPlace > std::abs(slope) / 2;
+}
+
+std::optional<std::string> ValueMap::misfit(const std::byte* in, std::size_t count) const {
+  if (!from.isWide()) return std::nullopt;
+  const auto search = [&]<class Wide, class Narrow>(Wide, Narrow) -> std::optional<std::string> {
+    for (std::size_t i = 0; i < count; ++i) {
+      Wide value;
+      std::memcpy(&value, in + i * sizeof(Wide), sizeof(Wide));
+      if (!std::in_range<Narrow>(value)) return std::to_string(value);
+    }
+    return std::nullopt;
+  };
+  return from.voxel() == VoxelType::i32 ? search(std::int64_t{}, std::int32_t{})
+                                        : search(std::uint64_t{}, std::uint32_t{});
 }
 
 void ValueMap::apply(const std::byte* in, std::size_t count, std::byte* out) const noexcept {

@@ -1,6 +1,9 @@
 // Turns the bytes of a file into values: swaps the byte order and applies a linear map to another type.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "ingest/bytes/stored_type.h"
 
 namespace kiln {
@@ -23,11 +26,13 @@ struct ValueMap {
   /// True if neighbouring 16-bit stored values may become equal as 32-bit floats, for example with a large offset.
   bool mergesInFloat() const;
   /// True if stored bytes and values are equal, except for the byte order.
-  bool copies() const { return !from.isHalf() && from.voxel() == to && slope == 1 && intercept == 0; }
+  bool copies() const { return from.isVoxel() && from.voxel() == to && slope == 1 && intercept == 0; }
   /// Converts `count` stored values to the machine's byte order, in place.
   void order(std::byte* data, std::size_t count) const noexcept {
     if (swap && sizeOf(from) > 1) swapBytes(data, count, sizeOf(from));
   }
+  /// Returns the first of `count` wide integers that does not fit its voxel type, as text; nothing if all fit.
+  std::optional<std::string> misfit(const std::byte* in, std::size_t count) const;
   /// Maps `count` values in the machine's byte order. requires: `out` does not overlap `in`.
   void apply(const std::byte* in, std::size_t count, std::byte* out) const noexcept;
 };

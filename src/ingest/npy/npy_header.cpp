@@ -120,19 +120,17 @@ std::vector<std::int64_t> NpyDictionary::tuple() {
 
 struct NpyType {
   std::string_view code;
-  VoxelType type;
+  StoredType type;
 };
 
 // By kind and number of bytes: NumPy's u8 has 64 bits.
-constexpr NpyType kTypes[] = {{"u1", VoxelType::u8},  {"i1", VoxelType::i8},  {"u2", VoxelType::u16},
-                              {"i2", VoxelType::i16}, {"u4", VoxelType::u32}, {"i4", VoxelType::i32},
-                              {"f4", VoxelType::f32}, {"f8", VoxelType::f64}};
+constexpr NpyType kTypes[] = {
+    {"u1", VoxelType::u8},      {"i1", VoxelType::i8},          {"u2", VoxelType::u16},         {"i2", VoxelType::i16},
+    {"u4", VoxelType::u32},     {"i4", VoxelType::i32},         {"f4", VoxelType::f32},         {"f8", VoxelType::f64},
+    {"f2", StoredType::half()}, {"i8", StoredType::wide(true)}, {"u8", StoredType::wide(false)}};
 
 // Describes elements that are not read, with the way out.
 std::string_view unreadType(std::string_view code) {
-  if (code == "u8" || code == "i8")
-    return "64-bit integers, which Kiln does not read; save the array as 32-bit integers or float64";
-  if (code == "f2") return "half floats, which Kiln does not read; save the array as float32";
   if (code == "b1") return "truth values, which Kiln does not read; save the array as uint8";
   switch (code.empty() ? ' ' : code.front()) {
     case 'f':

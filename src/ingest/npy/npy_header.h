@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "base/file.h"
-#include "grid/voxel_type.h"
+#include "ingest/bytes/stored_type.h"
 
 namespace kiln {
 
 struct NpyHeader {
-  VoxelType type = VoxelType::u8;
+  StoredType type = VoxelType::u8;
   bool big_endian = false;
   /// True if the first axis is consecutive in the file, false if the last axis is.
   bool fortran_order = false;

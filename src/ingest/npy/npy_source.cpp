@@ -125,7 +125,7 @@ std::unique_ptr<VolumeSource> openNpy(const fs::path& input, const SourceOptions
 
   SourceInfo info;
   info.format = "NumPy";
-  info.type = header.type;
+  info.type = header.type.voxel();
   info.geometry = geometry;
   noteChoices(options, info);
   LinearData data;

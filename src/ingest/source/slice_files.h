@@ -18,6 +18,8 @@ struct SliceFiles {
   std::vector<std::filesystem::path> files;
   /// Sentences about the files passed over.
   std::vector<std::string> notes;
+  /// ", channel 1" if the names of the files chose one of several stacks.
+  std::string part = {};
 };
 
 }  // namespace kiln

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "base/file.h"
-#include "grid/voxel_type.h"
+#include "ingest/bytes/stored_type.h"
 
 namespace kiln {
 
@@ -17,7 +17,7 @@ struct TiffPage {
   int number = 0;
   std::uint64_t directory = 0;
   std::int64_t width = 0, height = 0;
-  VoxelType type = VoxelType::u8;
+  StoredType type = VoxelType::u8;
   /// Tiles of the last row and column may reach beyond the page; the last strip ends with the page.
   std::int64_t block_width = 0, block_height = 0;
   bool tiled = false;
@@ -44,7 +44,7 @@ class TiffFile {
  public:
   /// Opens the file at its first page. The constructor and `next` pass over masks and reduced copies of other pages.
   /// throws: Error kNotFound, kIo, kFormat (not a TIFF file, damaged), kUnsupported naming the kind of page (colour, a
-  /// palette, several samples a pixel, an unknown compression, 12-bit or 64-bit integers).
+  /// palette, several samples a pixel, an unknown compression, 12-bit integers).
   explicit TiffFile(const std::filesystem::path& path);
   ~TiffFile();
   TiffFile(const TiffFile&) = delete;

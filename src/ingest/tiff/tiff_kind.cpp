@@ -78,13 +78,15 @@ const char* formatName(int format) {
 
 }  // namespace
 
-std::optional<VoxelType> voxelTypeOf(const TiffKind& kind) {
+std::optional<StoredType> storedTypeOf(const TiffKind& kind) {
   const bool plain = kind.sample_format == SAMPLEFORMAT_UINT || kind.sample_format == SAMPLEFORMAT_VOID;
   const bool is_signed = kind.sample_format == SAMPLEFORMAT_INT, real = kind.sample_format == SAMPLEFORMAT_IEEEFP;
   if (kind.bits == 8 && (plain || is_signed)) return plain ? VoxelType::u8 : VoxelType::i8;
   if (kind.bits == 16 && (plain || is_signed)) return plain ? VoxelType::u16 : VoxelType::i16;
   if (kind.bits == 32 && (plain || is_signed)) return plain ? VoxelType::u32 : VoxelType::i32;
+  if (kind.bits == 16 && real) return StoredType::half();
   if (kind.bits == 32 && real) return VoxelType::f32;
+  if (kind.bits == 64 && (plain || is_signed)) return StoredType::wide(is_signed);
   if (kind.bits == 64 && real) return VoxelType::f64;
   return std::nullopt;
 }
@@ -100,8 +102,8 @@ std::string refusalOf(const TiffKind& kind) {
     return fmt::format("is compressed with {}{}, which is not read; save it with LZW, Deflate or none",
                        named ? std::string(known->name) + " " : "", fmt::format("(scheme {})", kind.compression));
   }
-  if (!voxelTypeOf(kind)) {
-    return fmt::format("holds {}-bit {}; 8, 16 and 32-bit integers, float and double are read", kind.bits,
+  if (!storedTypeOf(kind)) {
+    return fmt::format("holds {}-bit {}; 8, 16, 32 and 64-bit integers, half, float and double are read", kind.bits,
                        formatName(kind.sample_format));
   }
   return "";

@@ -13,6 +13,7 @@
 #include "ingest/bytes/handle_pool.h"
 #include "ingest/bytes/linear_source.h"
 #include "ingest/bytes/value_map.h"
+#include "ingest/source/chosen_part.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"
 #include "ingest/tiff/tiff_file.h"
@@ -37,16 +38,20 @@ struct Stack {
   /// The number of pages of each file.
   std::vector<std::size_t> pages;
   std::uint64_t largest_packed_block_bytes = 0;
+  /// True if the names of the files chose a channel or time.
+  bool chosen_by_name = false;
+  /// ", channel 1": the part of several for SourceInfo::format.
+  std::string part;
   /// Sentences for the user.
   std::vector<std::string> remarks;
 
   /// True for signed numbers as ImageJ writes them: unsigned and 32768 larger, although TIFF has a signed type.
-  bool storesLargerBy32768() const { return notes && notes->offset_signed && first.type == VoxelType::u16; }
+  bool storesLargerBy32768() const { return notes && notes->offset_signed && first.type.voxel() == VoxelType::u16; }
 };
 
 // Describes the properties that pages of one volume must share.
 std::string describe(const TiffPage& page) {
-  return fmt::format("{} x {} of {}{}{}", page.width, page.height, nameOf(page.type),
+  return fmt::format("{} x {} of {}{}{}", page.width, page.height, nameOf(page.type.voxel()),
                      page.smallest_is_white ? ", its smallest value white" : "",
                      page.orientation == 1 ? "" : fmt::format(", of orientation {}", page.orientation));
 }
@@ -95,11 +100,29 @@ void noteForViewers(const TiffPage& page, std::vector<std::string>& notes) {
         page.orientation));
 }
 
-void refuseHyperstack(const StackNotes& notes, const fs::path& path) {
-  if (notes.channels == 1 && notes.frames == 1) return;
-  throw Error(ErrorCode::kUnsupported, path, "",
-              fmt::format("is {} stacks (channels, times or positions), by {}'s description; save one of them",
-                          notes.channels * notes.frames, notes.writer));
+// Keeps the slices of the chosen channel and time among the planes from `first` on. Returns the part for
+// SourceInfo::format.
+std::string choosePlanes(Stack& stack, std::size_t first, const std::optional<StackNotes>& told,
+                         const SourceOptions& options, const fs::path& path) {
+  const StackNotes notes = told.value_or(StackNotes());
+  const bool several = notes.channels > 1 || notes.frames > 1;
+  if (several && !notes.disorder.empty()) throw Error(ErrorCode::kUnsupported, path, "", notes.disorder);
+  const auto found = static_cast<std::int64_t>(stack.slices.size() - first);
+  if (several && (found % notes.frames != 0 || notes.slices * notes.channels != found / notes.frames))
+    throw Error(ErrorCode::kFormat, path, "",
+                fmt::format("{}'s description says {} slices, {} channels and {} times, but {} images are found",
+                            notes.writer, notes.slices, notes.channels, notes.frames, found));
+  std::vector<std::string> names = notes.channel_names;
+  names.resize(static_cast<std::size_t>(notes.channels));
+  const std::int64_t channel = chosenChannel(options, names, path), time = chosenTime(options, notes.frames, path);
+  if (!several) return "";
+  std::vector<Slice> chosen;
+  for (std::int64_t z = 0; z < notes.slices; ++z)
+    chosen.push_back(stack.slices[first + static_cast<std::size_t>(z * notes.slice_step + channel * notes.channel_step +
+                                                                   time * notes.frame_step)]);
+  stack.slices.resize(first);
+  stack.slices.insert(stack.slices.end(), chosen.begin(), chosen.end());
+  return partOf("channel", channel, notes.channels) + partOf("time", time, notes.frames);
 }
 
 // Returns the number of images behind the first directory: beyond 4 GB ImageJ writes a single directory.
@@ -128,7 +151,6 @@ void requireImages(Stack& stack, const StackNotes& notes, std::size_t found, con
 void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index, const SourceOptions& options) {
   TiffFile file(files[index]);
   const std::optional<StackNotes> notes = stackNotes(file.description());
-  if (notes) refuseHyperstack(*notes, files[index]);
   if (index == 0) {
     stack.first = file.page();
     stack.notes = notes;
@@ -144,13 +166,14 @@ void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index
     stack.slices.push_back({index, page.number, page.directory, 0});
   } while (file.next());
   stack.pages.push_back(stack.slices.size() - before);
-  if (!notes) return;
   const Slice last = stack.slices.back();
-  const std::int64_t behind = stack.slices.size() == before + 1 ? imagesBehind(file, *notes) : 0;
+  const std::int64_t behind = notes && stack.slices.size() == before + 1 ? imagesBehind(file, *notes) : 0;
   for (std::int64_t k = 1; k <= behind; ++k) {
     stack.slices.push_back({last.file, last.page, last.directory, static_cast<std::uint64_t>(k) * file.page().bytes()});
   }
-  if (!notes->counts_all_files) requireImages(stack, *notes, stack.slices.size() - before, files[index], options);
+  if (notes && notes->counts_all_files) return;
+  if (notes) requireImages(stack, *notes, stack.slices.size() - before, files[index], options);
+  if (!stack.chosen_by_name) stack.part = choosePlanes(stack, before, notes, options, files[index]);
 }
 
 class TiffSource : public VolumeSource {
@@ -181,9 +204,19 @@ void TiffSource::read(const VoxelBox& box, std::span<std::byte> out) {
   assert(out.size() == static_cast<std::size_t>(box.count()) * sizeOf(info_.type));
   if (box.empty()) return;
   const std::size_t slice_bytes = out.size() / static_cast<std::size_t>(box.extent().z);
+  const ValueMap map = {stack_.first.type, stack_.first.type.voxel()};
+  const auto count = static_cast<std::size_t>(box.extent().x * box.extent().y);
+  std::vector<std::byte> stored(map.copies() ? 0 : count * sizeOf(map.from));
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
     const VoxelBox in_slice = {{box.lo.x, box.lo.y, z}, {box.hi.x, box.hi.y, z + 1}};
-    readSlice(in_slice, out.data() + static_cast<std::size_t>(z - box.lo.z) * slice_bytes);
+    std::byte* const to = out.data() + static_cast<std::size_t>(z - box.lo.z) * slice_bytes;
+    readSlice(in_slice, map.copies() ? to : stored.data());
+    if (map.copies()) continue;
+    if (const std::optional<std::string> value = map.misfit(stored.data(), count))
+      throw Error(ErrorCode::kFormat, files_[stack_.slices[static_cast<std::size_t>(z)].file],
+                  fmt::format("slice {}", z),
+                  fmt::format("the 64-bit integer {} does not fit into 32 bits; save the values as double", *value));
+    map.apply(stored.data(), count, to);
   }
   if (!stack_.storesLargerBy32768()) return;
   for (std::size_t i = 0; i < out.size(); i += sizeof(std::uint16_t)) {
@@ -200,7 +233,7 @@ void TiffSource::readSlice(const VoxelBox& box, std::byte* out) {
   const auto file = open_.take(slice.file, [&] { return std::make_unique<TiffFile>(files_[slice.file]); });
   file->select(slice.page, slice.directory);
   const std::int64_t bw = file->page().block_width, bh = file->page().block_height;
-  const std::size_t size = sizeOf(info_.type), line = static_cast<std::size_t>(box.extent().x) * size;
+  const std::size_t size = sizeOf(stack_.first.type), line = static_cast<std::size_t>(box.extent().x) * size;
   std::vector<std::byte> packed;
   for (std::int64_t y = box.lo.y / bh * bh; y < box.hi.y; y += bh) {
     for (std::int64_t x = box.lo.x / bw * bw; x < box.hi.x; x += bw) {
@@ -243,23 +276,27 @@ void TiffSource::readPart(TiffFile& file, const Slice& slice, const VoxelBox& bl
 
 std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOptions& options) {
   Stack stack;
+  stack.part = input.part;
+  stack.chosen_by_name = !input.part.empty();
   for (std::size_t i = 0; i < input.files.size(); ++i) addFile(stack, input.files, i, options);
-  if (stack.notes && stack.notes->counts_all_files)
+  if (stack.notes && stack.notes->counts_all_files) {
     requireImages(stack, *stack.notes, stack.slices.size(), input.input, options);
-  else
+    if (!stack.chosen_by_name) stack.part = choosePlanes(stack, 0, stack.notes, options, input.input);
+  } else {
     requirePagesAlike(stack, input.files, options);
+  }
   SourceInfo info;
   info.notes = input.notes;
   noteForViewers(stack.first, info.notes);
   info.notes.insert(info.notes.end(), stack.remarks.begin(), stack.remarks.end());
-  info.type = stack.storesLargerBy32768() ? VoxelType::i16 : stack.first.type;
+  info.type = stack.storesLargerBy32768() ? VoxelType::i16 : stack.first.type.voxel();
   const Extent3 dims = {stack.first.width, stack.first.height, static_cast<std::int64_t>(stack.slices.size())};
   checkedBytes(dims, info.type, input.input);
   info.geometry = tiffGeometry(dims, stack.first, stack.notes, options, info.notes);
   if (stack.notes && !stack.notes->line.empty())
     info.notes.push_back(fmt::format("by {}'s description values are {} what is stored; they are taken as stored",
                                      stack.notes->writer, stack.notes->line));
-  info.format = fmt::format("TIFF, {} {}", dims.z, dims.z == 1 ? "slice" : "slices");
+  info.format = fmt::format("TIFF, {} {}{}", dims.z, dims.z == 1 ? "slice" : "slices", stack.part);
   if (input.files.size() != 1 || input.files.front() != input.input) info.files.push_back(input.input);
   info.files.insert(info.files.end(), input.files.begin(), input.files.end());
   return std::make_unique<TiffSource>(std::move(info), input.files, std::move(stack));

@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
+#include "base/text.h"
 #include "ingest/source/header_text.h"
 #include "ingest/source/length_unit.h"
 
@@ -78,6 +80,7 @@ std::optional<StackNotes> imageJNotes(std::string_view description) {
     if (key == "images") out.images = std::max<std::int64_t>(integerOf(value).value_or(1), 1);
     if (key == "channels") out.channels = stacksFrom(value);
     if (key == "frames") out.frames = stacksFrom(value);
+    if (key == "slices") out.slices = stacksFrom(value);
     // Stacks in reversed order have a negative distance.
     if (key == "spacing") out.spacing = std::abs(doubleOf(value).value_or(0));
     if (key == "unit") unit = value;
@@ -88,6 +91,11 @@ std::optional<StackNotes> imageJNotes(std::string_view description) {
     if (key == "c0") c0 = value;
     if (key == "c1") c1 = value;
   }
+  // Channels follow each other fastest, then slices, then frames.
+  if (out.slices == 0)
+    out.slices = std::clamp<std::int64_t>(out.images / (out.channels * out.frames), 1, 1'000'000'000);
+  out.slice_step = out.channels;
+  out.frame_step = out.channels * out.slices;
   out.in_unit = !unit.empty() && unit != "pixel" && unit != "pixels";
   if (out.in_unit) useUnits(out, unit, unit_y.empty() ? unit : unit_y, unit_z.empty() ? unit : unit_z);
   const std::optional<double> at_zero = doubleOf(c0), slope = doubleOf(c1);
@@ -107,10 +115,43 @@ std::string attributeOf(std::string_view element, const std::string& name) {
   return last == std::string_view::npos ? "" : std::string(element.substr(first + 1, last - first - 1));
 }
 
+// Sets the steps by an order of axes, fastest first: "XYCZT".
+void useOrder(StackNotes& out, std::string_view order) {
+  std::int64_t step = 1;
+  for (const char axis : order) {
+    if (axis == 'Z') out.slice_step = std::exchange(step, step * out.slices);
+    if (axis == 'C') out.channel_step = std::exchange(step, step * out.channels);
+    if (axis == 'T') out.frame_step = std::exchange(step, step * out.frames);
+  }
+}
+
+// Calls `use` with each element of this name up to the first end of a Pixels element.
+template <class Use>
+void forEachElement(std::string_view pixels, const std::string& name, Use&& use) {
+  pixels = pixels.substr(0, pixels.find("</Pixels>"));
+  for (std::size_t at = 0; (at = pixels.find("<" + name + " ", at)) != std::string_view::npos; ++at)
+    use(pixels.substr(at, pixels.find('>', at) - at));
+}
+
+// A TiffData element places planes. Kiln reads planes that follow the order of dimensions.
+void usePlaces(StackNotes& out, std::string_view pixels) {
+  forEachElement(pixels, "TiffData", [&](std::string_view element) {
+    const auto of = [&](const char* name) { return integerOf(attributeOf(element, name)).value_or(0); };
+    // A place in another file: the names of the files decide.
+    if (pixels.find("FileName=") != std::string_view::npos || attributeOf(element, "IFD").empty()) return;
+    const double expected = static_cast<double>(of("FirstZ")) * static_cast<double>(out.slice_step) +
+                            static_cast<double>(of("FirstC")) * static_cast<double>(out.channel_step) +
+                            static_cast<double>(of("FirstT")) * static_cast<double>(out.frame_step);
+    if (static_cast<double>(of("IFD")) != expected)
+      out.disorder = "OME's description puts the planes into an order of their own, not the order of dimensions";
+  });
+}
+
 // Source: the OME data model of 2016-06, Pixels.
 std::optional<StackNotes> omeNotes(std::string_view description) {
   if (description.find("<OME ") == std::string_view::npos) return std::nullopt;
   description.remove_prefix(std::min(description.find("<Pixels "), description.size()));
+  const std::string_view within = description;
   const std::string_view pixels = description.substr(0, description.find('>'));
   const auto of = [&](const std::string& name) { return attributeOf(pixels, name); };
   StackNotes out;
@@ -118,6 +159,11 @@ std::optional<StackNotes> omeNotes(std::string_view description) {
   out.channels = stacksFrom(of("SizeC"));
   out.frames = stacksFrom(of("SizeT"));
   out.images = stacksFrom(of("SizeZ"));
+  out.slices = out.images;
+  useOrder(out, of("DimensionOrder"));
+  if (out.channels > 1 || out.frames > 1) usePlaces(out, within);
+  forEachElement(within, "Channel",
+                 [&](std::string_view element) { out.channel_names.push_back(attributeOf(element, "Name")); });
   out.counts_all_files = true;
   // Micrometres are OME's default for each axis.
   const auto unit = [&](const std::string& axis) {
@@ -141,23 +187,42 @@ std::optional<StackNotes> omeNotes(std::string_view description) {
   return out;
 }
 
-// {"shape": [2, 5, 64, 64]}: dimensions beyond the last three, other than 1, are channels, times or positions.
+// Returns the text of a key of tifffile's JSON between two marks; empty without the key.
+std::string_view jsonValueOf(std::string_view json, const std::string& key, char begin, char end) {
+  std::size_t at = json.find("\"" + key + "\":");
+  if (at == std::string_view::npos) return {};
+  at = json.find(begin, at + key.size() + 3);
+  if (at == std::string_view::npos) return {};
+  return json.substr(at + 1, json.find(end, at + 1) - at - 1);
+}
+
+// {"shape": [2, 5, 64, 64], "axes": "CZYX"}. Without axes all dimensions beyond the last three are channels.
 std::optional<StackNotes> tifffileNotes(std::string_view description) {
-  constexpr std::string_view kBegin = "{\"shape\": [";
-  if (!description.starts_with(kBegin)) return std::nullopt;
-  description.remove_prefix(kBegin.size());
-  const std::string shape(description.substr(0, description.find(']')));
+  if (!description.starts_with("{\"shape\": [")) return std::nullopt;
   std::vector<std::int64_t> dims;
-  for (std::size_t at = 0; at < shape.size();) {
-    const std::size_t end = std::min(shape.find(',', at), shape.size());
-    if (const auto dim = integerOf(trimmed(std::string_view(shape).substr(at, end - at))); dim && *dim != 1)
-      dims.push_back(*dim);
-    at = end + 1;
+  for (const std::string_view dim : splitAt(jsonValueOf(description, "shape", '[', ']'), ','))
+    dims.push_back(std::clamp<std::int64_t>(integerOf(trimmed(dim)).value_or(1), 1, 1'000'000));
+  std::string axes(jsonValueOf(description, "axes", '"', '"'));
+  if (axes.size() != dims.size()) {
+    std::erase(dims, 1);
+    axes = std::string(dims.size() > 3 ? dims.size() - 3 : 0, 'C') + "ZYX";
+    axes.erase(0, axes.size() - std::min(axes.size(), dims.size()));
   }
   StackNotes out;
   out.writer = "tifffile";
-  for (std::size_t i = 0; i + 3 < dims.size(); ++i)
-    out.channels = std::min<std::int64_t>(out.channels * std::clamp<std::int64_t>(dims[i], 1, 1000), 1'000'000);
+  out.slices = 1;
+  std::string order;
+  for (std::size_t i = axes.size(); i-- > 0;) {
+    std::int64_t& count = axes[i] == 'Z' ? out.slices : axes[i] == 'T' ? out.frames : out.channels;
+    if (axes[i] == 'Y' || axes[i] == 'X') continue;
+    count = std::min<std::int64_t>(count * dims[i], 1'000'000);
+    const char kind = axes[i] == 'Z' || axes[i] == 'T' ? axes[i] : 'C';
+    if (dims[i] == 1 || order.ends_with(kind)) continue;
+    if (order.find(kind) != std::string::npos)
+      out.disorder = "tifffile's axes " + inQuotes(axes) + " are no channels, slices and times";
+    order += kind;
+  }
+  useOrder(out, order);
   return out;
 }
 

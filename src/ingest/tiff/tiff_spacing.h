@@ -17,6 +17,11 @@ struct StackNotes {
   const char* writer = "";
   /// The number of images in the file, and the stacks they form; 1 if the description has no number.
   std::int64_t images = 1, channels = 1, frames = 1;
+  /// Slices of one stack; 0 if the description has no number. Image z of channel c at time t is
+  /// z * slice_step + c * channel_step + t * frame_step.
+  std::int64_t slices = 0, slice_step = 1, channel_step = 1, frame_step = 1;
+  /// Names of the channels; empty texts without names.
+  std::vector<std::string> channel_names;
   /// True if the number of images covers all files of the folder (OME), false if it covers this file (ImageJ).
   bool counts_all_files = false;
   /// The distance of slices in `unit`; 0 if the description has none.
@@ -32,6 +37,8 @@ struct StackNotes {
   std::vector<std::string> remarks;
   /// True if signed numbers are stored with 32768 added.
   bool offset_signed = false;
+  /// The reason why the images cannot be told apart; empty if they can.
+  std::string disorder;
   /// Any other calibration line, "values are -1000 + 2 times what is stored"; empty without a calibration.
   std::string line;
 };

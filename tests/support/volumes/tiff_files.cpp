@@ -21,7 +21,8 @@ void setFields(TIFF* tiff, const ForeignVolume& volume, const TiffLayout& layout
   TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, height);
   TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, layout.bits > 0 ? layout.bits : static_cast<int>(sizeOf(volume.type)) * 8);
   TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, layout.samples);
-  TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, sampleFormat(volume.type));
+  TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT,
+               layout.sample_format > 0 ? layout.sample_format : static_cast<int>(sampleFormat(volume.type)));
   TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
   TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, layout.photometric);
   TIFFSetField(tiff, TIFFTAG_COMPRESSION, layout.compression);

@@ -27,6 +27,8 @@ struct TiffLayout {
   int samples = 1;
   /// Bits a sample, if different from the type's; the samples are then bytes of zero.
   int bits = 0;
+  /// 2 signed integers, 3 floating-point numbers; 0 is the volume's own.
+  int sample_format = 0;
   /// Number of pages, from the back, that are marked as smaller copies.
   int reduced_pages = 0;
   std::string description;
