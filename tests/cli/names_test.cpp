@@ -155,6 +155,8 @@ TEST_F(Names, OptionsOfAForeignFileAreNotForAStore) {
   refused(drawn("p.png", {"--spacing", "1,1,5"}), 2, "--spacing applies to files without axes of their own only");
   refused(drawn("p.png", {"--dims", "3,3,3", "--type", "u8"}), 2, "--dims applies to headerless raw data only");
   refused(drawn("p.png", {"--channel", "2"}), 2, "--channel: a store has no channels; leave the option out");
+  refused(drawn("p.png", {"--time", "2"}), 2, "--time: a store has no times; leave the option out");
+  refused(drawn("p.png", {"--scale", "2"}), 2, "--scale: a store has no scales; leave the option out");
   // Options apply to INPUT, not to volumes added to the picture.
   writeRaw();
   writeText(in("v.nhdr"),
