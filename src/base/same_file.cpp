@@ -7,13 +7,12 @@
 #include <cerrno>
 
 #include "base/error.h"
+#include "base/file_stamp.h"
 #include "base/uninterrupted.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
-
-std::int64_t nanoseconds(const timespec& time) { return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec; }
 
 bool isTrusted(uid_t owner) { return owner == ::geteuid() || owner == 0; }
 
@@ -61,7 +60,7 @@ bool isOwnFile(int open_file) {
 std::optional<FileIdentity> identityOf(const fs::path& path) {
   struct stat status;
   if (uninterrupted([&] { return ::stat(path.c_str(), &status); }) == 0)
-    return FileIdentity{status.st_dev, status.st_ino, nanoseconds(status.st_mtim)};
+    return FileIdentity{status.st_dev, status.st_ino, nanosecondsOf(status.st_mtim)};
   if (errno == ENOENT || errno == ENOTDIR) return std::nullopt;
   throw systemError(errno, path, "looking at the file");
 }
@@ -70,7 +69,7 @@ std::int64_t changeTimeNs(const fs::path& path) {
   struct stat status;
   if (uninterrupted([&] { return ::stat(path.c_str(), &status); }) != 0)
     throw systemError(errno, path, "reading the time of its last change");
-  return nanoseconds(status.st_ctim);
+  return nanosecondsOf(status.st_ctim);
 }
 
 void requireOwnDirectory(const fs::path& directory) {

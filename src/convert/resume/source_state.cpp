@@ -6,10 +6,12 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <system_error>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/file_stamp.h"
 #include "base/folder.h"
 #include "base/hash.h"
 #include "base/path_status.h"
@@ -61,11 +63,13 @@ struct TreeState {
 TreeState stateOfTrees(const std::vector<fs::path>& trees) {
   TreeSum stamps, clocks;
   for (const fs::path& tree : trees) {
+    const std::size_t own = tree.native().size() - (tree.has_filename() ? 0 : 1);
     forEachEntryBelow(tree, [&](const fs::directory_entry& entry) {
-      if (!entry.is_regular_file()) return Walk::kGoOn;
-      const std::string name = entry.path().lexically_relative(tree).string();
-      stamps.add(fmt::format("{} {} {}", name, entry.file_size(), entry.last_write_time().time_since_epoch().count()));
-      clocks.add(fmt::format("{} {}", name, changeTimeNs(entry.path())));
+      const std::optional<FileStamp> file = stampOfFile(entry.path());
+      if (!file) return Walk::kGoOn;
+      const std::string name = entry.path().native().substr(own + 1);
+      stamps.add(fmt::format("{} {} {}", name, file->bytes, file->written_ns));
+      clocks.add(fmt::format("{} {}", name, file->changed_ns));
       return Walk::kGoOn;
     });
   }
@@ -136,8 +140,9 @@ bool isStateOf(const std::string& state, const std::vector<fs::path>& files, con
   const TreeState of_trees = stateOfTrees(trees);
   if (text.substr(0, kHashDigits) != stampOf(regular, files.size() > 1, of_trees)) return false;
   if (text.size() == kHashDigits) return true;
-  return text.substr(kHashDigits + 1, kHashDigits) == clockOf(regular, of_trees) ||
-         text.substr(text.size() - std::min(text.size(), kHashDigits)) == contentOf(regular);
+  if (text.substr(kHashDigits + 1, kHashDigits) == clockOf(regular, of_trees)) return true;
+  // The content covers no file of a tree.
+  return trees.empty() && text.substr(text.size() - std::min(text.size(), kHashDigits)) == contentOf(regular);
 }
 
 std::string portableState(const std::string& state) {
