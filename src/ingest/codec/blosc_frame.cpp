@@ -49,7 +49,7 @@ std::optional<std::size_t> unpackPiece(Codec codec, std::span<const std::byte> p
 // Restores the order of the bytes of one block.
 void joinPlanes(const FrameHead& head, std::span<const std::byte> block, std::byte* out) noexcept {
   const std::size_t size = head.number_bytes;
-  if ((head.flags & kBytePlanes) != 0) return joinBytePlanes(block, size, out);
+  if ((head.flags & kBytePlanes) != 0 && size > 1) return joinBytePlanes(block, size, out);
   // A block whose numbers are no multiple of eight stays as it is; bytes behind the last number always do.
   const std::size_t count = block.size() / size, shuffled = count % 8 == 0 ? count * size : 0;
   joinBitPlanes(block.first(shuffled), size, out);
@@ -92,6 +92,7 @@ class FrameReader {
     const std::span<std::byte> raw = planes_ ? std::span(shuffled_).first(out.size()) : out;
     ByteTaker pieces{frame_.subspan(begin)};
     const std::size_t count = splits(out.size()), piece_bytes = out.size() / count;
+    if (piece_bytes * count != out.size()) return false;
     for (std::size_t i = 0; i < count; ++i) {
       const std::span<const std::byte> packed = pieces.takeBytes(pieces.take<std::uint32_t>());
       const std::span<std::byte> to = raw.subspan(i * piece_bytes, piece_bytes);

@@ -30,6 +30,8 @@ class ByteCodec {
                              const ChunkPlace& place) const = 0;
   /// The room that the packed form of `bytes` bytes takes at most. unit: bytes.
   virtual std::uint64_t packedBytes(std::uint64_t bytes) const = 0;
+  /// Memory of `decode` for `bytes` bytes, beside its arguments. unit: bytes.
+  virtual std::uint64_t scratchBytes(std::uint64_t /*bytes*/) const { return 0; }
 };
 
 std::unique_ptr<ByteCodec> gzipCodec();

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/byte_record.h"
+#include "base/hash32.h"
 #include "ingest/codec/block_codecs.h"
 #include "ingest/codec/blosc_frame.h"
 #include "ingest/codec/byte_codec.h"
@@ -56,29 +57,31 @@ std::optional<std::size_t> unpackSizedLz4(std::span<const std::byte> packed, std
 }
 
 // Source: LZ4BlockOutputStream of lz4-java. A block: the magic, a token (codec, level), the packed and the decoded
-// size, an XXH32 of the data masked to 28 bits. The checksum is not tested: sizes and LZ4's own bounds are.
+// size, an XXH32 of the data masked to 28 bits. A block of no data ends the stream.
 std::optional<std::size_t> unpackLz4Stream(std::span<const std::byte> packed, std::span<std::byte> out) {
   constexpr char kMagic[] = {'L', 'Z', '4', 'B', 'l', 'o', 'c', 'k'};
   constexpr unsigned kStored = 0x10, kLz4 = 0x20;
+  constexpr std::uint32_t kSeed = 0x9747b28c, kChecksumBits = 0x0fffffff;
   ByteTaker taker{packed};
   std::size_t done = 0;
   while (!taker.left.empty()) {
     const std::span<const std::byte> magic = taker.takeBytes(sizeof kMagic);
     const unsigned codec = taker.take<std::uint8_t>() & 0xf0u;
     const auto packed_bytes = taker.take<std::uint32_t>(), bytes = taker.take<std::uint32_t>();
-    taker.take<std::uint32_t>();
+    const auto checksum = taker.take<std::uint32_t>();
     const std::span<const std::byte> block = taker.takeBytes(packed_bytes);
     if (!taker.ok || std::memcmp(magic.data(), kMagic, sizeof kMagic) != 0 || bytes > out.size() - done)
       return std::nullopt;
-    if (bytes == 0) continue;
+    if (bytes == 0) return taker.left.empty() ? std::optional(done) : std::nullopt;
     const std::span<std::byte> to = out.subspan(done, bytes);
     if (codec == kStored && block.size() == bytes)
       std::memcpy(to.data(), block.data(), bytes);
     else if (codec != kLz4 || unpackLz4(block, to) != bytes)
       return std::nullopt;
+    if ((hash32Of(to, kSeed) & kChecksumBits) != checksum) return std::nullopt;
     done += bytes;
   }
-  return done;
+  return std::nullopt;
 }
 
 class BloscCodec : public ByteCodec {
@@ -91,6 +94,8 @@ class BloscCodec : public ByteCodec {
     return bytes;
   }
   std::uint64_t packedBytes(std::uint64_t bytes) const override { return grown(bytes); }
+  // A block before its planes are joined, at most the whole frame.
+  std::uint64_t scratchBytes(std::uint64_t bytes) const override { return bytes; }
 };
 
 class ShuffleCodec : public ByteCodec {

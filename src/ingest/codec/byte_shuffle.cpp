@@ -1,9 +1,9 @@
 #include "ingest/codec/byte_shuffle.h"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstdint>
-#include <cstring>
 
 #include "base/vectors.h"
 
@@ -52,7 +52,7 @@ void joinBytePlanes(std::span<const std::byte> planes, std::size_t size, std::by
       }
   }
   const std::size_t joined = size == 1 ? 0 : count * size;
-  std::memcpy(out + joined, planes.data() + joined, planes.size() - joined);
+  std::copy(planes.begin() + static_cast<std::ptrdiff_t>(joined), planes.end(), out + joined);
 }
 
 void joinBitPlanes(std::span<const std::byte> planes, std::size_t size, std::byte* out) noexcept {

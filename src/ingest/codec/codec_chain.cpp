@@ -16,12 +16,14 @@ std::uint64_t CodecChain::packedBytes(std::uint64_t bytes) const {
 }
 
 std::uint64_t CodecChain::scratchBytes(std::uint64_t bytes) const {
-  std::uint64_t out = 0;
-  for (std::size_t i = 0; i + 1 < codecs_.size(); ++i) {
+  // Between two codecs lie the input and the output of a step.
+  std::uint64_t between = 0, within = 0;
+  for (std::size_t i = 0; i < codecs_.size(); ++i) {
+    within = std::max(within, codecs_[i]->scratchBytes(bytes));
     bytes = codecs_[i]->packedBytes(bytes);
-    out = std::max(out, 2 * bytes);
+    if (i + 1 < codecs_.size()) between = std::max(between, 2 * bytes);
   }
-  return out;
+  return between + within;
 }
 
 void CodecChain::decode(std::span<const std::byte> packed, std::span<std::byte> out, const ChunkPlace& place) const {
