@@ -10,7 +10,7 @@ build=(g++ cmake ninja-build pkg-config
        libglm-dev libfmt-dev libcli11-dev nlohmann-json3-dev)
 mpi=(libopenmpi-dev openmpi-bin)
 # Tests hold Kiln's files and its schema against other programs.
-test=(libgtest-dev openimageio-tools ffmpeg python3-jsonschema lowdown)
+test=(libgtest-dev openimageio-tools ffmpeg python3-jsonschema python3-zarr lowdown)
 bench=(libbenchmark-dev)
 demo=(invesalius-examples tar)
 # Other renderers, to compare with.

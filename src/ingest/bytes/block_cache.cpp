@@ -31,7 +31,7 @@ void BlockCache::charge(const Key& key, const std::shared_ptr<Block>& block) {
   const std::scoped_lock lock(mutex_);
   const auto found = entries_.find(key);
   if (found != entries_.end() && found->second.block == block) {
-    found->second.size_bytes = block->bytes->size();
+    found->second.size_bytes = block->bytes->size() + kOwnBytes;
     used_bytes_ += found->second.size_bytes;
   }
   while (used_bytes_ > capacity_bytes_ && !uses_.empty()) {

@@ -21,6 +21,9 @@ class BlockCache {
   };
   using Bytes = std::vector<std::byte>;
 
+  /// What a cached block costs beside its bytes; empty blocks count, too. unit: bytes.
+  static constexpr std::uint64_t kOwnBytes = 256;
+
   /// unit: bytes of cached blocks; blocks in use are not counted. thread: not during a `get`.
   void setCapacity(std::uint64_t bytes) { capacity_bytes_ = bytes; }
   /// Returns the block, decoded by `decode` if it is not cached. throws: the exceptions of `decode`; the next call

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "ingest/source/chosen_part.h"
 #include "ingest/source/header_text.h"
 #include "ingest/source/length_unit.h"
 
@@ -22,57 +23,50 @@ int axisNamed(const std::vector<ArrayAxis>& axes, std::string_view name) {
 
 std::string shown(const AxisNumbers& shape) { return fmt::format("({})", fmt::join(shape, ", ")); }
 
-// Names the axes of an array without names: the last three are z, y, x, as all writers order them.
-void nameAxes(const ArrayName& array, const SourceOptions& options, std::vector<ArrayAxis>& axes) {
-  const auto named = [](const ArrayAxis& axis) { return !axis.name.empty(); };
-  if (std::any_of(axes.begin(), axes.end(), named)) return;
-  const char* const with_time[] = {"x", "y", "z", options.time && !options.channel ? "t" : "c",
-                                   options.time && !options.channel ? "c" : "t"};
-  for (std::size_t i = 0; i < axes.size() && i < 5; ++i) axes[axes.size() - 1 - i].name = with_time[i];
+bool isSpace(const ArrayAxis& axis) {
+  return std::find(std::begin(kNamesOfSpace), std::end(kNamesOfSpace), axis.name) != std::end(kNamesOfSpace);
+}
+
+void requireOneAxisOfAName(const ArrayName& array, const std::vector<ArrayAxis>& axes) {
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    if (!axes[i].name.empty() && axisNamed(axes, axes[i].name) != static_cast<int>(i))
+      throw Error(ErrorCode::kFormat, array.header, "axes",
+                  fmt::format("two axes have the name {}; write different names", inQuotes(axes[i].name)));
+}
+
+// Names axes by their place where none is x, y or z: the last three are z, y, x, as all writers order them; in front
+// of them stand channels and times.
+void nameByPlace(const ArrayName& array, const SourceOptions& options, std::vector<ArrayAxis>& axes,
+                 std::vector<std::string>& notes) {
+  if (std::any_of(axes.begin(), axes.end(), isSpace)) return;
+  std::vector<std::string> names = {"x", "y", "z"}, taken;
+  const bool only_time = options.time && !options.channel;
+  for (const char* const name : {only_time ? "t" : "c", only_time ? "c" : "t"})
+    if (axisNamed(axes, name) < 0) names.emplace_back(name);
+  std::size_t next = 0;
+  for (auto axis = axes.rbegin(); axis != axes.rend() && next < names.size(); ++axis) {
+    if (axis->name == "c" || axis->name == "t") continue;
+    // A name that is no name of space must not become a channel.
+    if (next >= std::size(kNamesOfSpace) && !axis->name.empty()) break;
+    if (!axis->name.empty()) taken.push_back(fmt::format("{} as {}", inQuotes(axis->name), names[next]));
+    axis->name = names[next++];
+  }
+  if (!taken.empty()) notes.push_back(fmt::format("took the axes {}", fmt::join(taken, ", ")));
   if (array.shape.size() < 2)
     throw Error(ErrorCode::kUnsupported, array.header, "shape",
-                fmt::format("{} has one axis; a volume has three", shown(array.shape)));
+                fmt::format("{} has fewer than two axes; a volume has three", shown(array.shape)));
 }
 
-void requireIndex(const ArrayName& array, const char* option, std::int64_t index, std::int64_t count) {
-  if (index >= 0 && index < count) return;
-  throw Error(ErrorCode::kUsage, array.input, option,
-              count == 1 ? fmt::format("there is only number 0 (found {})", index)
-                         : fmt::format("must be a number from 0 to {} (found {})", count - 1, index));
-}
-
-std::string listOf(const std::vector<ArrayChannel>& channels) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < channels.size(); ++i)
-    names.push_back(channels[i].name.empty() ? std::to_string(i) : fmt::format("{} {}", i, inQuotes(channels[i].name)));
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
-std::int64_t channelIndex(const ArrayName& array, std::int64_t count, const std::vector<ArrayChannel>& channels,
-                          const std::optional<std::string>& chosen) {
-  if (!chosen) {
-    if (count == 1) return 0;
-    throw Error(ErrorCode::kUsage, array.input, "--channel",
-                fmt::format("there are {} channels{}; choose one, as --channel 0", count,
-                            channels.empty() ? "" : " (" + listOf(channels) + ")"));
-  }
-  for (std::size_t i = 0; i < channels.size() && static_cast<std::int64_t>(i) < count; ++i)
-    if (channels[i].name == *chosen) return static_cast<std::int64_t>(i);
-  const std::optional<std::int64_t> number = decimalOf<std::int64_t>(*chosen);
-  if (!number)
-    throw Error(ErrorCode::kUsage, array.input, "--channel",
-                fmt::format("no channel has the name {}{}", inQuotes(*chosen),
-                            channels.empty() ? "; give a number from 0" : "; there are " + listOf(channels)));
-  requireIndex(array, "--channel", *number, count);
-  return *number;
-}
-
-std::int64_t timeIndex(const ArrayName& array, std::int64_t count, const std::optional<std::int64_t>& chosen) {
-  if (!chosen && count > 1)
-    throw Error(ErrorCode::kUsage, array.input, "--time",
-                fmt::format("there are {} times; choose one, as --time 0", count));
-  if (chosen) requireIndex(array, "--time", *chosen, count);
-  return chosen.value_or(0);
+// The names of `count` channels.
+std::vector<std::string> channelNames(const ArrayName& array, std::int64_t count,
+                                      const std::vector<ArrayChannel>& channels) {
+  constexpr std::int64_t kMostChannels = 1 << 16;
+  if (count > kMostChannels)
+    throw Error(ErrorCode::kUnsupported, array.header, "shape",
+                fmt::format("{} has more than {} channels", shown(array.shape), kMostChannels));
+  std::vector<std::string> out(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < std::min(out.size(), channels.size()); ++i) out[i] = channels[i].name;
+  return out;
 }
 
 // Fixes the index along every axis but x, y and z.
@@ -82,21 +76,21 @@ void chooseIndices(const ArrayName& array, const std::vector<ArrayAxis>& axes,
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const std::string& name = axes[i].name;
     const std::int64_t count = array.shape[i];
-    if (std::find(std::begin(kNamesOfSpace), std::end(kNamesOfSpace), name) != std::end(kNamesOfSpace)) continue;
+    if (isSpace(axes[i])) continue;
     if (name == "c") {
-      out.fixed[i] = channelIndex(array, count, channels, options.channel);
-      if (count > 1) out.choice += fmt::format(", channel {}", out.fixed[i]);
+      out.fixed[i] = chosenChannel(options, channelNames(array, count, channels), array.input);
+      out.choice += partOf("channel", out.fixed[i], count);
     } else if (name == "t") {
-      out.fixed[i] = timeIndex(array, count, options.time);
-      if (count > 1) out.choice += fmt::format(", time {}", out.fixed[i]);
+      out.fixed[i] = chosenTime(options, count, array.input);
+      out.choice += partOf("time", out.fixed[i], count);
     } else if (count > 1) {
       throw Error(ErrorCode::kUnsupported, array.header, "shape",
                   fmt::format("the axis {} of {} has {} entries, and is neither x, y, z, a channel nor a time",
                               name.empty() ? std::to_string(i) : inQuotes(name), shown(array.shape), count));
     }
   }
-  if (options.channel && axisNamed(axes, "c") < 0) channelIndex(array, 1, channels, options.channel);
-  if (options.time && axisNamed(axes, "t") < 0) requireIndex(array, "--time", *options.time, 1);
+  if (axisNamed(axes, "c") < 0) chosenChannel(options, channelNames(array, 1, channels), array.input);
+  if (axisNamed(axes, "t") < 0) chosenTime(options, 1, array.input);
 }
 
 // RFC-4 of OME-Zarr: the anatomical direction of growing indices, in RAS.
@@ -157,8 +151,9 @@ void placeInWorld(const std::vector<ArrayAxis>& axes, bool has_scale, const Sour
 ArrayVolume volumeOf(const ArrayName& array, std::vector<ArrayAxis> axes, bool has_scale,
                      const std::vector<ArrayChannel>& channels, const SourceOptions& options) {
   axes.resize(array.shape.size());
-  nameAxes(array, options, axes);
+  requireOneAxisOfAName(array, axes);
   ArrayVolume out;
+  nameByPlace(array, options, axes, out.notes);
   glm::i64vec3 dims(1);
   int found = 0;
   for (int i = 0; i < 3; ++i) {

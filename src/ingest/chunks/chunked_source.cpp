@@ -121,15 +121,13 @@ void ChunkedSource::copy(const BlockCache::Bytes& chunk, const VoxelBox& whole, 
 }
 
 void ChunkedSource::finish() {
-  if (array_->absent() == 0) return;
-  double fill = 0;
+  if (array_->absent() == 0 || array_->absent() != array_->decoded()) return;
   withVoxelType(info_.type, [&]<class T>(std::type_identity<T>) {
-    T value;
-    std::memcpy(&value, array_->layout().fill.data(), sizeof value);
-    fill = static_cast<double>(value);
+    T fill;
+    std::memcpy(&fill, array_->layout().fill.data(), sizeof fill);
+    info_.notes.push_back(
+        fmt::format("no chunk of the array exists; all voxels are its fill value, {}", static_cast<double>(fill)));
   });
-  if (array_->absent() == array_->decoded())
-    info_.notes.push_back(fmt::format("no chunk of the array exists; all voxels are its fill value, {}", fill));
 }
 
 }  // namespace

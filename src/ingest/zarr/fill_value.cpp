@@ -1,11 +1,16 @@
 #include "ingest/zarr/fill_value.h"
 
+#include <fmt/format.h>
+
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <type_traits>
+
+#include "ingest/bytes/stored_type.h"
 
 namespace kiln {
 namespace {
@@ -20,12 +25,7 @@ std::optional<double> ofBits(const JsonNode& value, const StoredNumber& number) 
   if (std::from_chars(text.data() + 2, end, bits, 16).ptr != end) return std::nullopt;
   if (number.bytes == 8) return std::bit_cast<double>(bits);
   if (number.bytes == 4) return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
-  std::array<std::byte, 8> half{}, voxel{};
-  std::memcpy(half.data(), &bits, sizeof bits);
-  toVoxels({NumberKind::kFloat, 2, false}, std::span(half).first(2), std::span(voxel).first(4), {});
-  float out;
-  std::memcpy(&out, voxel.data(), sizeof out);
-  return out;
+  return static_cast<double>(Half{static_cast<std::uint16_t>(bits)});
 }
 
 double numberOf(const JsonNode& value, const StoredNumber& number) {
@@ -36,23 +36,28 @@ double numberOf(const JsonNode& value, const StoredNumber& number) {
   return value.number();
 }
 
+template <class T>
+bool holds(double value) {
+  if constexpr (!std::is_integral_v<T>) return true;
+  using Limits = std::numeric_limits<T>;
+  return value == std::floor(value) && value >= static_cast<double>(Limits::min()) &&
+         value <= static_cast<double>(Limits::max());
+}
+
 }  // namespace
 
-std::array<std::byte, 8> fillOf(const std::optional<JsonNode>& value, const StoredNumber& number) {
-  std::array<std::byte, 8> out{};
-  if (!value) return out;
-  const double fill = numberOf(*value, number);
-  withVoxelType(number.voxelType(), [&]<class T>(std::type_identity<T>) {
-    if constexpr (std::is_integral_v<T>) {
-      using Limits = std::numeric_limits<T>;
-      if (fill != std::floor(fill) || !(fill >= static_cast<double>(Limits::min())) ||
-          !(fill <= static_cast<double>(Limits::max())))
-        value->fail("must be a value of " + std::string(nameOf(number.voxelType())));
+void readFill(const std::optional<JsonNode>& value, ZarrArray& out) {
+  if (!value) return;
+  const VoxelType type = out.number.voxelType();
+  const double fill = numberOf(*value, out.number);
+  withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+    if (!holds<T>(fill)) {
+      out.fill_fault = fmt::format("chunks are missing, and their fill value {} is no {}", fill, nameOf(type));
+      return;
     }
     const T voxel = static_cast<T>(fill);
-    std::memcpy(out.data(), &voxel, sizeof voxel);
+    std::memcpy(out.fill.data(), &voxel, sizeof voxel);
   });
-  return out;
 }
 
 }  // namespace kiln

@@ -1,17 +1,14 @@
 // The value of chunks that do not exist.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <optional>
 
-#include "ingest/chunks/stored_number.h"
-#include "ingest/zarr/zarr_json.h"
+#include "ingest/zarr/zarr_array.h"
 
 namespace kiln {
 
-/// Returns the voxel that `value` stands for; 0 without a value. throws: Error kFormat if the value is no number of the
-/// array's type.
-std::array<std::byte, 8> fillOf(const std::optional<JsonNode>& value, const StoredNumber& number);
+/// Sets `out.fill` to the voxel that `value` stands for, 0 without a value, or `out.fill_fault`. requires: `out.number`
+/// is set. throws: Error kFormat if the value is no number.
+void readFill(const std::optional<JsonNode>& value, ZarrArray& out);
 
 }  // namespace kiln

@@ -49,6 +49,12 @@ bool transform(const JsonNode& list, std::vector<ArrayAxis>& axes) {
   return scaled;
 }
 
+// Without "." and "..", and without a slash at the end.
+fs::path plainPath(const fs::path& path) {
+  const fs::path normal = path.lexically_normal();
+  return normal.has_filename() ? normal : normal.parent_path();
+}
+
 ArrayAxis axisOf(const JsonNode& json) {
   ArrayAxis out;
   // Version 0.3 has names alone.
@@ -83,7 +89,9 @@ std::optional<OmeImage> readOmeImage(const fs::path& group) {
   const std::optional<JsonNode> multiscales = ome ? ome->find("multiscales") : std::nullopt;
   if (!multiscales) return std::nullopt;
   const std::vector<JsonNode> images = multiscales->items(1024);
-  if (images.empty()) return std::nullopt;
+  // Programs around N5 use the key for another list, which names no axes; their arrays have attributes of their own.
+  const bool of_n5 = multiscales->file().filename() == "attributes.json";
+  if (images.empty() || (of_n5 && !images.front().find("axes"))) return std::nullopt;
   return OmeImage(group, *ome, images.front(), images.size() > 1);
 }
 
@@ -100,7 +108,7 @@ std::size_t OmeImage::scales() const { return multiscale_.at("datasets").items()
 // A path must not leave the container.
 fs::path OmeImage::arrayOf(const JsonNode& dataset) const {
   const JsonNode path = dataset.at("path");
-  const fs::path relative = fs::path(path.text()).lexically_normal();
+  const fs::path relative = plainPath(path.text());
   const bool leaves = relative.is_absolute() || (!relative.empty() && *relative.begin() == "..");
   if (relative.empty() || leaves || path.text().find('\0') != std::string::npos)
     path.fail("must be a path inside the container");
@@ -110,7 +118,7 @@ fs::path OmeImage::arrayOf(const JsonNode& dataset) const {
 std::optional<std::size_t> OmeImage::scaleOf(const fs::path& path) const {
   const std::vector<JsonNode> datasets = multiscale_.at("datasets").items();
   for (std::size_t i = 0; i < datasets.size(); ++i)
-    if (fs::path(datasets[i].at("path").text()).lexically_normal() == path) return i;
+    if (plainPath(datasets[i].at("path").text()) == path) return i;
   return std::nullopt;
 }
 

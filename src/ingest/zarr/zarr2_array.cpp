@@ -28,7 +28,7 @@ StoredNumber numberOf(const JsonNode& dtype) {
   return {number, bytes, text[0] == '>'};
 }
 
-// A compressor or filter of numcodecs; null for a filter that only rounded the numbers before they were written.
+// A compressor or filter of numcodecs; null for a filter that needs no reverse.
 std::unique_ptr<ByteCodec> codecOf(const JsonNode& json) {
   const JsonNode id = json.at("id");
   const std::string name = id.text();
@@ -37,14 +37,13 @@ std::unique_ptr<ByteCodec> codecOf(const JsonNode& json) {
   if (name == "zstd") return zstdCodec();
   if (name == "lz4") return lz4Codec();
   if (name == "blosc") return bloscCodec();
-  if (name == "crc32c") return crc32cCodec();
-  if (name == "bitround" || name == "quantize") return nullptr;
-  if (name == "shuffle") {
-    const std::optional<JsonNode> size = json.find("elementsize");
-    const std::int64_t bytes = size ? size->whole() : 4;
-    if (bytes < 1 || bytes > 256) size->fail("must be from 1 to 256");
-    return shuffleCodec(static_cast<std::size_t>(bytes));
+  if (name == "crc32c") {
+    const std::optional<JsonNode> location = json.find("location");
+    if (location && location->text() != "end") location->unsupported("a checksum in front of its data is not read");
+    return crc32cCodec();
   }
+  if (isRounding(name)) return nullptr;
+  if (name == "shuffle") return shuffleOf(json.find("elementsize"));
   id.unsupported(fmt::format("the codec {} is not read; write blosc, zstd, lz4, gzip or zlib", id.shown()));
 }
 
@@ -58,7 +57,7 @@ ZarrArray readZarr2(const JsonNode& header) {
   out.shape = header.at("shape").wholes();
   out.chunk_shape = out.file_shape = header.at("chunks").wholes();
   const std::optional<JsonNode> separator = header.find("dimension_separator"), order = header.find("order");
-  out.names.separator = '.';
+  out.names.separator = ChunkNames::kOpen;
   if (separator) {
     const std::string text = separator->text();
     if (text != "." && text != "/") separator->fail("must be \".\" or \"/\"");
@@ -76,7 +75,7 @@ ZarrArray readZarr2(const JsonNode& header) {
   }
   if (const std::optional<JsonNode> compressor = header.find("compressor"))
     if (std::unique_ptr<ByteCodec> codec = codecOf(*compressor)) out.codecs.add(std::move(codec));
-  out.fill = fillOf(header.find("fill_value"), out.number);
+  readFill(header.find("fill_value"), out);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "ingest/source/header_text.h"
 #include "ingest/zarr/fill_value.h"
 #include "ingest/zarr/zarr_array.h"
 
@@ -43,14 +44,9 @@ std::unique_ptr<ByteCodec> byteCodecOf(const Extension& codec) {
   if (codec.name == "lz4") return lz4Codec();
   if (codec.name == "blosc") return bloscCodec();
   if (codec.name == "crc32c") return crc32cCodec();
-  if (codec.name == "shuffle") {
-    const std::optional<JsonNode> size = codec.find("elementsize");
-    const std::int64_t bytes = size ? size->whole() : 4;
-    if (bytes < 1 || bytes > 256) size->fail("must be from 1 to 256");
-    return shuffleCodec(static_cast<std::size_t>(bytes));
-  }
+  if (codec.name == "shuffle") return shuffleOf(codec.find("elementsize"));
   codec.node.unsupported(
-      fmt::format("the codec {} is not read; write blosc, zstd, gzip or crc32c", JsonNode(codec.node).shown()));
+      fmt::format("the codec {} is not read; write blosc, zstd, gzip or crc32c", inQuotes(codec.name)));
 }
 
 // The stored order of the axes, for a "transpose" on top of `axes`.
@@ -104,12 +100,15 @@ void readCodecs(const JsonNode& list, ZarrArray& out) {
     } else if (codec.name == "transpose") {
       if (as_bytes) item.fail("transpose must come before the codec of bytes");
       out.stored_axes = transposed(codec, out.stored_axes);
+    } else if (isRounding(codec.name)) {
+      continue;
     } else if (codec.name == "bytes" || codec.name == "endian") {
       out.number.big_endian = isBigEndian(codec);
       as_bytes = true;
     } else {
+      std::unique_ptr<ByteCodec> of_bytes = byteCodecOf(codec);
       if (!as_bytes) item.fail("a codec of numbers (bytes) must come before codecs of bytes");
-      out.codecs.add(byteCodecOf(codec));
+      out.codecs.add(std::move(of_bytes));
     }
   }
   if (!as_bytes) list.fail("a codec of numbers (bytes, sharding_indexed) is missing");
@@ -155,7 +154,7 @@ std::optional<ZarrArray> readZarr3(const JsonNode& header) {
   readCodecs(header.at("codecs"), out);
   if (const std::optional<JsonNode> transformers = header.find("storage_transformers"))
     if (!transformers->items().empty()) transformers->unsupported("storage transformers are not read");
-  out.fill = fillOf(header.find("fill_value"), out.number);
+  readFill(header.find("fill_value"), out);
   if (const std::optional<JsonNode> names = header.find("dimension_names")) {
     for (const JsonNode& name : names->items()) out.axis_names.push_back(name.isText() ? name.text() : "");
   }

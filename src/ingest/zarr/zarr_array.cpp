@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/folder.h"
 #include "base/path_status.h"
 
 namespace kiln {
@@ -52,7 +53,7 @@ void requireConsistent(const ZarrArray& array) {
   if (!product(array.shape, array.number.bytes, kMostArrayBytes))
     fail(array, "shape", "the array has more than 2^63 bytes");
   if (!product(array.chunk_shape, std::max<std::uint64_t>(array.number.bytes, 4), kMostChunkBytes))
-    fail(array, "chunk shape", "a chunk has 2 GiB or more, which no writer makes");
+    fail(array, "chunk shape", "a chunk has 2 GiB or more, which is not read; write smaller chunks");
   for (std::size_t axis = 0; axis < array.shape.size(); ++axis)
     if (array.file_shape[axis] % array.chunk_shape[axis] != 0)
       fail(array, "shard shape",
@@ -88,6 +89,22 @@ std::uint64_t ZarrArray::chunksInFile() const {
   return out;
 }
 
+namespace {
+
+// Version 2 may leave the separator open: the name of any chunk then shows it.
+char separatorIn(const fs::path& folder) {
+  char out = '.';
+  forEachEntry(folder, [&](const fs::directory_entry& entry) {
+    const std::string name = entry.path().filename().string();
+    if (name.find_first_not_of("0123456789.") != std::string::npos || name.front() == '.') return Walk::kGoOn;
+    out = name.find('.') == std::string::npos ? '/' : '.';
+    return Walk::kStop;
+  });
+  return out;
+}
+
+}  // namespace
+
 fs::path zarrHeaderIn(const fs::path& folder) {
   for (const char* const name : {"zarr.json", ".zarray", ".zgroup", "attributes.json"})
     if (isThere(folder / name)) return folder / name;
@@ -102,6 +119,15 @@ std::optional<JsonNode> zarrAttributes(const fs::path& folder) {
   return std::nullopt;
 }
 
+std::unique_ptr<ByteCodec> shuffleOf(const std::optional<JsonNode>& element_size) {
+  constexpr std::int64_t kMost = 256;
+  const std::int64_t bytes = element_size ? element_size->whole() : 4;
+  if (bytes < 1 || bytes > kMost) element_size->fail(fmt::format("must be from 1 to {}", kMost));
+  return shuffleCodec(static_cast<std::size_t>(bytes));
+}
+
+bool isRounding(const std::string& codec) { return codec == "bitround" || codec == "quantize"; }
+
 std::optional<ZarrArray> readZarrArray(const fs::path& folder) {
   const fs::path header = zarrHeaderIn(folder);
   if (header.empty() || header.filename() == ".zgroup") return std::nullopt;
@@ -112,6 +138,7 @@ std::optional<ZarrArray> readZarrArray(const fs::path& folder) {
   if (!out) return std::nullopt;
   out->folder = folder;
   out->header = header;
+  if (out->names.separator == ChunkNames::kOpen) out->names.separator = separatorIn(folder);
   if (!out->attributes) out->attributes = zarrAttributes(folder);
   requireConsistent(*out);
   return out;

@@ -1,7 +1,6 @@
 // One array of a Zarr or N5 container: its shape, the places of its chunks, and the codecs of a chunk.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -17,6 +16,8 @@ namespace kiln {
 
 /// The name of a chunk's file: the chunk's index in the grid, joined.
 struct ChunkNames {
+  /// A separator that the header does not state.
+  static constexpr char kOpen = '\0';
   std::string prefix;
   char separator = '/';
   /// True for N5, which writes the fastest axis first.
@@ -44,6 +45,8 @@ struct ZarrArray : ChunkLayout {
   std::optional<Sharding> sharding;
   /// True if each chunk has N5's header, and chunks at the border of the array are cut.
   bool has_block_headers = false;
+  /// The reason why no voxel has the declared fill value, which matters once a chunk is missing; empty if one has it.
+  std::string fill_fault;
   /// Empty if the header does not name the axes.
   std::vector<std::string> axis_names;
   /// The attributes: `attributes`, `.zattrs`, or N5's whole header.
@@ -64,6 +67,13 @@ std::optional<JsonNode> zarrAttributes(const std::filesystem::path& folder);
 /// Returns the array in `folder`; nothing if the folder holds a group or no header at all.
 /// throws: Error kFormat, kUnsupported (naming the codec, type or grid), kIo.
 std::optional<ZarrArray> readZarrArray(const std::filesystem::path& folder);
+
+// Codecs with equal settings in versions 2 and 3.
+
+/// The filter "shuffle" of numcodecs; 4 bytes a number unless `element_size` states another size.
+std::unique_ptr<ByteCodec> shuffleOf(const std::optional<JsonNode>& element_size);
+/// True for a filter that only rounded numbers before they were written.
+bool isRounding(const std::string& codec);
 
 // One reader per version, for readZarrArray.
 ZarrArray readZarr2(const JsonNode& header);

@@ -43,24 +43,28 @@ ZarrChunks::ZarrChunks(ZarrArray array) : array_(std::move(array)) {
     files_.push_back((array_.shape[axis] - 1) / length + 1);
     in_file_.push_back(length / array_.chunk_shape[axis]);
   }
-  indexes_.setCapacity(kIndexCacheBytes);
+  indexes_.setCapacity(std::max(kIndexCacheBytes, tableBytes() + BlockCache::kOwnBytes));
 }
+
+std::uint64_t ZarrChunks::tableBytes() const { return array_.sharding ? array_.chunksInFile() * kEntryBytes : 0; }
 
 std::uint64_t ZarrChunks::decodeBytes() const {
   const std::uint64_t stored = array_.chunkBytes(), voxels = stored / array_.number.bytes * voxelBytes();
   // As read, as decoded in the file's type and order, and as voxels.
   const std::uint64_t converted = isStoredAsVoxels(array_.number) ? 0 : 2 * stored;
   const std::uint64_t whole_block = array_.has_block_headers ? voxels : 0;
-  return array_.codecs.packedBytes(stored) + array_.codecs.scratchBytes(stored) + converted + whole_block + voxels;
+  // A shard's table as read and as decoded.
+  const std::uint64_t tables = 2 * tableBytes();
+  return array_.codecs.packedBytes(stored) + array_.codecs.scratchBytes(stored) + converted + whole_block + voxels +
+         tables;
 }
 
 std::uint64_t ZarrChunks::heldBytes() const {
   if (!array_.sharding) return 0;
   std::uint64_t shards = 1;
   for (const std::int64_t count : files_) shards *= static_cast<std::uint64_t>(count);
-  // A table as large as the cache is dropped once its chunk is found.
-  const std::uint64_t table = array_.chunksInFile() * kEntryBytes;
-  return shards > kIndexCacheBytes / table ? kIndexCacheBytes + 2 * table : shards * table + table;
+  const std::uint64_t entry = tableBytes() + BlockCache::kOwnBytes, most = std::max(kIndexCacheBytes, entry);
+  return shards > most / entry ? most : shards * entry;
 }
 
 std::shared_ptr<const BlockCache::Bytes> ZarrChunks::chunk(const AxisNumbers& index) {
@@ -79,6 +83,7 @@ BlockCache::Bytes ZarrChunks::decode(const AxisNumbers& file_index, std::int64_t
   const std::vector<std::byte> packed = packedChunk(at.file, file, place, at);
   if (packed.empty()) {
     ++absent_;
+    if (!array_.fill_fault.empty()) throw Error(ErrorCode::kFormat, array_.header, "fill_value", array_.fill_fault);
     return {};
   }
   if (array_.has_block_headers) return unpackBlock(packed, at);
@@ -137,7 +142,7 @@ std::optional<ZarrChunks::Part> ZarrChunks::partOf(const File& shard, std::int64
 
 BlockCache::Bytes ZarrChunks::shardIndex(const File& shard) const {
   const Sharding& sharding = *array_.sharding;
-  const std::uint64_t bytes = array_.chunksInFile() * kEntryBytes, packed = sharding.index_codecs.packedBytes(bytes);
+  const std::uint64_t bytes = tableBytes(), packed = sharding.index_codecs.packedBytes(bytes);
   const ChunkPlace at{shard.path(), "index of the shard"};
   if (shard.size() < packed)
     at.fail(fmt::format("the file has {} bytes, and the index alone has {}", shard.size(), packed));

@@ -36,6 +36,8 @@ class ZarrChunks : public ChunkedArray {
   void unpack(std::span<const std::byte> packed, std::span<std::byte> voxels, const ChunkPlace& at) const;
   BlockCache::Bytes unpackBlock(std::span<const std::byte> packed, const ChunkPlace& at) const;
   void requireArray() const;
+  /// Size of a shard's table. unit: bytes.
+  std::uint64_t tableBytes() const;
   std::size_t voxelBytes() const { return sizeOf(array_.number.voxelType()); }
 
   ZarrArray array_;

@@ -39,49 +39,65 @@ std::vector<ArrayAxis> axesOf(const ZarrArray& array) {
   return out;
 }
 
-ZarrImage ofArray(ZarrArray array, const SourceOptions& options) {
-  refuseScale(array.folder, options);
+// Opens an array of N5 below `group`, which may hold sizes and places of its arrays.
+ZarrImage ofN5Array(ZarrArray array, const fs::path& group, const SourceOptions& options) {
   std::vector<ArrayAxis> axes = axesOf(array);
-  const bool has_scale = array.format == "N5" && placeN5(array, array.folder, axes);
+  const bool has_scale = placeN5(array, group, axes);
   ZarrImage out;
   out.volume = volumeOf(array.name(), std::move(axes), has_scale, {}, options);
+  if (group != array.folder) out.volume.choice = ", " + array.folder.filename().string() + out.volume.choice;
   out.headers = {array.header};
   out.array = std::move(array);
   return out;
 }
 
 // A multi-scale data set of N5 is a group of arrays s0, s1, and so on; s0 is the finest.
+bool isScaleOfN5(const fs::path& folder) {
+  return zarrHeaderIn(folder).filename() == "attributes.json" && folder.filename().string().starts_with('s') &&
+         decimalOf<std::int64_t>(folder.filename().string().substr(1)).has_value();
+}
+
 std::optional<ZarrImage> ofN5Scales(const fs::path& folder, const SourceOptions& options) {
-  if (zarrHeaderIn(folder / "s0").filename() != "attributes.json") return std::nullopt;
-  const std::int64_t scale = options.scale.value_or(0);
-  std::optional<ZarrArray> array = readZarrArray(folder / fmt::format("s{}", scale));
+  if (!isScaleOfN5(folder / "s0")) return std::nullopt;
+  std::optional<ZarrArray> array = readZarrArray(folder / fmt::format("s{}", options.scale.value_or(0)));
   if (!array && options.scale)
-    throw Error(ErrorCode::kUsage, folder, "--scale", fmt::format("there is no array s{}", scale));
+    throw Error(ErrorCode::kUsage, folder, "--scale", fmt::format("there is no array s{}", *options.scale));
   if (!array) return std::nullopt;
-  std::vector<ArrayAxis> axes = axesOf(*array);
-  const bool has_scale = placeN5(*array, folder, axes);
-  ZarrImage out;
-  out.volume = volumeOf(array->name(), std::move(axes), has_scale, {}, options);
-  out.volume.choice = fmt::format(", s{}", scale) + out.volume.choice;
-  out.headers = {array->header};
-  out.array = *std::move(array);
-  return out;
+  return ofN5Array(*std::move(array), folder, options);
+}
+
+// An absolute path without "." and "..", and without a slash at the end.
+fs::path wholePath(const fs::path& folder) {
+  const fs::path whole = fs::absolute(folder).lexically_normal();
+  return whole.has_filename() ? whole : whole.parent_path();
 }
 
 // The image whose scale an array is, if the group above lists the array.
 std::optional<ZarrImage> imageAbove(const fs::path& folder, const SourceOptions& options) {
-  const fs::path whole = fs::absolute(folder).lexically_normal();
-  const fs::path clean = whole.has_filename() ? whole : whole.parent_path();
-  fs::path above = clean;
+  const fs::path whole = wholePath(folder);
+  fs::path above = whole;
   for (int level = 0; level < 2 && above.has_relative_path(); ++level) {
     above = above.parent_path();
     const std::optional<OmeImage> image = readOmeImage(above);
-    const std::optional<std::size_t> scale = image ? image->scaleOf(clean.lexically_relative(above)) : std::nullopt;
-    if (!scale) continue;
-    if (options.scale) refuseScale(folder, options);
-    return image->open(*scale, options);
+    const std::optional<std::size_t> scale = image ? image->scaleOf(whole.lexically_relative(above)) : std::nullopt;
+    if (scale) return image->open(*scale, options);
   }
   return std::nullopt;
+}
+
+ZarrImage ofArray(ZarrArray array, const SourceOptions& options) {
+  refuseScale(array.folder, options);
+  if (std::optional<ZarrImage> image = imageAbove(array.folder, options)) return *std::move(image);
+  if (array.format == "N5") {
+    const fs::path whole = wholePath(array.folder);
+    const fs::path group = isScaleOfN5(whole) ? whole.parent_path() : array.folder;
+    return ofN5Array(std::move(array), group, options);
+  }
+  ZarrImage out;
+  out.volume = volumeOf(array.name(), axesOf(array), false, {}, options);
+  out.headers = {array.header};
+  out.array = std::move(array);
+  return out;
 }
 
 std::optional<ZarrImage> ofGroup(const fs::path& folder, const SourceOptions& options) {
@@ -156,10 +172,7 @@ ZarrImage onlyImageBelow(const fs::path& folder, const SourceOptions& options) {
 }  // namespace
 
 ZarrImage openZarrImage(const fs::path& folder, const SourceOptions& options) {
-  if (std::optional<ZarrArray> array = readZarrArray(folder)) {
-    if (std::optional<ZarrImage> image = imageAbove(folder, options)) return *std::move(image);
-    return ofArray(*std::move(array), options);
-  }
+  if (std::optional<ZarrArray> array = readZarrArray(folder)) return ofArray(*std::move(array), options);
   if (std::optional<ZarrImage> image = ofGroup(folder, options)) return *std::move(image);
   refusePlate(folder);
   return onlyImageBelow(folder, options);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -17,11 +18,46 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t kMostBytes = 16 << 20;
+// Deeper values would overflow the stack of recursive functions; a value in memory takes up to 100 bytes.
+constexpr int kMostDepth = 64;
+constexpr std::size_t kMostValues = 1 << 18;
+constexpr std::size_t kMostShownBytes = 60;
 
+// Programs in Python write numbers that JSON lacks without quotes; they become texts.
+std::string withQuotedNumbers(const std::string& text) {
+  constexpr std::string_view kNumbers[] = {"NaN", "Infinity", "-Infinity"};
+  std::string out;
+  bool in_text = false;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    const std::string_view rest = std::string_view(text).substr(at);
+    const auto number = std::find_if(std::begin(kNumbers), std::end(kNumbers),
+                                     [&](std::string_view name) { return !in_text && rest.starts_with(name); });
+    if (number != std::end(kNumbers)) {
+      out.append("\"").append(*number).append("\"");
+      at += number->size() - 1;
+      continue;
+    }
+    if (rest[0] == '"') in_text = !in_text;
+    out += rest[0];
+    if (in_text && rest[0] == '\\' && rest.size() > 1) out += text[++at];
+  }
+  return out;
+}
+
+// Consolidated metadata repeat other headers, of which the files themselves are read.
 std::shared_ptr<const json> documentOf(const fs::path& file) {
-  const std::string text = readTextFile(file, kMostBytes);
+  const std::string text = withQuotedNumbers(readTextFile(file, kMostBytes));
+  std::size_t values = 0;
+  const auto keep = [&](int depth, json::parse_event_t event, json& value) {
+    if (depth > kMostDepth)
+      throw Error(ErrorCode::kFormat, file, "", fmt::format("values lie more than {} deep", kMostDepth));
+    if (event == json::parse_event_t::key) return depth != 1 || value != "consolidated_metadata";
+    if (event == json::parse_event_t::value && ++values > kMostValues)
+      throw Error(ErrorCode::kFormat, file, "", fmt::format("has more than {} values", kMostValues));
+    return true;
+  };
   try {
-    return std::make_shared<const json>(json::parse(text));
+    return std::make_shared<const json>(json::parse(text, keep));
   } catch (const json::parse_error& error) {
     throw Error(ErrorCode::kFormat, file, fmt::format("byte {}", error.byte), "is no JSON");
   }
@@ -121,8 +157,10 @@ std::vector<std::string> JsonNode::texts() const {
 }
 
 std::string JsonNode::shown() const {
-  return inQuotes(value_->is_string() ? value_->get<std::string>()
-                                      : value_->dump(-1, ' ', true, json::error_handler_t::replace));
+  std::string text =
+      value_->is_string() ? value_->get<std::string>() : value_->dump(-1, ' ', true, json::error_handler_t::replace);
+  if (text.size() > kMostShownBytes) text = text.substr(0, kMostShownBytes) + "...";
+  return inQuotes(text);
 }
 
 void JsonNode::fail(const std::string& what) const {

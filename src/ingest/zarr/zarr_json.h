@@ -14,7 +14,8 @@ namespace kiln {
 /// A value of a JSON file.
 class JsonNode {
  public:
-  /// Reads a whole file. throws: Error kNotFound, kIo; kFormat if the file is no JSON or larger than 16 MiB.
+  /// Reads a whole file, without consolidated metadata. NaN and Infinity may stand without quotes. throws: Error
+  /// kNotFound, kIo; kFormat if the file is no JSON, is larger than 16 MiB, or has too many or too deep values.
   explicit JsonNode(const std::filesystem::path& file);
 
   const std::filesystem::path& file() const { return file_; }

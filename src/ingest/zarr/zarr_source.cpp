@@ -1,3 +1,5 @@
+#include "base/folder.h"
+#include "base/path_status.h"
 #include "base/text.h"
 #include "ingest/chunks/chunked_source.h"
 #include "ingest/source/formats.h"
@@ -7,8 +9,25 @@
 namespace kiln {
 namespace fs = std::filesystem;
 
+namespace {
+
+// Other programs may use the name attributes.json: its contents show an array, a root or a group of N5.
+bool isOfN5(const fs::path& header) {
+  const JsonNode json(header);
+  if (json.isObject() && (json.find("dimensions") || json.find("n5"))) return true;
+  bool above_others = false;
+  forEachEntry(header.parent_path(), [&](const fs::directory_entry& entry) {
+    above_others = isThere(entry.path() / header.filename());
+    return above_others ? Walk::kStop : Walk::kGoOn;
+  });
+  return above_others;
+}
+
+}  // namespace
+
 bool isZarrFolder(const fs::path& folder) {
-  if (!zarrHeaderIn(folder).empty()) return true;
+  const fs::path header = zarrHeaderIn(folder);
+  if (!header.empty() && (header.filename() != "attributes.json" || isOfN5(header))) return true;
   const std::string ending =
       lowered(folder.has_filename() ? folder.extension().string() : folder.parent_path().extension().string());
   return ending == ".zarr" || ending == ".n5";
