@@ -4,10 +4,10 @@
 
 #include <map>
 
-#include "base/file.h"
 #include "convert/convert.h"
 #include "ingest/open_source.h"
 #include "support/volumes/foreign_files.h"
+#include "support/volumes/store_files.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {
@@ -39,12 +39,7 @@ std::map<std::string, std::vector<std::byte>> converted(const fs::path& input, s
   Progress silent;
   const ConvertReport report = convert(*source, out, options, silent);
   EXPECT_LE(report.buffer_bytes, memory_bytes);
-  std::map<std::string, std::vector<std::byte>> files;
-  for (const auto& entry : fs::recursive_directory_iterator(out)) {
-    const std::string name = fs::relative(entry.path(), out);
-    if (entry.is_regular_file() && name != "manifest.json") files[name] = readFile(entry.path());
-  }
-  return files;
+  return storeFiles(out);
 }
 
 TEST(CompressedConversion, NeedsNoSliceInMemory) {

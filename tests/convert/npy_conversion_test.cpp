@@ -5,11 +5,11 @@
 #include <map>
 #include <random>
 
-#include "base/file.h"
 #include "convert/convert.h"
 #include "convert/plan.h"
 #include "ingest/open_source.h"
 #include "support/volumes/npy_files.h"
+#include "support/volumes/store_files.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {
@@ -35,12 +35,7 @@ std::map<std::string, std::vector<std::byte>> converted(const fs::path& input, c
   options.memory_bytes = ample.source_bytes + ample.lane_bytes + ample.index_bytes;
   Progress silent;
   EXPECT_LE(convert(*source, out, options, silent).buffer_bytes, options.memory_bytes);
-  std::map<std::string, std::vector<std::byte>> files;
-  for (const auto& entry : fs::recursive_directory_iterator(out)) {
-    const std::string name = fs::relative(entry.path(), out);
-    if (entry.is_regular_file() && name != "manifest.json") files[name] = readFile(entry.path());
-  }
-  return files;
+  return storeFiles(out);
 }
 
 TEST(NpyConversion, EitherOrderGivesTheStoreOfTheRawVoxels) {
