@@ -17,8 +17,6 @@ namespace kiln {
 namespace {
 
 constexpr std::uint32_t kCompression = openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK;
-// OpenVDB's own level.
-constexpr int kBloscLevel = 9;
 // Only values of active voxels are stored; inactive voxels have the background value.
 constexpr char kActiveValuesOnly = openvdb::io::NO_MASK_OR_INACTIVE_VALS;
 
@@ -204,7 +202,7 @@ PackedLeaves::PackedLeaves(std::size_t most, std::size_t value_bytes)
     : value_bytes_(value_bytes),
       data_(std::make_unique_for_overwrite<std::byte[]>(most * (Mask::SIZE * value_bytes + Mask::memUsage() +
                                                                 sizeof kActiveValuesOnly + sizeof(std::int64_t) +
-                                                                BLOSC_MAX_OVERHEAD))) {
+                                                                kFrameOverhead_bytes))) {
   leaves_.reserve(most);
   lengths_.reserve(most);
 }
@@ -220,18 +218,12 @@ void PackedLeaves::add(const Leaf& leaf, const void* values, std::size_t stored_
   for (openvdb::Index i = 0; i < Mask::WORD_COUNT; ++i) words[i] = leaf.active.getWord<Mask::Word>(i);
   append(words.data(), sizeof words);
   append(&kActiveValuesOnly, sizeof kActiveValuesOnly);
-  // As openvdb::io::bloscToStream, without its buffer per leaf. The length is negative for uncompressed values.
-  const std::size_t bytes = stored_bytes * count, before = size_;
-  requireBloscMemory(bytes);
-  const int packed = blosc_compress_ctx(kBloscLevel, BLOSC_SHUFFLE, kBloscTypeBytes, bytes, values,
-                                        data_.get() + size_ + sizeof(std::int64_t), bytes + BLOSC_MAX_OVERHEAD,
-                                        BLOSC_LZ4_COMPNAME, /*blocksize=*/bytes, /*threads=*/1);
-  const std::int64_t length = packed > 0 ? packed : -static_cast<std::int64_t>(bytes);
+  // As openvdb::io::bloscToStream, without Blosc.
+  const std::size_t before = size_;
+  const std::size_t packed = packLeaf(values, stored_bytes * count, data_.get() + size_ + sizeof(std::int64_t));
+  const auto length = static_cast<std::int64_t>(packed);
   append(&length, sizeof length);
-  if (packed > 0)
-    size_ += static_cast<std::size_t>(packed);
-  else
-    append(values, bytes);
+  size_ += packed;
   lengths_.push_back(static_cast<std::int64_t>(size_ - before));
 }
 

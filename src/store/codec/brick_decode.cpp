@@ -113,8 +113,8 @@ class LeafReader {
         in_(in),
         spare_(openvdb::PartialCreate(), grid.background()) {}
 
-  /// Returns the compressed values of the next leaf, and advances, if the leaf has the form of the brick writer: the
-  /// mask again, then only values of active voxels. Else returns an empty span, and the leaf must be read by `read`.
+  /// Returns the frame of the next leaf's values, and advances, if the leaf has the form of the brick writer: the mask
+  /// again, then only values of active voxels. Else returns an empty span, and the leaf must be read by `read`.
   std::span<const std::byte> frame(const Mask& active) {
     const std::span<const std::byte> out = packedBytes(active);
     if (out.empty() || !isLeafFrame(out, active.countOn() * storedBytes())) return {};
@@ -123,20 +123,15 @@ class LeafReader {
     prefetchBytes(buffer_.rest(), kHead + out.size(), kHead + kPrefetchedBytes);
     return out;
   }
-  /// True if `read` may read the next leaf: Blosc and OpenVDB do not check its length.
+  /// True if `read` may read the next leaf, whose values have no frame: OpenVDB does not check its length.
   bool isSound(const Mask& active) const {
     if (!packed_) return (compression_ & (openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ZIP)) == 0;
-    const std::size_t bytes = active.countOn() * storedBytes();
-    const std::span<const std::byte> packed = packedBytes(active);
-    if (packed.empty()) return lengthOf(active) == -static_cast<std::int64_t>(bytes);
-    std::size_t unpacked = 0;
-    return blosc_cbuffer_validate(packed.data(), packed.size(), &unpacked) == 0 && unpacked == bytes;
+    return lengthOf(active) == -static_cast<std::int64_t>(active.countOn() * storedBytes());
   }
   /// Calls f(leaf) after reading the next leaf's values into it. requires: `leaf` has its origin and mask.
   template <class F>
   void read(Leaf& leaf, F&& f) {
     leaf.swap(spare_);
-    requireBloscMemory(Leaf::SIZE * sizeof(Value));
     leaf.readBuffers(in_, half_);
     f(std::as_const(leaf));
     leaf.swap(spare_);
@@ -311,8 +306,7 @@ class Decoder {
     forEachLeafOfTree(box, [&](const VoxelCoord& origin, const VoxelBox& part) {
       leaves.push_back({coordOf(origin), maskOf(origin, part)});
     });
-    const bool halves = grid.saveFloatAsHalf();
-    const std::size_t bytes = matchTopology(buffer_.rest(), leaves, sizeof(Value), halves);
+    const std::size_t bytes = matchTopology(buffer_.rest(), leaves, sizeof(Value), grid.saveFloatAsHalf());
     if (bytes == 0) return false;
     buffer_.skip(bytes);
     LeafReader<Grid> reader(grid, buffer_, in_);
@@ -326,9 +320,7 @@ class Decoder {
         return;
       }
       Value values[Leaf::SIZE];
-      const auto count = static_cast<std::size_t>(part.count());
-      if (!(halves ? unpackHalves(frame, count, values) : unpackLeaf<Value>(frame, count, values)))
-        fail(grid.getName() + " has values that cannot be decompressed");
+      unpackCells(grid, frame, static_cast<std::size_t>(part.count()), values);
       const Value* next = values;
       forCubes(part, 1, [&](const VoxelCoord& cell, const VoxelBox&) { set(cell, *next++); });
     });
@@ -342,8 +334,23 @@ class Decoder {
     for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) readCells(grid, reader, *leaf, set);
   }
 
+  template <class Grid, class Value>
+  void unpackCells(const Grid& grid, std::span<const std::byte> frame, std::size_t count, Value* out) const {
+    if (!(grid.saveFloatAsHalf() ? unpackHalves(frame, count, out) : unpackLeaf<Value>(frame, count, out)))
+      fail(grid.getName() + " has values that cannot be decompressed");
+  }
+
   template <class Grid, class F>
   void readCells(const Grid& grid, LeafReader<Grid>& reader, typename LeafReader<Grid>::Leaf& leaf, F&& set) {
+    using Reader = LeafReader<Grid>;
+    if (const auto frame = reader.frame(leaf.valueMask()); !frame.empty()) {
+      typename Reader::Value values[Reader::Leaf::SIZE];
+      unpackCells(grid, frame, leaf.valueMask().countOn(), values);
+      const typename Reader::Value* next = values;
+      for (auto cell = leaf.valueMask().beginOn(); cell; ++cell)
+        set(voxelOf(leaf.offsetToGlobalCoord(cell.pos())), *next++);
+      return;
+    }
     if (!reader.isSound(leaf.valueMask())) fail(grid.getName() + " has values that cannot be decompressed");
     reader.read(leaf, [&](const auto& whole) {
       for (auto cell = whole.cbeginValueOn(); cell; ++cell) set(voxelOf(cell.getCoord()), *cell);

@@ -1,7 +1,9 @@
-// Reads Blosc's frame around the values of a leaf, as written by brick_archive.cpp: one LZ4 block with bytes shuffled
-// by fours, or uncompressed values if LZ4 saves nothing.
-// Problem. Blosc's reader allocates memory per frame, which takes as long as all its further work, and joins bytes that
-// a voxel of fewer bytes does not need.
+// Reads and writes Blosc's frame around the values of a leaf: LZ4 blocks with bytes shuffled, or uncompressed values if
+// LZ4 saves nothing. The brick writer makes one block with bytes shuffled by fours.
+// Problem. Blosc allocates memory per frame, which takes as long as all its further work, and does not check the
+// allocation: a thread without memory would end the process. Its reader joins bytes that a voxel of fewer bytes does
+// not need.
+// Invariant. The bytes of a frame equal those of Blosc at OpenVDB's level, without splitting.
 // Internal, not installed.
 #pragma once
 
@@ -18,17 +20,30 @@ namespace kiln {
 
 /// Size of a number in Blosc's shuffle, for every type. unit: bytes.
 inline constexpr std::size_t kBloscTypeBytes = 4;
+/// A frame is at most this much larger than its values. unit: bytes.
+inline constexpr std::size_t kFrameOverhead_bytes = 16;
+/// The values of a leaf of the widest type. unit: bytes.
+inline constexpr std::size_t kMostLeafBytes = kLeaf * kLeaf * kLeaf * sizeof(double);
 
-/// True for such a frame around `bytes` bytes of values, a multiple of kBloscTypeBytes.
+/// Writes the frame around `bytes` bytes of values and returns its length. shape: `out` has room for `bytes` and the
+/// overhead. requires: at most kMostLeafBytes.
+std::size_t packLeaf(const void* values, std::size_t bytes, std::byte* out) noexcept;
+
+/// True for a frame around `bytes` bytes of values, of any layout that Blosc gives LZ4 and bytes in shuffled order.
 bool isLeafFrame(std::span<const std::byte> frame, std::size_t bytes) noexcept;
+/// True for a frame of the brick writer, compressed or not. requires: isLeafFrame.
+bool isPlainFrame(std::span<const std::byte> frame, std::size_t bytes) noexcept;
 
 /// Returns the values of an uncompressed frame; null for a compressed frame.
 const std::byte* keptValues(std::span<const std::byte> frame) noexcept;
 
-/// Decompresses the first `wanted` of `bytes` bytes of a compressed frame: the first byte of each number, then the
-/// second bytes, and so on. Returns false if the frame is damaged. shape: `planes` has `bytes` bytes.
+/// Decompresses the first `wanted` of `bytes` bytes of a plain, compressed frame: the first byte of each number, then
+/// the second bytes, and so on. Returns false if the frame is damaged. shape: `planes` has `bytes` bytes.
 bool unpackPlanes(std::span<const std::byte> frame, std::size_t bytes, std::size_t wanted,
                   std::uint8_t* planes) noexcept;
+/// Decompresses a compressed frame of any layout: several blocks, split blocks, numbers of another size. Returns false
+/// if the frame is damaged. shape: `values` has `bytes` bytes. requires: isLeafFrame; at most kMostLeafBytes.
+bool unpackBlocks(std::span<const std::byte> frame, std::size_t bytes, std::byte* values) noexcept;
 
 /// Joins the byte planes to `count` numbers of type Stored; a smaller T receives the lower bytes. requires: Stored is
 /// T, or Stored has four bytes and T fewer; count · sizeof(Stored) is a multiple of four.
@@ -58,20 +73,27 @@ template <class Stored, class T>
 using UnpackedFor = std::conditional_t<std::is_same_v<Stored, std::int32_t> && sizeof(T) < kBloscTypeBytes, T, Stored>;
 
 /// Unpacks the `count` values of a leaf from a frame of Stored values. Returns false if the frame is damaged. requires:
-/// isLeafFrame; T is UnpackedFor<Stored, voxel type>.
+/// isLeafFrame; T is UnpackedFor<Stored, voxel type>; at most the values of a leaf.
 template <class Stored, class T>
 bool unpackLeaf(std::span<const std::byte> frame, std::size_t count, T* out) noexcept {
-  if (const std::byte* const kept = keptValues(frame)) {
-    for (std::size_t i = 0; i < count; ++i) {
-      Stored value;
-      std::memcpy(&value, kept + i * sizeof value, sizeof value);
-      out[i] = static_cast<T>(value);
-    }
+  const std::size_t bytes = count * sizeof(Stored);
+  alignas(64) std::byte unpacked[kLeaf * kLeaf * kLeaf * sizeof(Stored)];
+  const std::byte* values = keptValues(frame);
+  if (values == nullptr && isPlainFrame(frame, bytes)) {
+    auto* const planes = reinterpret_cast<std::uint8_t*>(unpacked);
+    if (!unpackPlanes(frame, bytes, count * sizeof(T), planes)) return false;
+    joinPlanes<Stored>(planes, count, out);
     return true;
   }
-  alignas(64) std::uint8_t planes[kLeaf * kLeaf * kLeaf * sizeof(Stored)];
-  if (!unpackPlanes(frame, count * sizeof(Stored), count * sizeof(T), planes)) return false;
-  joinPlanes<Stored>(planes, count, out);
+  if (values == nullptr) {
+    if (!unpackBlocks(frame, bytes, unpacked)) return false;
+    values = unpacked;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    Stored value;
+    std::memcpy(&value, values + i * sizeof value, sizeof value);
+    out[i] = static_cast<T>(value);
+  }
   return true;
 }
 
