@@ -20,6 +20,8 @@ bool isUnsafe(unsigned c) {
          (c >= 0x2028 && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069);
 }
 
+std::string escapedByte(unsigned byte) { return fmt::format("\\x{:02x}", byte); }
+
 // Calls `plain` with the bytes of each safe or kept character. For each unsafe character calls `unsafe` with its code
 // point and false; for each byte outside UTF-8, with the byte and true.
 template <class Keeps, class Plain, class Unsafe>
@@ -84,10 +86,30 @@ std::string shown(std::string_view text, bool several_lines) {
                                   : c == '\t' ? "\\t"
                                   : c == '\r' ? "\\r"
                                               : nullptr;
-        out += known != nullptr ? known
-                                : (is_byte || c < 0x100 ? fmt::format("\\x{:02x}", c) : fmt::format("\\u{:04x}", c));
+        out += known != nullptr ? known : is_byte || c < 0x100 ? escapedByte(c) : fmt::format("\\u{:04x}", c);
       });
   return out;
+}
+
+std::string utf8Of(std::string_view text) {
+  std::string out;
+  eachCharacter(
+      text, [](unsigned) { return true; }, [&](std::string_view character) { out += character; },
+      [&](unsigned byte, bool) { out += escapedByte(byte); });
+  return out;
+}
+
+std::string utf8OfName(std::string_view name) {
+  const auto isHex = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F'); };
+  std::string out;
+  for (; !name.empty(); name.remove_prefix(1)) {
+    const bool escape = name.size() >= 4 && name.starts_with("\\x") && isHex(name[2]) && isHex(name[3]);
+    if (escape)
+      out += escapedByte('\\');
+    else
+      out += name.front();
+  }
+  return utf8Of(out);
 }
 
 std::string shownInJson(std::string_view json) {

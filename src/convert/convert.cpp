@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/elapsed.h"
+#include "base/text.h"
 #include "cluster/ranks.h"
 #include "convert/conversion.h"
 #include "convert/foreign_cache.h"
@@ -37,7 +38,7 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
     manifest.levels.push_back(level);
   }
   manifest.source.format = info.format;
-  for (const fs::path& file : info.files) manifest.source.files.push_back(file.string());
+  for (const fs::path& file : info.files) manifest.source.files.push_back(utf8OfName(file.string()));
   manifest.source.state = stateOf(info.files, info.trees);
   manifest.source.command = options.command;
   manifest.source.time = options.time;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "job/job_options.h"
+#include "store/manifest/json_text.h"
 
 namespace kiln {
 namespace {
@@ -55,21 +56,31 @@ void addDifferences(const ordered_json& there, const ordered_json& here, const s
   }
 }
 
+// The format of a resolved job; 0 for other texts.
+double formatOf(const ordered_json& job) {
+  const auto format = job.is_object() ? job.find("kiln") : job.end();
+  return format != job.end() && format->is_number() ? format->get<double>() : 0;
+}
+
 }  // namespace
 
 std::string resolvedJobText(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function) {
   RenderJob resolved = job;
   resolved.picture.camera = specOf(camera);
   resolved.picture.transfer_function = transfer_function;
-  // A file name need not be UTF-8; JSON must be.
-  return resolvedJson(jobOptions(), resolved).dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  return jsonText(resolvedJson(jobOptions(), resolved), 2) + "\n";
 }
 
-std::string jobDifference(const std::string& there, const std::string& here) {
+std::string jobDifference(const std::string& text_there, const std::string& text_here) {
   constexpr std::size_t kMostSaid = 3;
   const auto parsed = [](const std::string& text) { return ordered_json::parse(text, nullptr, false); };
+  const ordered_json there = parsed(text_there), here = parsed(text_here);
+  // Keys of different formats are not comparable.
+  if (const double format = formatOf(there); format != formatOf(here))
+    return fmt::format("it was drawn by {} Kiln, whose jobs have format {} instead of {}",
+                       format < formatOf(here) ? "an earlier" : "a later", format, formatOf(here));
   std::vector<std::string> differences;
-  addDifferences(parsed(there), parsed(here), "", differences);
+  addDifferences(there, here, "", differences);
   std::string out;
   for (std::size_t i = 0; i < std::min(differences.size(), kMostSaid); ++i) out += (i > 0 ? ", " : "") + differences[i];
   if (differences.size() > kMostSaid) out += fmt::format(", and {} more", differences.size() - kMostSaid);

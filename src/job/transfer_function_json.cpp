@@ -8,6 +8,7 @@
 #include "job/job_names.h"
 #include "job/job_options.h"
 #include "scene/transfer/label_styles.h"
+#include "store/manifest/json_text.h"
 
 namespace kiln {
 namespace {
@@ -28,15 +29,10 @@ void decodeNumbers(const JobObject& function, std::string_view list, std::vector
   }
 }
 
-// A name of a label need not be UTF-8; JSON must be.
-std::string compactJson(const nlohmann::ordered_json& value) {
-  return value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
 // A list with a line for each item.
 std::string linesOfJson(const nlohmann::ordered_json& list) {
   std::string out;
-  for (const nlohmann::ordered_json& item : list) out += (out.empty() ? "[\n    " : ",\n    ") + compactJson(item);
+  for (const nlohmann::ordered_json& item : list) out += (out.empty() ? "[\n    " : ",\n    ") + jsonText(item, -1);
   return out + "]";
 }
 
@@ -75,7 +71,7 @@ std::string transferFunctionText(const TransferFunction& function) {
   std::string out;
   for (const auto& [key, value] : values.items())
     out += fmt::format("{}\n  \"{}\": {}", out.empty() ? "{" : ",", key,
-                       value.is_array() ? linesOfJson(value) : compactJson(value));
+                       value.is_array() ? linesOfJson(value) : jsonText(value, -1));
   return out + "\n}\n";
 }
 

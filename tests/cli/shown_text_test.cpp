@@ -12,6 +12,7 @@
 #include "image/file/image_file.h"
 #include "store/store_reader.h"
 #include "support/system/tool_test.h"
+#include "support/volumes/npy_files.h"
 
 namespace kiln::test {
 namespace {
@@ -88,6 +89,25 @@ TEST_F(ShownTextCli, Json_keepsTheExactText) {
   const std::string exr = in("x.exr");
   ASSERT_EQ(runTool({"render", in(valid + ".kiln"), "-o", exr, "--size", "8x8"}).exit_code, 0);
   EXPECT_EQ(Json::parse(expectHarmless({"info", exr, "--json"}, "\\u202e").out)["volume"], in(valid + ".kiln"));
+}
+
+// Bytes outside UTF-8 are \xNN, and no other name has this text.
+TEST_F(ShownTextCli, Json_namesThatAreNotUtf8StayDifferent) {
+  const auto nameOf = [&](const std::string& name) {
+    const ToolResult result =
+        done({"render", in("h.kiln"), "-o", in(name), "--size", "8x8", "--progress", "json", "--stats", in("s.json")});
+    return Json::parse(result.out.substr(0, result.out.find('\n')))["outputs"][0].get<std::string>();
+  };
+  EXPECT_EQ(nameOf("\xff.png"), in(R"(\xff.png)"));
+  EXPECT_EQ(nameOf(R"(\xff.png)"), in(R"(\x5cxff.png)"));
+  EXPECT_EQ(nameOf(R"(\xf.png)"), in(R"(\xf.png)"));
+  EXPECT_EQ(nameOf("\xc3\xbf.png"), in("\xc3\xbf.png"));
+  // Warnings, the names of a source, and the manifest of its store.
+  writeText(in("v\xfe.npy"), npyFile({{2, 2, 2}, VoxelType::u8, std::vector<std::byte>(8)}));
+  const Json source = Json::parse(done({"info", in("v\xfe.npy"), "--json"}).out)["source"];
+  EXPECT_EQ(source["files"][0], in(R"(v\xfe.npy)"));
+  done({"convert", in("v\xfe.npy"), in("v.kiln")});
+  EXPECT_EQ(Json::parse(done({"info", in("v.kiln"), "--json"}).out)["source"]["files"][0], in(R"(v\xfe.npy)"));
 }
 
 TEST_F(ShownTextCli, TextsOfFiles_areShownEscaped) {

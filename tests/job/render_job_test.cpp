@@ -538,6 +538,16 @@ TEST(RenderJob, ResolvedTextLeavesOutHowFastAndWhereTo) {
   EXPECT_EQ(text, resolvedJobText(job, Camera{}, {}));
 }
 
+// Keys of another format say nothing about the picture.
+TEST(RenderJob, ADifferenceOfFormatsIsOfKilns) {
+  const std::string first = R"({"kiln": 1, "shading": {"ambient": 0.2}})",
+                    second = R"({"kiln": 2, "shading": {"ambient": 0.3}})";
+  EXPECT_EQ(jobDifference(first, second), "it was drawn by an earlier Kiln, whose jobs have format 1 instead of 2");
+  EXPECT_EQ(jobDifference(second, first), "it was drawn by a later Kiln, whose jobs have format 2 instead of 1");
+  EXPECT_EQ(jobDifference(second, R"({"kiln": 2, "shading": {"ambient": 0.5}})"),
+            "shading.ambient is 0.3 there and 0.5 here");
+}
+
 TEST(RenderJob, FilesAreReadAndMissingOnesNamed) {
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / ("kiln_render_job_" + std::to_string(::getpid()));

@@ -5,6 +5,7 @@
 #include "bench/published.h"
 #include "bench/summary.h"
 #include "job/job_names.h"
+#include "store/manifest/json_text.h"
 
 namespace kiln {
 namespace {
@@ -167,7 +168,7 @@ std::string measurementsJson(const Measurements& m) {
                     {"artifacts", artifacts},
                     {"costs", jsonOf(m.costs)},
                     {"scaling", scaling}};
-  return out.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return jsonText(out, 1) + "\n";
 }
 
 }  // namespace kiln

@@ -20,6 +20,7 @@
 #include "say.h"
 #include "scene/transfer/label_styles.h"
 #include "source_arguments.h"
+#include "store/manifest/json_text.h"
 #include "store/store_reader.h"
 
 namespace kiln::tool {
@@ -168,7 +169,7 @@ void printSource(const std::string& path, const SourceInfo& info) {
 std::string sourceForPrograms(const SourceInfo& info) {
   const VolumeGeometry& g = info.geometry;
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
-  for (const fs::path& file : info.files) files.push_back(file.string());
+  for (const fs::path& file : info.files) files.push_back(utf8OfName(file.string()));
   const nlohmann::ordered_json out = {{"dimensions", {g.dims.x, g.dims.y, g.dims.z}},
                                       {"type", nameOf(info.type)},
                                       {"class", wordOf(info.volume_class)},
@@ -177,7 +178,7 @@ std::string sourceForPrograms(const SourceInfo& info) {
                                       {"frame", wordOf(g.frame)},
                                       {"source", {{"format", info.format}, {"files", files}, {"notes", info.notes}}},
                                       {"storage", {{"rawBytes", bytesOf(g, info.type)}}}};
-  return out.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return jsonText(out, 1) + "\n";
 }
 
 // Returns whether the path is a volume that is no store: a file, a folder of slices, or a phantom.

@@ -10,6 +10,7 @@
 #include "job/frame_list.h"
 #include "say.h"
 #include "source_arguments.h"
+#include "store/manifest/json_text.h"
 
 namespace kiln::tool {
 namespace {
@@ -19,10 +20,11 @@ using Json = nlohmann::ordered_json;
 void emit(const char* event, const Json& more) {
   Json line = {{"event", event}, {"time", timeNow()}};
   line.update(more);
-  // A path need not be UTF-8; JSON must be.
-  sayJson(line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+  sayJson(jsonText(std::move(line), -1) + "\n");
   flush();
 }
+
+std::string nameInJson(const std::filesystem::path& path) { return utf8OfName(path.native()); }
 
 // The files of a frame, in a sentence.
 std::string namesOfFiles(const RenderJob& job, int frame) {
@@ -35,7 +37,7 @@ std::string namesOfFiles(const RenderJob& job, int frame) {
 
 Json pathsOf(const RenderJob& job, int frame) {
   Json out = Json::array();
-  for (const OutputFile& file : filesOf(job, frame)) out.push_back(file.path.string());
+  for (const OutputFile& file : filesOf(job, frame)) out.push_back(nameInJson(file.path));
   return out;
 }
 
@@ -86,8 +88,8 @@ void SequenceReport::started(const RenderJob& job, const std::vector<int>& frame
   frames_ = frames.size();
   if (!emitsEvents()) return;
   Json outputs = Json::array();
-  for (const std::filesystem::path& name : namesOf(job.output)) outputs.push_back(name.string());
-  emit("started", {{"volume", job.volume.string()},
+  for (const std::filesystem::path& name : namesOf(job.output)) outputs.push_back(nameInJson(name));
+  emit("started", {{"volume", nameInJson(job.volume)},
                    {"frames", frames.size()},
                    {"numbers", framesText(frames)},
                    {"outputs", outputs}});
@@ -172,13 +174,13 @@ void SequenceReport::showOverall(std::size_t done) {
 void SequenceReport::finished(const RenderJob& job, const SequenceResult& result) {
   const RenderStatistics& s = result.statistics;
   progress_.clear();
-  const std::string video = job.output.video.path.string();
+  const std::filesystem::path& video = job.output.video.path;
   if (emitsEvents())
     return emit("finished", {{"frames", frames_},
                              {"drawn", s.frames.size()},
                              {"kept", s.kept.size()},
                              {"failed", s.failed},
-                             {"video", s.failed.empty() && !video.empty() ? Json(video) : Json(nullptr)},
+                             {"video", s.failed.empty() && !video.empty() ? Json(nameInJson(video)) : Json(nullptr)},
                              {"seconds", seconds()}});
   if (!only_line_.empty()) print(only_line_);
   if (frames_ > 1) {
@@ -187,7 +189,7 @@ void SequenceReport::finished(const RenderJob& job, const SequenceResult& result
                       rate.empty() ? "" : fmt::format(" ({})", rate), s.frames.size(), s.kept.size(), s.failed.size()));
   }
   if (!video.empty() && s.failed.empty())
-    print(fmt::format("{}: {} frames, {} a second", video, frames_, job.output.video.rate.text()));
+    print(fmt::format("{}: {} frames, {} a second", video.string(), frames_, job.output.video.rate.text()));
 }
 
 void SequenceReport::ended(const Error& error) {

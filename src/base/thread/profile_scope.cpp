@@ -71,16 +71,12 @@ void ProfileScope::note(std::string_view key, std::uint64_t value) { notes_ += f
 
 void ProfileScope::note(std::string_view key, std::string_view value) {
   notes_ += fmt::format(R"(,"{}":")", key);
-  while (!value.empty()) {
-    const auto byte = static_cast<unsigned char>(value.front());
-    const std::size_t bytes = bytesOfCharacter(value);
-    if (value.front() == '"' || value.front() == '\\') notes_ += '\\';
-    // A name may have bytes outside UTF-8; JSON may not.
-    if (bytes == 0 || byte < 0x20)
-      notes_ += fmt::format("\\u{:04x}", byte);
+  for (const char c : utf8OfName(value)) {
+    if (c == '"' || c == '\\') notes_ += '\\';
+    if (c >= 0 && c < 0x20)
+      notes_ += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
     else
-      notes_ += value.substr(0, bytes);
-    value.remove_prefix(std::max<std::size_t>(bytes, 1));
+      notes_ += c;
   }
   notes_ += '"';
 }

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "grid/pyramid.h"
 #include "grid/shared_world.h"
+#include "store/manifest/json_text.h"
 #include "store/ranges/minmax_octree.h"
 
 namespace kiln {
@@ -316,7 +317,7 @@ std::string manifestText(const Manifest& m) {
       {"source", sourceJson(m.source, m.format)},
       {"checksum", std::string(kDigits, '0')},
   };
-  std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::string text = jsonText(std::move(json), 1) + "\n";
   text.replace(digitsOf(text), kDigits, toHex(hashOf(text)));
   return text;
 }
