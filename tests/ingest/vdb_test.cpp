@@ -257,9 +257,13 @@ TEST_F(Vdb, TheGridIsTheOnlyScalarOneOrDensityOrTheNamed) {
   EXPECT_EQ(openVdb(write({{VdbKind::kVec3, "v"}, {VdbKind::kDouble, "heat"}}), {})->info().vdb->grid_name, "heat");
   const fs::path two = write({{VdbKind::kFloat, "heat"}, {VdbKind::kInt32, "density"}, {VdbKind::kFloat, "apron"}});
   EXPECT_EQ(openVdb(two, {})->info().type, VoxelType::i32);
+  EXPECT_EQ(openVdb(two, {})->info().notes,
+            std::vector<std::string>{"grid 'density' is read, and not 'heat' (Tree_float_5_4_3), 'apron' "
+                                     "(Tree_float_5_4_3); --grid NAME chooses"});
   SourceOptions options;
   options.grid_name = "heat";
   EXPECT_EQ(openVdb(two, options)->info().type, VoxelType::f32);
+  EXPECT_TRUE(openVdb(two, options)->info().notes.empty());
   options.grid_name = "cold";
   expectRefused(two, ErrorCode::kUsage, "'heat' (Tree_float_5_4_3)", options);
   expectRefused(write({{VdbKind::kFloat, "heat"}, {VdbKind::kFloat, "fuel"}}), ErrorCode::kUsage,

@@ -152,6 +152,16 @@ std::string listOf(const std::vector<GridEntry>& entries) {
   return out.empty() ? "none" : out;
 }
 
+// Names the grids that could have been read instead of the chosen grid, as a note; empty if there are none.
+std::string otherGridsText(const std::vector<GridEntry>& entries, const GridEntry& chosen) {
+  std::vector<GridEntry> others;
+  for (const GridEntry& entry : entries) {
+    if (&entry != &chosen && scalarOf(*entry.grid)) others.push_back(entry);
+  }
+  if (others.empty()) return {};
+  return fmt::format("grid '{}' is read, and not {}; --grid NAME chooses", chosen.name(), listOf(others));
+}
+
 const GridEntry& chooseGrid(const fs::path& path, const std::vector<GridEntry>& entries, const SourceOptions& options) {
   if (options.grid_name) {
     const auto named = [&](const GridEntry& entry) { return entry.name() == *options.grid_name; };
@@ -276,7 +286,10 @@ std::unique_ptr<VolumeSource> openChecked(const fs::path& path, const SourceOpti
   const openvdb::GridBase::Ptr grid = file.load(entry);
   const auto open = [&]<class Grid, class T>(const std::shared_ptr<Grid>& typed, VoxelType type,
                                              std::type_identity<T>) -> std::unique_ptr<VolumeSource> {
-    return std::make_unique<VdbSource<Grid, T>>(infoOf(*grid, type, path, entry), typed, file.heldBytes());
+    SourceInfo info = infoOf(*grid, type, path, entry);
+    if (const std::string note = otherGridsText(file.entries(), entry); !options.grid_name && !note.empty())
+      info.notes.push_back(note);
+    return std::make_unique<VdbSource<Grid, T>>(std::move(info), typed, file.heldBytes());
   };
   if (const auto f32 = openvdb::gridPtrCast<openvdb::FloatGrid>(grid))
     return open(f32, VoxelType::f32, std::type_identity<float>());
