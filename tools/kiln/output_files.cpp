@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/folder.h"
+#include "say.h"
 #include "store/store_reader.h"
 
 namespace kiln::tool {
@@ -24,12 +26,20 @@ std::optional<struct stat> fileStatus(const fs::path& path) {
   return status;
 }
 
+// A terminal or a discarding device has no content that further text could damage.
+bool isStandardOutput(const fs::path& path) {
+  struct stat output, found;
+  return ::fstat(STDOUT_FILENO, &output) == 0 && !S_ISCHR(output.st_mode) && ::stat(path.c_str(), &found) == 0 &&
+         output.st_dev == found.st_dev && output.st_ino == found.st_ino;
+}
+
 }  // namespace
 
 void OutputFiles::add(const fs::path& path, const std::string& option) {
   if (path.empty()) return;
   if (const fs::path folder = behindLinks(path).parent_path(); folders_.insert(folder).second)
     requireOutsideStores(path, option);
+  if (isStandardOutput(path)) sayToStandardError();
   if (const std::optional<struct stat> found = fileStatus(path))
     outputs_.push_back({path, option, found->st_dev, found->st_ino, found->st_nlink > 1});
 }

@@ -13,7 +13,8 @@ namespace kiln::tool {
 class OutputFiles {
  public:
   /// Adds an output; `option`, such as "--stats", names it in errors. A path without a regular file, as a device,
-  /// cannot lose data and passes. throws: Error kUsage if the file would be in a store's folder.
+  /// cannot lose data and passes. If the output is standard output, the command's text goes to standard error. throws:
+  /// Error kUsage if the file would be in a store's folder.
   void add(const std::filesystem::path& path, const std::string& option = "-o");
 
   /// Checks an input: a file, or a folder with all files below it. Call before anything is written. throws: Error

@@ -5,15 +5,19 @@
 namespace kiln::tool {
 namespace {
 
+std::FILE* report = stdout;
+
 void write(std::string_view text, std::FILE* file) { std::fwrite(text.data(), 1, text.size(), file); }
 
 }  // namespace
 
-void sayLines(std::string_view text) { write(shown(text, true), stdout); }
+void sayLines(std::string_view text) { write(shown(text, true), report); }
 
-void sayJson(std::string_view text) { write(shownInJson(text), stdout); }
+void sayJson(std::string_view text) { write(shownInJson(text), report); }
 
-void flush() { std::fflush(stdout); }
+void flush() { std::fflush(report); }
+
+void sayToStandardError() { report = stderr; }
 
 void complainPlainly(const char* sentence) noexcept { std::fprintf(stderr, "kiln: %s\n", sentence); }
 
@@ -30,6 +34,6 @@ void drawLine(std::string_view line, std::size_t columns) {
 
 void clearLine() { write("\r\033[K", stderr); }
 
-void detail::print(std::string_view text, bool as_error) { write(text, as_error ? stderr : stdout); }
+void detail::print(std::string_view text, bool as_error) { write(text, as_error ? stderr : report); }
 
 }  // namespace kiln::tool

@@ -25,6 +25,8 @@ void sayLines(std::string_view text);
 void sayJson(std::string_view text);
 /// Flushes standard output.
 void flush();
+/// Prints all further text of the command to standard error, because one of its files is standard output.
+void sayToStandardError();
 
 /// Prints to standard error, as `say`.
 template <class... Args>
