@@ -282,7 +282,8 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
                                 part(memory.deep, "deep samples (--deep-samples)"),
                             formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),
                             part(memory.least_files, "a file's compression (--compression)") +
-                                part(memory.threads, "threads' stacks (--threads)") + part(memory.trace, "the trace"),
+                                part(memory.threads, "threads' stacks (--threads)") + part(memory.trace, "the trace") +
+                                part(memory.functions, "transfer functions"),
                             formatBytes(memory.brick), memory.brickText()));
   }
   return budget_bytes - memory.besideBricks() - sparePagesBytes(memory, budget_bytes);

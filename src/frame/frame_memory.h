@@ -25,6 +25,7 @@ struct FrameMemory {
   std::uint64_t files = 0;       // compressing the picture's files, with as many threads as a share of the rest allows
   std::uint64_t threads = 0;     // stacks of threads and memory that libraries keep per thread
   std::uint64_t trace = 0;       // the trace, if requested
+  std::uint64_t functions = 0;   // transfer functions, charged by the caller, who has resolved them
   std::uint64_t behind =
       0;  // the previous frame of a sequence, whose files are being written, out of the remaining memory
   std::uint64_t shared = 0;  // brick files exchanged by ranks; a share of the rest
@@ -39,7 +40,7 @@ struct FrameMemory {
   int band_px = 64;  // height of the band: at most a quarter of the budget, and bricks get no less
 
   std::uint64_t besideBricks() const {
-    return framebuffer() + visibility + index + slabs + files + threads + trace + shared;
+    return framebuffer() + visibility + index + slabs + files + threads + trace + functions + shared;
   }
   /// Memory that grows with the drawn pixels.
   std::uint64_t framebuffer() const { return image + face + band + deep + behind; }

@@ -146,6 +146,7 @@ std::string statisticsText(const RenderStatistics& s) {
                    {"peak_slabs_bytes", s.peak_slabs_bytes},
                    {"shared_reads_bytes", s.shared_reads_bytes},
                    {"trace_bytes", s.trace_bytes},
+                   {"functions_bytes", s.functions_bytes},
                    {"peak_rss_bytes", s.peak_rss_bytes}};
   out["fit"] = {{"files_read", s.fit.files}, {"read_bytes", s.fit.bytes}};
   out["time"] = {{"load_s", s.load_s}, {"render_s", s.render_s}, {"output_s", s.output_s}};

@@ -51,6 +51,8 @@ class SceneOfJob {
   int mostSamples() const;
   /// Returns a volume's still function, or the functions of its keys.
   const std::vector<TransferFunction>& functionsOf(std::size_t volume) const { return functions_[volume].values; }
+  /// Returns the memory of all functions, their copies, and their text in a picture's header. unit: bytes.
+  std::uint64_t functionBytes() const;
 
  private:
   // The functions of one volume.

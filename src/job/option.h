@@ -129,6 +129,8 @@ void readOptions(const Options<Owner>& options, const JobObject& object, Owner& 
 template <class Owner>
 nlohmann::ordered_json resolvedJson(const Options<Owner>& options, const Owner& owner) {
   auto out = nlohmann::ordered_json::object();
+  // Growth copies every value, as keys of an ordered_json are constant; a function's table is large.
+  out.get_ref<nlohmann::ordered_json::object_t&>().reserve(options.size());
   for (const Option<Owner>& option : options) {
     nlohmann::ordered_json value;
     if (!option.value.inside.empty())

@@ -75,6 +75,7 @@ std::string dryRunText(const DryRun& run) {
                                         {"visibility_bytes", run.memory.visibility},
                                         {"slabs_bytes", run.memory.slabs},
                                         {"trace_bytes", run.memory.trace},
+                                        {"functions_bytes", run.memory.functions},
                                         {"index_bytes", run.memory.index},
                                         {"files_bytes", run.memory.files},
                                         {"threads_bytes", run.memory.threads},

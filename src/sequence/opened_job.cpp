@@ -134,10 +134,12 @@ FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& store
   for (const StoreReader* const store : stores) least = std::max(least, store->largestReadBytes());
   if (!job.volumes.empty())
     least = std::max(least, bytesAtOnce(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
-  // The caller's memory is taken off before shares of the budget are computed.
-  job.speed.memory_bytes -= std::min(job.speed.memory_bytes, beside.bytes);
+  // Memory that the frame cannot choose is taken off before shares of the budget are computed.
+  const std::uint64_t functions = scenes.functionBytes();
+  job.speed.memory_bytes -= std::min(job.speed.memory_bytes, beside.bytes + functions);
   FrameMemory out = frameMemory(stores, job, least, beside.at_a_time ? std::optional(written) : std::nullopt);
   out.image += beside.bytes;
+  out.functions = functions;
   return out;
 }
 
@@ -270,6 +272,7 @@ void OpenedJob::describeMemory(RenderStatistics& statistics) const {
   statistics.threads_bytes = memory_.threads;
   statistics.slabs_bytes = memory_.slabs;
   statistics.trace_bytes = memory_.trace;
+  statistics.functions_bytes = memory_.functions;
   statistics.shared_reads_bytes = memory_.shared;
   statistics.fit = fit_;
 }

@@ -302,7 +302,7 @@ TEST_F(Cli, StatisticsHaveTheKeysOfTheContract) {
   EXPECT_EQ(stats["memory"]["budget_bytes"], 2ull << 30);
   EXPECT_EQ(stats["memory"]["budget_bytes"],
             sumOf(stats["memory"], {"cache_bytes", "framebuffer_bytes", "visibility_bytes", "index_bytes",
-                                    "slabs_bytes", "trace_bytes", "files_bytes", "threads_bytes"}));
+                                    "slabs_bytes", "functions_bytes", "trace_bytes", "files_bytes", "threads_bytes"}));
   EXPECT_LE(stats["memory"]["peak_cache_bytes"], stats["memory"]["cache_bytes"]);
 }
 

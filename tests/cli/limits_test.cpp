@@ -77,11 +77,20 @@ TEST_F(Limits, ListsOfAJobThatAreTooLong_areRefusedInOneLine) {
     return jobWith(R"("transferFunction": {)" + ("\"" + key) + "\": " + listOf("{}", count) + "}");
   };
   refused({"render", function("points", 65537)}, 2, "expected at most 65536 points, found 65537");
-  refused({"render", function("labels", 262145)}, 2, "expected at most 262144 labels, found 262145");
+  refused({"render", function("labels", 65537)}, 2, "expected at most 65536 labels, found 65537");
   const std::string point = R"({"value": 0, "color": [0, 0, 0], "opacity": 0})";
   refused({"render", jobWith(R"("transferFunction": {"points": [)" + point + R"(], "gradientOpacity": )" +
                              listOf("{}", 65537) + "}")},
           2, "expected at most 65536 points, found 65537");
+}
+
+// A description of labels has no list whose length a parser could bound.
+TEST_F(Limits, ALabelBeyondTheMostOfAFunction_isRefusedWithItsLine) {
+  std::string text;
+  for (int i = 1; i <= 65537; ++i) text += std::to_string(i) + " 0 0 0 1 1 1 \"\"\n";
+  writeText(in("labels.txt"), text);
+  refused({"render", in("h.kiln"), "-o", in("o.png"), "--tf", in("labels.txt")}, 1,
+          "line 65537: a transfer function has at most 65536 labels; describe those to draw");
 }
 
 TEST_F(Limits, NumbersThatAreNone_areRefusedInOneLine) {

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "image/srgb.h"
+#include "scene/scene_limits.h"
 #include "scene/transfer/label_palette.h"
 
 namespace kiln {
@@ -75,6 +76,9 @@ TransferFunction labelDescription(const std::string& text, const std::filesystem
     if (!known.insert(found->label).second)
       throw Error(ErrorCode::kFormat, path, fmt::format("line {}", number),
                   fmt::format("label {:.0f} is given twice; remove one of its lines", found->label));
+    if (out.labels.size() == kMostLabelLooks)
+      throw Error(ErrorCode::kFormat, path, fmt::format("line {}", number),
+                  fmt::format("a transfer function has at most {} labels; describe those to draw", kMostLabelLooks));
     LabelStyle style{found->label, found->name, {}, found->in_mesh != 0 && found->label != 0 ? found->opacity : 0};
     for (int c = 0; c < 3; ++c) style.color[c] = linearFromSrgb(found->channels[c] / 255);
     out.labels.push_back(std::move(style));
@@ -149,10 +153,8 @@ std::string unknownLabelsText(const std::vector<TransferFunction>& functions, co
   std::string list;
   std::size_t unknown = 0;
   for (const LabelCount& count : *known) {
-    const bool given = std::any_of(functions.begin(), functions.end(), [&](const TransferFunction& function) {
-      return std::any_of(function.labels.begin(), function.labels.end(),
-                         [&](const LabelStyle& style) { return style.label == count.label; });
-    });
+    const bool given = std::any_of(functions.begin(), functions.end(),
+                                   [&](const TransferFunction& function) { return function.hasLabel(count.label); });
     if (given || count.label == 0) continue;
     if (++unknown <= 8) list += fmt::format("{}{:.0f}", list.empty() ? "" : ", ", count.label);
   }

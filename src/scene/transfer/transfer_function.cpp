@@ -7,7 +7,6 @@
 #include <limits>
 
 namespace kiln {
-
 namespace {
 
 auto firstFrom(const std::vector<LabelStyle>& labels, double value) {
@@ -16,6 +15,11 @@ auto firstFrom(const std::vector<LabelStyle>& labels, double value) {
 }
 
 }  // namespace
+
+bool TransferFunction::hasLabel(double label) const {
+  const auto style = firstFrom(labels, label);
+  return style != labels.end() && style->label == label;
+}
 
 bool TransferFunction::labelsShownIn(double lo, double hi) const {
   for (auto style = firstFrom(labels, lo); style != labels.end() && style->label <= hi; ++style) {

@@ -56,6 +56,8 @@ struct TransferFunction {
   double gradientFactor(double gradient) const;
   /// NaN is transparent, and so are labels without an entry. cost: a binary search.
   Classified at(double value) const;
+  /// cost: a binary search.
+  bool hasLabel(double label) const;
   /// True if a label in [lo, hi] is not transparent.
   bool labelsShownIn(double lo, double hi) const;
   bool interesting(double value) const { return at(value).opacity > 0; }
