@@ -8,6 +8,7 @@
 
 #include "base/file_lock.h"
 #include "base/memory/memory.h"
+#include "base/shell_text.h"
 #include "convert/plan.h"
 #include "convert/resume/journal.h"
 #include "convert/resume/output_directory.h"
@@ -134,7 +135,7 @@ fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options
   throw Error(
       ErrorCode::kUsage, input, "",
       "is no store, and none of it is there; what its pictures cost is known once it is converted: kiln convert " +
-          input.string() + " NAME.kiln");
+          shellText(input.string()) + " NAME.kiln");
 }
 
 fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,

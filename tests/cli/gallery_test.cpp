@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
+
 #include "image/file/image_file.h"
 #include "image/srgb.h"
 #include "support/system/tool_test.h"
@@ -57,6 +60,17 @@ TEST_F(GalleryCli, AllPresets_haveACommandEach) {
   EXPECT_NE(result.out.find("--tf ct-bone -o ct-bone.png\n"), std::string::npos) << result.out;
   EXPECT_EQ(result.out.find("levelset"), std::string::npos) << "a solid box of a volume that is no level set";
   EXPECT_NE(result.out.find("bricks read ("), std::string::npos) << result.out;
+}
+
+// The printed command is a shell's.
+TEST_F(GalleryCli, TheStoresName_isOneWordOfTheCommand) {
+  std::filesystem::rename(in("h.kiln"), in("it's a head.kiln"));
+  const std::string out =
+      done({"gallery", in("it's a head.kiln"), "-o", in("g.png"), "--tf", "fire", "--thumbnail", "32"}).out;
+  const std::string command = out.substr(out.find("render "), out.find('\n') - out.find("render "));
+  EXPECT_EQ(std::system(("cd '" + in("") + "' && '" + KILN_TOOL + "' " + command + " --size 8x8 > /dev/null").c_str()),
+            0);
+  EXPECT_TRUE(std::filesystem::exists(in("fire.png")));
 }
 
 TEST_F(GalleryCli, WrongRequests_areOneLine) {

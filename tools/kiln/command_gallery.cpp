@@ -2,6 +2,7 @@
 
 #include "base/memory/memory.h"
 #include "base/process.h"
+#include "base/shell_text.h"
 #include "commands.h"
 #include "examples.h"
 #include "foreign_store.h"
@@ -34,10 +35,11 @@ void run(const GalleryArguments& a, Context& context) {
   file.writer_bytes = request.speed.memory_bytes - std::min(request.speed.memory_bytes, gallery.sheet.bytes());
   writeImage(gallery.sheet, {}, file, a.output);
   context.progress.clear();
-  for (const GalleryRow& row : gallery.rows) say("kiln render {} --tf {} -o {}.png\n", a.store, row.preset, row.preset);
-  say("{}: {} x {} pixels, {} presets from {} sides; {} bricks read ({})\n", a.output, gallery.sheet.width,
-      gallery.sheet.height, gallery.rows.size(), galleryViews().size(), gallery.bricks_read,
-      formatBytes(gallery.read_bytes));
+  for (const GalleryRow& row : gallery.rows)
+    say("kiln render {} --tf {} -o {}.png\n", shellText(a.store), row.preset, row.preset);
+  say("{}: {} x {} pixels, {} preset{} from {} sides; {} bricks read ({})\n", a.output, gallery.sheet.width,
+      gallery.sheet.height, gallery.rows.size(), gallery.rows.size() == 1 ? "" : "s", galleryViews().size(),
+      gallery.bricks_read, formatBytes(gallery.read_bytes));
 }
 
 }  // namespace

@@ -22,6 +22,7 @@
 #include "base/error.h"
 #include "base/process.h"
 #include "base/refusal.h"
+#include "base/shell_text.h"
 #include "cluster/agreement.h"
 #include "commands.h"
 #include "say.h"
@@ -211,7 +212,8 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", std::string("kiln ") + KILN_VERSION);
   app.require_subcommand(1);
   Context context;
-  for (int i = 0; i < argc; ++i) context.command_line += (i == 0 ? "" : " ") + std::string(i == 0 ? "kiln" : argv[i]);
+  for (int i = 0; i < argc; ++i)
+    context.command_line += (i == 0 ? "" : " ") + (i == 0 ? "kiln" : kiln::shellText(argv[i]));
   addConvert(app, context);
   addInfo(app, context);
   addVerify(app, context);

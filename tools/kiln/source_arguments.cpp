@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/shell_text.h"
 #include "image/pixel_rect.h"
 #include "ingest/volume_format.h"
 #include "job_arguments.h"
@@ -76,9 +77,10 @@ void refuseVolumeFile(const std::filesystem::path& path, const char* wanted) {
   if (bare.extension() == ".gz") bare.replace_extension();
   bare.replace_extension();
   throw Error(ErrorCode::kUsage, path, "",
-              fmt::format("is {} volume, not {}; kiln convert {} {}.kiln makes a store of it, kiln render {} -o {}.png "
+              fmt::format("is {} volume, not {}; kiln convert {} {} makes a store of it, kiln render {} -o {} "
                           "draws it",
-                          format.name, wanted, path.string(), bare.string(), path.string(), bare.string()));
+                          format.name, wanted, shellText(path.string()), shellText(bare.string() + ".kiln"),
+                          shellText(path.string()), shellText(bare.string() + ".png")));
 }
 
 std::string timeNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
