@@ -167,7 +167,9 @@ TEST_F(Cli, InfoOfAPictureIsTheJobThatDrawsIt) {
   EXPECT_EQ(expectDone({"info", in("f.png")}).out,
             "picture      " + in("f.png") + "\npixels       2 x 2 of 8 bits a channel\n");
   expectRefused({"info", in("f.png"), "--json"}, 1, {in("f.png"), "kiln:job"});
-  expectRefused({"info", in("v.raw")}, 1, {in("v.raw"), "neither OpenEXR nor PNG"});
+  expectRefused({"info", in("v.raw")}, 2, {in("v.raw"), "if it is headerless raw voxels, give --dims"});
+  writeText(in("v.npz"), "PK\x03\x04");
+  expectRefused({"info", in("v.npz")}, 1, {in("v.npz"), "a ZIP file, which is not read"});
 }
 
 // Known because the name contains the size, and the store's provenance is the requested name. A cache has no file to

@@ -283,6 +283,7 @@ void addInfo(CLI::App& app, Context& context) {
       refuseVolumeFile(*path, "a store or a picture");
       std::error_code ignored;
       if (fs::is_regular_file(*path, ignored)) {
+        if (!isPicture(*path)) openSource(*path, {});  // throws: the file is no volume either
         if (*json)
           sayJson(jobOfPicture(*path, memory_bytes));
         else

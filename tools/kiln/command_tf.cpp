@@ -65,8 +65,11 @@ std::string hexOf(const glm::dvec3& linear) {
 void print(const TransferFunction& f, const Subject& subject) {
   const VolumeGeometry& geometry = subject.manifest.geometry();
   const std::string unit = geometry.unit.empty() ? "world unit" : geometry.unit;
-  if (subject.volume)
-    say("volume       values {:.9g} to {:.9g}\n", subject.manifest.range.lo, subject.manifest.range.hi);
+  const ValueRange& range = subject.manifest.range;
+  if (subject.volume && range.empty())
+    say("volume       no value is a number\n");
+  else if (subject.volume)
+    say("volume       values {:.9g} to {:.9g}\n", range.lo, range.hi);
   say("opacity      per {:.6g} {}, between points linear, outside of them as at the ends\n", f.unit, unit);
   say("{:>14}  {:>8}  {:>12}  {:>7}  {:<24}\n", "value", "opacity", "extinction", "sRGB",
       "red, green, blue (linear light)");

@@ -92,6 +92,13 @@ Error notAPicture(const std::filesystem::path& path) {
   return Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
 }
 
+// Returns enough bytes to recognize a picture.
+std::vector<std::byte> firstBytes(const File& file) {
+  std::vector<std::byte> out(8);
+  out.resize(file.readSomeAt(0, out));
+  return out;
+}
+
 // Reads the whole file. requires: `memory_bytes` also has room for the picture.
 std::vector<std::byte> readWithin(const std::filesystem::path& path, std::uint64_t memory_bytes) {
   requireMemory(File(path).size(), memory_bytes, path);
@@ -117,6 +124,11 @@ Image readImage(const std::filesystem::path& path, std::span<const std::string> 
   throw notAPicture(path);
 }
 
+bool isPicture(const std::filesystem::path& path) {
+  const std::vector<std::byte> first = firstBytes(File(path));
+  return looksLikeExr(first) || looksLikePng(first);
+}
+
 void checkImage(const std::filesystem::path& path, std::uint64_t memory_bytes) {
   const std::vector<std::byte> data = readWithin(path, memory_bytes);
   const std::uint64_t left = memory_bytes - data.size();
@@ -127,8 +139,7 @@ void checkImage(const std::filesystem::path& path, std::uint64_t memory_bytes) {
 
 std::map<std::string, std::string> readImageText(const std::filesystem::path& path, std::uint64_t memory_bytes) {
   const File file(path);
-  std::vector<std::byte> first(8);
-  first.resize(file.readSomeAt(0, first));
+  const std::vector<std::byte> first = firstBytes(file);
   if (looksLikeExr(first)) return readExrPart(file).text;
   if (looksLikePng(first)) return decodePngText(readWithin(path, memory_bytes), path, memory_bytes - file.size());
   throw notAPicture(path);

@@ -88,6 +88,9 @@ void requireImagePath(const std::filesystem::path& path, bool with_planes = fals
 /// No limit on memory for reading a picture.
 inline constexpr std::uint64_t kUnlimitedBytes = UINT64_MAX;
 
+/// Returns whether the file begins as an EXR or a PNG. throws: Error kNotFound, kIo.
+bool isPicture(const std::filesystem::path& path);
+
 /// Reads R, G, B, A (or Y) of an EXR's data window and the named planes, or a PNG, as linear premultiplied values. The
 /// first bytes decide the format. Samples of a deep EXR are composited. `memory_bytes` bounds the file, the picture and
 /// decoding buffers.
