@@ -19,6 +19,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/duration_text.h"
 #include "base/error.h"
 #include "base/process.h"
 #include "base/refusal.h"
@@ -195,9 +196,9 @@ kiln::CallLimit limitOfMpi(double seconds) {
   constexpr double kTurn_s = 0.5;
   return {seconds + kTurn_s * expectedRank(), [seconds] {
             complain(
-                "kiln: MPI has waited for all ranks to start or end for {:g} s; a rank is stopped, or its machine or "
+                "kiln: MPI has waited for all ranks to start or end for {}; a rank is stopped, or its machine or "
                 "network is gone; --rank-timeout {:g} ends the run\n",
-                seconds, seconds);
+                kiln::roughDurationText(seconds), seconds);
             std::_Exit(1);
           }};
 }
