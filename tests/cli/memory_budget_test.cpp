@@ -19,6 +19,7 @@
 #include "support/volumes/npy_files.h"
 #include "support/volumes/test_store.h"
 #include "support/volumes/tiff_files.h"
+#include "support/volumes/zarr_files.h"
 
 namespace kiln::test {
 namespace {
@@ -238,6 +239,7 @@ std::vector<BudgetRow> moreConversionRows() {
       converted("convert gzip NIfTI", 48, "IN/packed.nii.gz"),
       converted("convert NumPy", 48, "IN/noise.npy", spacing),
       converted("convert NumPy in Fortran order", 48, "IN/fortran.npy", spacing),
+      converted("convert Zarr", 48, "IN/noise.zarr", spacing),
       converted("convert TIFF stack", 48, "IN/tiffs", spacing),
       converted("convert multi-page TIFF", 48, "IN/noise.tif", spacing),
       // An unknown spacing is a note, except when the budget is refused.
@@ -322,6 +324,9 @@ class BudgetTable : public ::testing::Test {
     writeBytes(in("packed.nii.gz"), gzipped(nifti));
     writeText(in("noise.npy"), npyFile(volume));
     writeText(in("fortran.npy"), npyFile(volume, {.fortran_order = true}));
+    ZarrLayout chunks{.codec = ZarrCodec::kBlosc};
+    chunks.axes = {{'z', 64}, {'y', 64}, {'x', 64}};
+    writeZarr(in("noise.zarr"), volume, chunks);
     makeSlices(volume, voxels);
   }
 

@@ -17,6 +17,7 @@
 #include "support/volumes/procedural.h"
 #include "support/volumes/tiff_files.h"
 #include "support/volumes/vdb_files.h"
+#include "support/volumes/zarr_files.h"
 
 namespace kiln::test {
 namespace {
@@ -341,6 +342,22 @@ TEST_F(Messages, TreesOfSeveralBuffers_AreRefusedInOneLine) {
     ++refusals;
   }
   EXPECT_EQ(refusals, 1);
+}
+
+TEST_F(Messages, FaultsOfZarr_NameTheChunkOrTheHeader) {
+  const ForeignVolume volume = randomVolume({5, 4, 3}, VoxelType::u16, 1);
+  const auto convert = [&](const std::string& name) {
+    return std::vector<std::string>{"convert", in(name), in("p.kiln")};
+  };
+  writeZarr(in("a.zarr"), volume, {.codec = ZarrCodec::kGzip});
+  writeText(in("a.zarr/0.0.1"), "no gzip");
+  refused(convert("a.zarr"), 1, in("a.zarr/0.0.1") + ": the gzip data are damaged");
+  writeText(in("a.zarr/.zarray"), "{");
+  refused(convert("a.zarr"), 1, in("a.zarr/.zarray") + ": byte 2: is no JSON");
+  writeZarr(in("b.zarr/left"), volume);
+  writeZarr(in("b.zarr/right"), volume);
+  refused(convert("b.zarr"), 2, "holds 2 images or arrays: 'left' (3, 4, 5) uint16; 'right' (3, 4, 5) uint16; name");
+  refused({"convert", in("b.zarr/left"), in("p.kiln"), "--dims", "5,4,3"}, 2, "--dims applies to headerless raw data");
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "support/volumes/test_store.h"
 #include "support/volumes/tiff_files.h"
 #include "support/volumes/vdb_files.h"
+#include "support/volumes/zarr_files.h"
 
 namespace kiln::test {
 namespace {
@@ -170,6 +171,13 @@ std::vector<Scenario> readers() {
   out.push_back(reader("dicom_jpeg_ls", "scan", [](const fs::path& f) { putDicom(f / "scan", DicomCodec::kJpegLs); }));
   out.push_back(reader("vdb", "a.vdb", [](const fs::path& f) { writeVdb(f / "a.vdb", {VdbSpec{}}); }));
   out.push_back(reader("vdb_piped", "a.vdb", [](const fs::path& f) { writeVdb(f / "a.vdb", {VdbSpec{}}, false); }));
+  ZarrLayout chunks{.codec = ZarrCodec::kBlosc};
+  chunks.axes = {{'z', 9}, {'y', 18}, {'x', 10}};
+  ZarrLayout shards{.version = ZarrVersion::kThree, .codec = ZarrCodec::kZstd};
+  shards.axes = {{'z', 5}, {'y', 9}, {'x', 10}};
+  shards.chunks_in_shard = 2;
+  out.push_back(reader("zarr", "a.zarr", [=](const fs::path& f) { writeZarr(f / "a.zarr", volume(), chunks); }));
+  out.push_back(reader("zarr_shards", "a.zarr", [=](const fs::path& f) { writeZarr(f / "a.zarr", volume(), shards); }));
   return out;
 }
 

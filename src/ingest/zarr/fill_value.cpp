@@ -37,7 +37,7 @@ double numberOf(const JsonNode& value, const StoredNumber& number) {
 }
 
 template <class T>
-bool holds(double value) {
+bool isValueOf(double value) {
   if constexpr (!std::is_integral_v<T>) return true;
   using Limits = std::numeric_limits<T>;
   return value == std::floor(value) && value >= static_cast<double>(Limits::min()) &&
@@ -51,7 +51,7 @@ void readFill(const std::optional<JsonNode>& value, ZarrArray& out) {
   const VoxelType type = out.number.voxelType();
   const double fill = numberOf(*value, out.number);
   withVoxelType(type, [&]<class T>(std::type_identity<T>) {
-    if (!holds<T>(fill)) {
+    if (!isValueOf<T>(fill)) {
       out.fill_fault = fmt::format("chunks are missing, and their fill value {} is no {}", fill, nameOf(type));
       return;
     }

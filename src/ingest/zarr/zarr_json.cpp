@@ -19,7 +19,7 @@ using nlohmann::json;
 
 constexpr std::uint64_t kMostBytes = 16 << 20;
 // Deeper values would overflow the stack of recursive functions; a value in memory takes up to 100 bytes.
-constexpr int kMostDepth = 64;
+constexpr int kMostJsonDepth = 64;
 constexpr std::size_t kMostValues = 1 << 18;
 constexpr std::size_t kMostShownBytes = 60;
 
@@ -49,8 +49,8 @@ std::shared_ptr<const json> documentOf(const fs::path& file) {
   const std::string text = withQuotedNumbers(readTextFile(file, kMostBytes));
   std::size_t values = 0;
   const auto keep = [&](int depth, json::parse_event_t event, json& value) {
-    if (depth > kMostDepth)
-      throw Error(ErrorCode::kFormat, file, "", fmt::format("values lie more than {} deep", kMostDepth));
+    if (depth > kMostJsonDepth)
+      throw Error(ErrorCode::kFormat, file, "", fmt::format("values lie more than {} deep", kMostJsonDepth));
     if (event == json::parse_event_t::key) return depth != 1 || value != "consolidated_metadata";
     if (event == json::parse_event_t::value && ++values > kMostValues)
       throw Error(ErrorCode::kFormat, file, "", fmt::format("has more than {} values", kMostValues));
