@@ -347,7 +347,7 @@ TEST_F(Messages, TreesOfSeveralBuffers_AreRefusedInOneLine) {
 TEST_F(Messages, FaultsOfZarr_NameTheChunkOrTheHeader) {
   const ForeignVolume volume = randomVolume({5, 4, 3}, VoxelType::u16, 1);
   const auto convert = [&](const std::string& name) {
-    return std::vector<std::string>{"convert", in(name), in("p.kiln")};
+    return std::vector<std::string>{"convert", in(name), in("p.kiln"), "--spacing", "1,1,1"};
   };
   writeZarr(in("a.zarr"), volume, {.codec = ZarrCodec::kGzip});
   writeText(in("a.zarr/0.0.1"), "no gzip");

@@ -178,5 +178,13 @@ TEST_F(ZarrConversion, ChunkThatIsADanglingLink_CountsAsMissing) {
   convertedZarr(*openSource(folder()));
 }
 
+TEST_F(ZarrConversion, StoreInsideItsOwnSource_IsNoChangeOfTheSource) {
+  writeChunks();
+  const fs::path out = folder() / "out.kiln";
+  Progress silent;
+  convert(*openSource(folder()), out, zarrOptions(), silent);
+  EXPECT_TRUE(isStoreOf(out, openSource(folder())->info()));
+}
+
 }  // namespace
 }  // namespace kiln::test

@@ -65,6 +65,8 @@ TreeState stateOfTrees(const std::vector<fs::path>& trees) {
   for (const fs::path& tree : trees) {
     const std::size_t own = tree.native().size() - (tree.has_filename() ? 0 : 1);
     forEachEntryBelow(tree, [&](const fs::directory_entry& entry) {
+      // A store in the making, and its lock, may lie in the tree.
+      if (entry.path().filename().native().find(".kiln") != std::string::npos) return Walk::kPassOver;
       const std::optional<FileStamp> file = stampOfFile(entry.path());
       if (!file) return Walk::kGoOn;
       const std::string name = entry.path().native().substr(own + 1);
