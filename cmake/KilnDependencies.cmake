@@ -15,6 +15,7 @@ kiln_find_package(nlohmann_json nlohmann-json3-dev)
 kiln_find_package(PNG libpng-dev)
 kiln_find_package(TIFF libtiff-dev)
 kiln_find_package(ZLIB zlib1g-dev)
+kiln_find_package(JPEG libjpeg-dev)
 kiln_find_package(BZip2 libbz2-dev)
 kiln_find_package(LibLZMA liblzma-dev)
 kiln_find_package(EXPAT libexpat1-dev)
@@ -46,6 +47,6 @@ if(NOT kiln_missing AND NOT TARGET kiln_dependencies)
   target_include_directories(kiln_dependencies SYSTEM INTERFACE ${XXHASH_INCLUDE_DIR} ${HIGHWAY_INCLUDE_DIR}
                              ${BLOSC_INCLUDE_DIR} ${LZ4_INCLUDE_DIR} ${ZSTD_INCLUDE_DIR})
   target_link_libraries(kiln_dependencies INTERFACE OpenVDB::openvdb TBB::tbb OpenEXR::OpenEXR Imath::Imath fmt::fmt
-                        nlohmann_json::nlohmann_json PNG::PNG TIFF::TIFF ZLIB::ZLIB BZip2::BZip2 LibLZMA::LibLZMA
+                        nlohmann_json::nlohmann_json PNG::PNG TIFF::TIFF ZLIB::ZLIB JPEG::JPEG BZip2::BZip2 LibLZMA::LibLZMA
                         EXPAT::EXPAT ${XXHASH_LIBRARY} ${HIGHWAY_LIBRARY} ${BLOSC_LIBRARY} ${LZ4_LIBRARY} ${ZSTD_LIBRARY})
 endif()

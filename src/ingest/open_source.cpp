@@ -235,16 +235,16 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
     }
   };
   const bool raw = format == "raw", vdb = format == "OpenVDB", dicom = format == "DICOM";
-  const bool has_times = format == "MRC" || format == "NIfTI" || format == "MGH" || format == "TIFF" || format == kZarr;
-  const bool has_channels = format == "VTK" || format == "TIFF" || format == kZarr;
-  const bool slices = dicom || format == "TIFF";
+  const bool stack = format == "TIFF" || format == "PNG" || format == "JPEG";
+  const bool has_times = stack || format == "MRC" || format == "NIfTI" || format == "MGH" || format == kZarr;
+  const bool has_channels = stack || format == "VTK" || format == kZarr;
   refuse(options.dims && !raw, "--dims", "headerless raw data");
   refuse(options.type && !raw, "--type", "headerless raw data");
   refuse(options.big_endian && !raw, "--endian", "headerless raw data");
   refuse(options.skip_bytes > 0 && !raw, "--skip", "headerless raw data");
   refuse(options.grid_name && !vdb, "--grid", "OpenVDB files");
   refuse(options.series.has_value() && !dicom, "--series", "DICOM files");
-  refuse(options.allow_irregular && !slices, "--allow-irregular", "TIFF and DICOM files");
+  refuse(options.allow_irregular && !stack && !dicom, "--allow-irregular", "slices of TIFF, DICOM, PNG and JPEG");
   refusePart(options.channel && !has_channels, path, "--channel", format, "channels");
   refusePart(options.time && !has_times, path, "--time", format, "times");
   refusePart(options.scale && format != kZarr, path, "--scale", format, "scales");
@@ -262,10 +262,10 @@ std::unique_ptr<VolumeSource> openDirectory(const fs::path& input, const SourceO
     return openZarr(input, options);
   }
   SliceFiles slices = slicesIn(input);
-  const bool dicom = slices.format == SliceFormat::kDicom;
-  requireOptionsApply(input, dicom ? "DICOM" : "TIFF", options);
-  if (!dicom) requireOneStack(slices, options);
-  return dicom ? openDicom(slices, options) : openTiff(slices, options);
+  requireOptionsApply(input, nameOf(slices.format), options);
+  if (slices.format == SliceFormat::kDicom) return openDicom(slices, options);
+  requireOneStack(slices, options);
+  return slices.format == SliceFormat::kTiff ? openTiff(slices, options) : openPictures(slices, options);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <iterator>
+#include <set>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -73,6 +74,8 @@ SliceFormat formatOf(const fs::path& path) {
   std::string bytes(512, '\0');
   const File file(path);
   bytes.resize(file.readSomeAt(0, std::as_writable_bytes(std::span(bytes))));
+  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return SliceFormat::kPng;
+  if (bytes.starts_with("\xff\xd8\xff")) return SliceFormat::kJpeg;
   return sliceFormatOf(bytes);
 }
 
@@ -141,6 +144,8 @@ std::vector<fs::path> foldersBelow(const fs::path& directory) {
 // Entries of folders, by kind.
 struct SortedEntries {
   std::vector<fs::path> tiff, dicom, other, no_files;
+  /// Pictures, which are slices if a folder has no others: the files of `other` in these formats.
+  std::vector<fs::path> png, jpeg;
   std::vector<Unread> unread;
 
   void add(const fs::path& folder) {
@@ -150,6 +155,8 @@ struct SortedEntries {
       try {
         const SliceFormat format = formatOf(path);
         (format == SliceFormat::kTiff ? tiff : format == SliceFormat::kDicom ? dicom : other).push_back(path);
+        if (format == SliceFormat::kPng) png.push_back(path);
+        if (format == SliceFormat::kJpeg) jpeg.push_back(path);
       } catch (const Error& error) {
         unread.push_back(unreadBy(error, path));
       }
@@ -201,7 +208,7 @@ bool naturallyBefore(std::string_view a, std::string_view b) {
 
 SliceFiles slicesIn(const fs::path& directory) {
   SortedEntries entries;
-  auto& [tiff, dicom, other, no_files, unread] = entries;
+  auto& [tiff, dicom, other, no_files, png, jpeg, unread] = entries;
   entries.add(directory);
   std::string missing;
   const auto list = std::find_if(dicom.begin(), dicom.end(), isDicomDirectory);
@@ -211,9 +218,10 @@ SliceFiles slicesIn(const fs::path& directory) {
     dicom.erase(list);
   }
   const bool searched = listed || (tiff.empty() && dicom.empty());
+  const std::vector<fs::path> png_here = png, jpeg_here = jpeg;
   if (searched) {
     entries.addBelow(directory);
-    if (!tiff.empty() && dicom.empty())
+    if (!tiff.empty() && dicom.empty() && png_here.empty() && jpeg_here.empty())
       throw Error(ErrorCode::kUnsupported, directory, "",
                   "a directory without slices, but there are TIFF files in " + tiff.front().parent_path().string() +
                       "; name the folder that holds the slices of one volume");
@@ -224,15 +232,29 @@ SliceFiles slicesIn(const fs::path& directory) {
            "); a directory is read as one volume, so put them apart");
   }
   SliceFiles out;
-  if (!dicom.empty()) passOverBadLinks(unread, other, out.notes);
-  passOver(unread, dicom.empty() ? tiff : dicom, out.notes);
-  if (tiff.empty() && dicom.empty()) {
-    refuse("a directory without slices: it holds no TIFF and no DICOM file (found " +
+  out.input = directory;
+  out.format = !dicom.empty()               ? SliceFormat::kDicom
+               : !tiff.empty() && !searched ? SliceFormat::kTiff
+                                            : SliceFormat::kNone;
+  if (out.format == SliceFormat::kNone) {
+    if (!png_here.empty() && !jpeg_here.empty())
+      refuse("holds PNG files (" + named(png_here) + ") and JPEG files (" + named(jpeg_here) +
+             "); a directory is read as one volume, so put them apart");
+    out.format = !png_here.empty() ? SliceFormat::kPng : !jpeg_here.empty() ? SliceFormat::kJpeg : SliceFormat::kNone;
+    out.files = png_here.empty() ? jpeg_here : png_here;
+    const std::set<fs::path> pictures(out.files.begin(), out.files.end());
+    std::erase_if(other, [&](const fs::path& path) {
+      return pictures.contains(path) || (!pictures.empty() && path.parent_path() != directory);
+    });
+  } else {
+    out.files = std::move(out.format == SliceFormat::kDicom ? dicom : tiff);
+  }
+  if (out.format == SliceFormat::kDicom) passOverBadLinks(unread, other, out.notes);
+  passOver(unread, out.files, out.notes);
+  if (out.files.empty()) {
+    refuse("a directory without slices: it holds no TIFF, DICOM, PNG or JPEG file (found " +
            (other.empty() ? std::string("no file") : named(other)) + ")");
   }
-  out.input = directory;
-  out.format = dicom.empty() ? SliceFormat::kTiff : SliceFormat::kDicom;
-  out.files = dicom.empty() ? std::move(tiff) : std::move(dicom);
   // Skipping a file named like a slice would move the slices above it down.
   for (const fs::path& path : other) {
     if (!path.has_extension() || !isNamedLike(path, out.files)) continue;
@@ -242,7 +264,7 @@ SliceFiles slicesIn(const fs::path& directory) {
     throw Error(
         ErrorCode::kFormat, path, "",
         fmt::format("is named like the slices beside it, but is no {} file: empty or damaged; mend or remove it",
-                    out.format == SliceFormat::kTiff ? "TIFF" : "DICOM"));
+                    nameOf(out.format)));
   }
   for (const fs::path& path : no_files) {
     if (!isNamedLike(path, out.files)) continue;

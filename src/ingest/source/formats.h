@@ -17,6 +17,7 @@ std::unique_ptr<VolumeSource> openVti(const std::filesystem::path& input, const 
 std::unique_ptr<VolumeSource> openLegacyVtk(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openVdb(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOptions& options);
+std::unique_ptr<VolumeSource> openPictures(const SliceFiles& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openDicom(const SliceFiles& input, const SourceOptions& options);
 /// True if `folder` is a Zarr or N5 container, group or array, by its header or its name.
 bool isZarrFolder(const std::filesystem::path& folder);

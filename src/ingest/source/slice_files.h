@@ -7,7 +7,13 @@
 
 namespace kiln {
 
-enum class SliceFormat { kNone, kTiff, kDicom };
+enum class SliceFormat { kNone, kTiff, kDicom, kPng, kJpeg };
+
+/// "TIFF", "DICOM", "PNG", "JPEG"; empty for kNone.
+constexpr const char* nameOf(SliceFormat format) {
+  constexpr const char* kNames[] = {"", "TIFF", "DICOM", "PNG", "JPEG"};
+  return kNames[static_cast<int>(format)];
+}
 
 /// The files of one volume.
 struct SliceFiles {
