@@ -129,7 +129,7 @@ std::vector<ArrayAxis> OmeImage::axes(std::size_t count) const {
     requireCount(*axes, out.size(), count);
   } else {
     // Versions 0.1 and 0.2 have these axes and no others.
-    for (const char* const name : {"t", "c", "z", "y", "x"}) out.push_back({name, "", "", 1, 0});
+    for (const char name : {'t', 'c', 'z', 'y', 'x'}) out.emplace_back().name = name;
     if (count != out.size()) multiscale_.fail("\"axes\" is missing, which arrays of other than 5 axes need");
   }
   return out;
