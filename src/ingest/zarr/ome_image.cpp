@@ -65,8 +65,8 @@ ArrayAxis axisOf(const JsonNode& json) {
   out.name = plainAxisName(json.at("name").text());
   const std::optional<JsonNode> type = json.find("type"), unit = json.find("unit"),
                                 orientation = json.find("orientation");
-  if (type && type->text() == "channel") out.name = "c";
-  if (type && type->text() == "time") out.name = "t";
+  if (type && type->text() == "channel") out.name = 'c';
+  if (type && type->text() == "time") out.name = 't';
   if (unit) out.unit = unit->text();
   if (orientation) {
     const std::optional<JsonNode> value = orientation->isObject() ? orientation->find("value") : orientation;
