@@ -16,6 +16,17 @@ set_source_files_properties(src/ingest/dicom/dicom_decode.cpp PROPERTIES SKIP_UN
 add_dependencies(kiln kiln_gdcm)
 set(kiln_modules kiln_gdcm)
 
+# A program that runs the HDF5 library apart from Kiln, which survives what a hostile file does to the library.
+if(HDF5_READER_FOUND)
+  add_executable(kiln_hdf5_reader tools/hdf5_reader/main.cpp)
+  target_compile_features(kiln_hdf5_reader PRIVATE cxx_std_20)
+  target_compile_options(kiln_hdf5_reader PRIVATE ${kiln_module_options})
+  target_include_directories(kiln_hdf5_reader PRIVATE src)
+  target_include_directories(kiln_hdf5_reader SYSTEM PRIVATE ${HDF5_READER_INCLUDE_DIR})
+  target_link_libraries(kiln_hdf5_reader PRIVATE ${HDF5_READER_LIBRARY} nlohmann_json::nlohmann_json)
+  add_dependencies(kiln kiln_hdf5_reader)
+endif()
+
 # Open MPI or another MPI 3, with which the ranks of `mpirun kiln` work together.
 if(MPI_FOUND)
   add_library(kiln_mpi MODULE src/cluster/mpi_ranks.cpp)

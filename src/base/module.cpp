@@ -2,6 +2,11 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <link.h>
+
+#include <cstddef>
+#include <system_error>
+#include <vector>
 
 #include "base/error.h"
 
@@ -17,6 +22,28 @@ void* functionOfModule(const char* module, const char* function, std::string_vie
   if (found == nullptr)
     throw Error(ErrorCode::kUnsupported, module, "", "belongs to another version of Kiln; reinstall Kiln");
   return found;
+}
+
+// Modules and programs lie in the same folders: those in which the loader looks for the libraries of this code.
+std::filesystem::path programBesideModules(const char* name, std::string_view so_that) {
+  Dl_info info;
+  link_map* map = nullptr;
+  Dl_serinfo size;
+  const bool known = ::dladdr1(reinterpret_cast<void*>(&programBesideModules), &info, reinterpret_cast<void**>(&map),
+                               RTLD_DL_LINKMAP) != 0 &&
+                     ::dlinfo(map, RTLD_DI_SERINFOSIZE, &size) == 0;
+  std::vector<std::byte> room(known ? size.dls_size : 0);
+  auto* const folders = reinterpret_cast<Dl_serinfo*>(room.data());
+  if (known) *folders = size;
+  if (known && ::dlinfo(map, RTLD_DI_SERINFO, folders) == 0) {
+    for (unsigned i = 0; i < folders->dls_cnt; ++i) {
+      const std::filesystem::path program = std::filesystem::path(folders->dls_serpath[i].dls_name) / name;
+      std::error_code ignored;
+      if (program.is_absolute() && std::filesystem::is_regular_file(program, ignored)) return program;
+    }
+  }
+  throw Error(ErrorCode::kUnsupported, name, "",
+              fmt::format("is not beside Kiln's modules, so that {}; install Kiln with its modules", so_that));
 }
 
 }  // namespace kiln

@@ -2,6 +2,7 @@
 // not link them.
 #pragma once
 
+#include <filesystem>
 #include <string_view>
 
 namespace kiln {
@@ -10,5 +11,8 @@ namespace kiln {
 /// the process ends. throws: Error kUnsupported if the module or function is missing; `so_that` names the consequence.
 /// thread: safe.
 void* functionOfModule(const char* module, const char* function, std::string_view so_that);
+
+/// Returns the program `name` that lies beside Kiln's modules. throws: Error kUnsupported if the program is missing.
+std::filesystem::path programBesideModules(const char* name, std::string_view so_that);
 
 }  // namespace kiln

@@ -34,7 +34,8 @@ std::uint64_t mostOpenFiles() {
   return ::getrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : RLIM_INFINITY;
 }
 
-FedProcess::FedProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments)
+ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                           bool answers)
     : program_(program) {
   int ends[2] = {-1, -1};
   error_output_ = ::memfd_create("error output", MFD_CLOEXEC);
@@ -51,7 +52,10 @@ FedProcess::FedProcess(const std::filesystem::path& program, const std::vector<s
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
-  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  if (answers)
+    ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+  else
+    ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   ::posix_spawn_file_actions_adddup2(&actions, error_output_, STDERR_FILENO);
   pid_t process = -1;
   const int error = ::posix_spawn(&process, name.c_str(), &actions, nullptr, raw.data(), environ);
@@ -62,12 +66,12 @@ FedProcess::FedProcess(const std::filesystem::path& program, const std::vector<s
     ::close(error_output_);
     throw systemError(error, program, "starting the program");
   }
-  input_ = ends[0];
+  socket_ = ends[0];
   process_ = process;
 }
 
-FedProcess::~FedProcess() {
-  closeInput();
+ChildProcess::~ChildProcess() {
+  closeSocket();
   if (process_ >= 0) {
     ::kill(process_, SIGKILL);
     while (::waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
@@ -76,51 +80,98 @@ FedProcess::~FedProcess() {
   ::close(error_output_);
 }
 
-void FedProcess::closeInput() {
-  if (input_ >= 0) ::close(std::exchange(input_, -1));
+void ChildProcess::closeSocket() {
+  if (socket_ >= 0) ::close(std::exchange(socket_, -1));
+}
+
+bool ChildProcess::hasEnded(std::string& how) {
+  int status = 0;
+  const pid_t ended = ::waitpid(process_, &status, WNOHANG);
+  if (ended == 0) return false;
+  process_ = -1;
+  if (ended < 0)
+    how = "cannot be waited for";
+  else if (!WIFEXITED(status))
+    how = "was ended by signal " + std::to_string(WTERMSIG(status));
+  else
+    how = WEXITSTATUS(status) == 0 ? "" : "failed with exit code " + std::to_string(WEXITSTATUS(status));
+  return true;
+}
+
+std::string ChildProcess::lastError() const {
+  std::array<char, 2000> buffer;
+  const off_t size = ::lseek(error_output_, 0, SEEK_END);
+  const off_t from = size > static_cast<off_t>(buffer.size()) ? size - static_cast<off_t>(buffer.size()) : 0;
+  const ssize_t got = ::pread(error_output_, buffer.data(), buffer.size(), from);
+  std::string line(buffer.data(), got > 0 ? static_cast<std::size_t>(got) : 0);
+  while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.pop_back();
+  line.erase(0, line.find_last_of('\n') + 1);
+  return line;
+}
+
+void ChildProcess::fail(const std::string& what) const {
+  const std::string last = lastError();
+  throw Error(ErrorCode::kIo, program_, "", what + (last.empty() ? "" : ": " + last));
 }
 
 void FedProcess::write(std::span<const std::byte> data, const WaitHandler& waiting) {
   constexpr int kWait_ms = 100;
   while (!data.empty()) {
-    pollfd room{input_, POLLOUT, 0};
+    pollfd room{child_.socket(), POLLOUT, 0};
     if (::poll(&room, 1, kWait_ms) <= 0) {
       waiting();
       continue;
     }
-    const ssize_t put = ::send(input_, data.data(), data.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    const ssize_t put = ::send(child_.socket(), data.data(), data.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
     if (put < 0 && (errno == EINTR || errno == EAGAIN)) continue;
-    if (put < 0) fail("takes no more input");
+    if (put < 0) child_.fail("takes no more input");
     data = data.subspan(static_cast<std::size_t>(put));
   }
 }
 
 void FedProcess::finish(const WaitHandler& waiting) {
   using namespace std::chrono_literals;
-  closeInput();
-  int status = 0;
-  pid_t ended = 0;
-  while ((ended = ::waitpid(process_, &status, WNOHANG)) == 0) {
+  child_.closeSocket();
+  std::string how;
+  while (!child_.hasEnded(how)) {
     waiting();
     std::this_thread::sleep_for(20ms);
   }
-  process_ = -1;
-  if (ended < 0) fail("cannot be waited for");
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
-  fail(WIFEXITED(status) ? "failed with exit code " + std::to_string(WEXITSTATUS(status))
-                         : "was ended by signal " + std::to_string(WTERMSIG(status)));
+  if (!how.empty()) child_.fail(how);
 }
 
-void FedProcess::fail(const std::string& what) const {
-  // Last line of standard error.
-  std::array<char, 2000> buffer;
-  const off_t size = ::lseek(error_output_, 0, SEEK_END);
-  const off_t from = size > static_cast<off_t>(buffer.size()) ? size - static_cast<off_t>(buffer.size()) : 0;
-  const ssize_t got = ::pread(error_output_, buffer.data(), buffer.size(), from);
-  std::string last_line(buffer.data(), got > 0 ? static_cast<std::size_t>(got) : 0);
-  while (!last_line.empty() && (last_line.back() == '\n' || last_line.back() == '\r')) last_line.pop_back();
-  last_line.erase(0, last_line.find_last_of('\n') + 1);
-  throw Error(ErrorCode::kIo, program_, "", what + (last_line.empty() ? "" : ": " + last_line));
+std::string AnsweringProcess::send(std::span<const std::byte> request) {
+  while (!request.empty()) {
+    const ssize_t put = ::send(child_.socket(), request.data(), request.size(), MSG_NOSIGNAL);
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) return fault();
+    request = request.subspan(static_cast<std::size_t>(put));
+  }
+  return {};
+}
+
+std::string AnsweringProcess::receive(std::span<std::byte> answer) {
+  constexpr int kMostSilence_ms = 60'000;
+  while (!answer.empty()) {
+    pollfd waiting{child_.socket(), POLLIN, 0};
+    const int ready = ::poll(&waiting, 1, kMostSilence_ms);
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready == 0) return "did not answer for a minute";
+    const ssize_t got = ready < 0 ? -1 : ::read(child_.socket(), answer.data(), answer.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return fault();
+    answer = answer.subspan(static_cast<std::size_t>(got));
+  }
+  return {};
+}
+
+// The socket closes a moment before the program can be waited for.
+std::string AnsweringProcess::fault() {
+  using namespace std::chrono_literals;
+  std::string how;
+  for (int i = 0; i < 100 && !child_.hasEnded(how); ++i) std::this_thread::sleep_for(10ms);
+  const std::string last = child_.lastError();
+  return (how.empty() ? "ended" : how) + (last.empty() ? "" : ": " + last);
 }
 
 }  // namespace kiln

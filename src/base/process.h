@@ -1,4 +1,4 @@
-// The name and limits of this machine, and a child program that reads its input from this process, without a shell.
+// The name and limits of this machine, and child programs, which are started without a shell.
 #pragma once
 
 #include <cstddef>
@@ -18,15 +18,38 @@ std::string hostName();
 /// The number of files this process may have open at once (ulimit -n).
 std::uint64_t mostOpenFiles();
 
-/// Runs a program whose standard input is fed by `write`. Its standard output is discarded, its standard error is kept
-/// for error messages. Destruction before `finish` kills the program.
+/// A running program whose standard error is kept for messages. Destruction kills the program.
+class ChildProcess {
+ public:
+  /// The child's standard input, and with `answers` its standard output, are the other end of a socket; otherwise its
+  /// output is discarded. requires: `program` is a path, not a name to look up. throws: Error kNotFound, kIo.
+  ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments, bool answers);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  int socket() const { return socket_; }
+  void closeSocket();
+  /// Returns true once the program has ended; `how` is then empty, or "was ended by signal 11".
+  bool hasEnded(std::string& how);
+  /// Throws Error kIo: `what` and the program's last error line.
+  [[noreturn]] void fail(const std::string& what) const;
+  /// The last line that the program wrote to its standard error.
+  std::string lastError() const;
+
+ private:
+  std::filesystem::path program_;
+  int socket_ = -1, error_output_ = -1;
+  int process_ = -1;
+};
+
+/// Runs a program whose standard input is fed by `write`. Its standard output is discarded. Destruction before `finish`
+/// kills the program.
 class FedProcess {
  public:
-  /// requires: `program` is a path, not a name to look up. throws: Error kNotFound, kIo.
-  FedProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments);
-  ~FedProcess();
-  FedProcess(const FedProcess&) = delete;
-  FedProcess& operator=(const FedProcess&) = delete;
+  /// requires, throws: as ChildProcess.
+  FedProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments)
+      : child_(program, arguments, false) {}
 
   /// Called several times a second while the program does not read; may throw.
   using WaitHandler = std::function<void()>;
@@ -37,12 +60,23 @@ class FedProcess {
   void finish(const WaitHandler& waiting);
 
  private:
-  [[noreturn]] void fail(const std::string& what) const;
-  void closeInput();
+  ChildProcess child_;
+};
 
-  std::filesystem::path program_;
-  int input_ = -1, error_output_ = -1;
-  int process_ = -1;
+/// Runs a program that answers requests. thread: one at a time.
+class AnsweringProcess {
+ public:
+  /// requires, throws: as ChildProcess.
+  AnsweringProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments)
+      : child_(program, arguments, true) {}
+  /// Sends a request. Returns an empty text, or why the program takes none: "was ended by signal 11".
+  std::string send(std::span<const std::byte> request);
+  /// Fills `answer`. Returns an empty text, or why there is no answer: the program ended, or was silent for a minute.
+  std::string receive(std::span<std::byte> answer);
+
+ private:
+  std::string fault();
+  ChildProcess child_;
 };
 
 }  // namespace kiln

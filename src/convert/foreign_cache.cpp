@@ -65,10 +65,15 @@ void requireOwn(const fs::path& store, const fs::path& input) {
                   input.string() + " to another name");
 }
 
-// Returns `input` without a trailing slash, and with "." and ".." resolved, so that the store lies beside a directory
-// and not inside.
+// Returns `input` with the slashes of a part of a file as dots ("a.h5.x.y" for "a.h5:/x/y"), without a trailing slash,
+// and with "." and ".." resolved, so that the store lies beside a directory and not inside.
 fs::path baseOf(const fs::path& input) {
   std::error_code error;
+  if (const fs::path file = containerOf(input); file != input) {
+    std::string part = input.string().substr(file.string().size() + 1);
+    std::replace(part.begin(), part.end(), '/', '.');
+    return file.string() + part;
+  }
   if (!fs::is_directory(input, error)) return input;
   const fs::path whole = fs::canonical(input, error);
   const fs::path named = input.has_filename() ? input : input.parent_path();
@@ -109,7 +114,7 @@ bool serves(const fs::path& store, const SourceInfo& info, const ConvertOptions&
 
 bool isForStoreReader(const fs::path& input) {
   std::error_code ignored;
-  return isStore(input) || !fs::exists(input, ignored) ||
+  return isStore(input) || (!fs::exists(input, ignored) && containerOf(input) == input) ||
          (fs::is_directory(input, ignored) && input.extension() == ".kiln");
 }
 

@@ -35,6 +35,7 @@ enum class Format {
   kVdb,
   kTiff,
   kDicom,
+  kHdf5,
   kForeign
 };
 
@@ -60,7 +61,7 @@ constexpr Magic kMagics[] = {
     {0, "\x93NUMPY"sv, Format::kNpy, "NumPy"},
     {0, "\x89PNG\r\n\x1a\n"sv, Format::kForeign, "PNG"},
     {0, "\xff\xd8\xff"sv, Format::kForeign, "JPEG"},
-    {0, "\x89HDF\r\n\x1a\n"sv, Format::kForeign, "HDF5"},
+    {0, "\x89HDF\r\n\x1a\n"sv, Format::kHdf5, "HDF5"},
     {0, "# vtk DataFile"sv, Format::kLegacyVtk, "VTK"},
     {0, "<VTKFile"sv, Format::kVti, "VTK"},
     {0, "<?xml"sv, Format::kForeign, "XML"},
@@ -173,8 +174,20 @@ bool isReadInGzip(Format format) {
   return format == Format::kNifti || format == Format::kMrc || format == Format::kMgh;
 }
 
+// HDF5 may begin behind a block of the user's own bytes, as in files of MATLAB: at 512 bytes, 1024, and so on.
+bool isHdf5BehindBlock(const File& file) {
+  constexpr std::string_view kMagic = "\x89HDF\r\n\x1a\n";
+  for (std::uint64_t at = 512; at <= (1 << 20) && at + kMagic.size() <= file.size(); at *= 2) {
+    std::string bytes(kMagic.size(), '\0');
+    file.readAt(at, std::as_writable_bytes(std::span(bytes)));
+    if (bytes == kMagic) return true;
+  }
+  return false;
+}
+
 Finding identify(const fs::path& path, bool described) {
-  const std::string bytes = firstBytes(File(path));
+  const File file(path);
+  const std::string bytes = firstBytes(file);
   Finding found = byBytes(bytes);
   if (!described && found.format == Format::kUnknown && isNiftiVoxels(path)) return {Format::kNifti, "NIfTI"};
   if (found.format != Format::kUnknown) return found;
@@ -185,7 +198,9 @@ Finding identify(const fs::path& path, bool described) {
     found = byName(path);
     return isReadInGzip(found.format) ? found : Finding{Format::kForeign, "gzip-compressed"};
   }
-  return byName(path);
+  found = byName(path);
+  if (!described && found.format == Format::kUnknown && isHdf5BehindBlock(file)) return {Format::kHdf5, "HDF5"};
+  return found;
 }
 
 // Refuses pipes, which block, and devices, which have no length.
@@ -236,8 +251,9 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   };
   const bool raw = format == "raw", vdb = format == "OpenVDB", dicom = format == "DICOM";
   const bool stack = format == "TIFF" || format == "PNG" || format == "JPEG";
-  const bool has_times = stack || format == "MRC" || format == "NIfTI" || format == "MGH" || format == kZarr;
-  const bool has_channels = stack || format == "VTK" || format == kZarr;
+  const bool has_scales = format == kZarr || format == "HDF5";
+  const bool has_times = stack || has_scales || format == "MRC" || format == "NIfTI" || format == "MGH";
+  const bool has_channels = stack || has_scales || format == "VTK";
   refuse(options.dims && !raw, "--dims", "headerless raw data");
   refuse(options.type && !raw, "--type", "headerless raw data");
   refuse(options.big_endian && !raw, "--endian", "headerless raw data");
@@ -247,7 +263,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   refuse(options.allow_irregular && !stack && !dicom, "--allow-irregular", "slices of TIFF, DICOM, PNG and JPEG");
   refusePart(options.channel && !has_channels, path, "--channel", format, "channels");
   refusePart(options.time && !has_times, path, "--time", format, "times");
-  refusePart(options.scale && format != kZarr, path, "--scale", format, "scales");
+  refusePart(options.scale && !has_scales, path, "--scale", format, "scales");
   refuse(options.spacing && (vdb || format == kStore), "--spacing", "files without axes of their own");
   if (!options.spacing) return;
   for (int axis = 0; axis < 3; ++axis) {
@@ -275,7 +291,7 @@ void requireNoOptions(const fs::path& store, const SourceOptions& options) {
 }
 
 VolumeFormat volumeFormatOf(const fs::path& path) {
-  constexpr std::string_view kVolumes[] = {"HDF5", "NetCDF", "gzip-compressed"};
+  constexpr std::string_view kVolumes[] = {"NetCDF", "gzip-compressed"};
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return {};
   const Finding found = identify(path, false);
@@ -292,7 +308,18 @@ std::string namedNote(const SourceInfo& info, const std::string& note) {
   return opened.string() + ": " + (note.starts_with(own) ? note.substr(own.size()) : note);
 }
 
-std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOptions& options) {
+fs::path containerOf(const fs::path& input) {
+  const std::string text = input.string();
+  const std::size_t colon = text.find(":/");
+  std::error_code ignored;
+  if (colon == std::string::npos || fs::exists(input, ignored)) return input;
+  const fs::path file = text.substr(0, colon);
+  return fs::is_regular_file(file, ignored) ? file : input;
+}
+
+std::unique_ptr<VolumeSource> openSource(const fs::path& given, const SourceOptions& options) {
+  const fs::path input = containerOf(given);
+  const std::string part = input == given ? "" : given.string().substr(input.string().size() + 1);
   if (namesPhantom(input)) {
     requireOptionsApply(input, "a phantom", options);
     return openPhantom(input, options);
@@ -312,6 +339,9 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
   if ((slices && described) || found.format == Format::kForeign || found.format == Format::kUnknown)
     found = {Format::kUnknown, "raw"};
   requireOptionsApply(input, found.name, options);
+  if (!part.empty() && found.format != Format::kHdf5)
+    throw Error(ErrorCode::kUsage, given, "",
+                inQuotes(part) + " names a part of an HDF5 file, and this is " + withArticle(found.name) + " file");
   switch (found.format) {
     case Format::kNrrd:
       return openNrrd(input, options);
@@ -331,6 +361,8 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
       return openLegacyVtk(input, options);
     case Format::kVdb:
       return openVdb(input, options);
+    case Format::kHdf5:
+      return openHdf5(input, part, options);
     case Format::kTiff:
       return openTiff({input, SliceFormat::kTiff, {input}, {}}, options);
     case Format::kDicom:
@@ -345,9 +377,8 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOpti
     requireHeaderOfImage(input);
     throw Error(
         ErrorCode::kUsage, input, "",
-        "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, MRC, MGH, VTK, TIFF, DICOM, OpenVDB); if it is "
-        "headerless "
-        "raw voxels, give --dims and --type, for example --dims 256,256,113 --type u16" +
+        "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, MRC, MGH, VTK, TIFF, DICOM, OpenVDB, HDF5, "
+        "Zarr); if it is headerless raw voxels, give --dims and --type, for example --dims 256,256,113 --type u16" +
             headerBeside(input));
   }
   return openRaw(input, options);

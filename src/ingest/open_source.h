@@ -12,6 +12,10 @@ namespace kiln {
 /// option.
 void requireNoOptions(const std::filesystem::path& store, const SourceOptions& options);
 
+/// A part of a file is named FILE:/PATH, such as scan.h5:/entry/data. Returns FILE if FILE exists and `input` does not;
+/// otherwise `input`.
+std::filesystem::path containerOf(const std::filesystem::path& input);
+
 /// Opens `input` by its content (the first bytes, then the name); a directory by its slices.
 /// throws: Error kNotFound; kFormat; kUnsupported (naming the content: vector data, an unknown format); kUsage if
 /// raw data come without --dims and --type, or an option does not apply to the format; kBudget, before reading a grid

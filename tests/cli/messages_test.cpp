@@ -188,7 +188,7 @@ TEST_F(Messages, VolumeInPlaceOfAStoreOrAPicture_IsNamedWithItsCommands) {
                                              {"split", in("a.nrrd"), "-o", in("p##.kiln"), "--parts", "2"}})
     refused(command, 2, in("a.nrrd") + ": is a NRRD volume, not a store" + commandsFor("a.nrrd"));
   refused({"composite", in("a.nrrd"), in("a.nii"), "-o", in("p.png")}, 2, "is a NRRD volume, not a partial image");
-  refused({"info", in("a.h5")}, 2, "is an HDF5 file, not a store or a picture, and is not read; convert it to NRRD");
+  refused({"info", in("a.h5")}, 1, in("a.h5") + ": the HDF5 library cannot read the file; it is damaged, cut, or open");
   refused({"render", in("none.nii"), "-o", in("p.png")}, 1, in("none.nii") + ": there is no such file or store");
   writeText(in("a.json"), "{}");
   refused({"verify", in("a.json")}, 1, in("a.json") + ": is a file, not a store");

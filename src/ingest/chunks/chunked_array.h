@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "ingest/bytes/block_cache.h"
@@ -26,6 +27,8 @@ struct ChunkLayout {
   std::vector<int> stored_axes;
   /// The value of chunks that do not exist, as a voxel; the first bytes count.
   std::array<std::byte, 8> fill{};
+  /// The reason why no voxel has the declared fill value, which matters once a chunk is missing; empty if one has it.
+  std::string fill_fault;
 };
 
 class ChunkedArray {

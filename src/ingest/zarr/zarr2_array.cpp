@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-#include "ingest/zarr/fill_value.h"
+#include "ingest/chunks/fill_value.h"
 #include "ingest/zarr/zarr_array.h"
 
 namespace kiln {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "ingest/chunks/fill_value.h"
 #include "ingest/source/header_text.h"
-#include "ingest/zarr/fill_value.h"
 #include "ingest/zarr/zarr_array.h"
 
 namespace kiln {

@@ -10,7 +10,7 @@
 #include "ingest/chunks/array_volume.h"
 #include "ingest/chunks/chunked_array.h"
 #include "ingest/codec/byte_codec.h"
-#include "ingest/zarr/zarr_json.h"
+#include "ingest/source/json_node.h"
 
 namespace kiln {
 
@@ -45,8 +45,6 @@ struct ZarrArray : ChunkLayout {
   std::optional<Sharding> sharding;
   /// True if each chunk has N5's header, and chunks at the border of the array are cut.
   bool has_block_headers = false;
-  /// The reason why no voxel has the declared fill value, which matters once a chunk is missing; empty if one has it.
-  std::string fill_fault;
   /// Empty if the header does not name the axes.
   std::vector<std::string> axis_names;
   /// The attributes: `attributes`, `.zattrs`, or N5's whole header.

@@ -1,4 +1,4 @@
-#include "ingest/zarr/zarr_json.h"
+#include "ingest/source/json_node.h"
 
 #include <fmt/format.h>
 
@@ -45,8 +45,8 @@ std::string withQuotedNumbers(const std::string& text) {
 }
 
 // Consolidated metadata repeat other headers, of which the files themselves are read.
-std::shared_ptr<const json> documentOf(const fs::path& file) {
-  const std::string text = withQuotedNumbers(readTextFile(file, kMostBytes));
+std::shared_ptr<const json> documentOf(const fs::path& file, const std::string& as_written) {
+  const std::string text = withQuotedNumbers(as_written);
   std::size_t values = 0;
   const auto keep = [&](int depth, json::parse_event_t event, json& value) {
     if (depth > kMostJsonDepth)
@@ -74,7 +74,10 @@ std::optional<double> numberIn(const std::string& text) {
 
 }  // namespace
 
-JsonNode::JsonNode(const fs::path& file) : document_(documentOf(file)), value_(document_.get()), file_(file) {}
+JsonNode::JsonNode(const fs::path& file) : JsonNode(file, readTextFile(file, kMostBytes)) {}
+
+JsonNode::JsonNode(const fs::path& file, const std::string& text)
+    : document_(documentOf(file, text)), value_(document_.get()), file_(file) {}
 
 JsonNode::JsonNode(const JsonNode& parent, const json& value, std::string place)
     : document_(parent.document_), value_(&value), file_(parent.file_), place_(std::move(place)) {}
@@ -90,6 +93,13 @@ JsonNode JsonNode::at(const std::string& key) const {
   std::optional<JsonNode> found = find(key);
   if (!found) fail(fmt::format("{} is missing", inQuotes(key)));
   return *std::move(found);
+}
+
+std::vector<std::string> JsonNode::keys() const {
+  if (!value_->is_object()) fail("must be an object");
+  std::vector<std::string> out;
+  for (const auto& item : value_->items()) out.push_back(item.key());
+  return out;
 }
 
 std::vector<JsonNode> JsonNode::items(std::size_t most) const {

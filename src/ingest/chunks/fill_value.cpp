@@ -1,4 +1,4 @@
-#include "ingest/zarr/fill_value.h"
+#include "ingest/chunks/fill_value.h"
 
 #include <fmt/format.h>
 
@@ -46,7 +46,7 @@ bool isValueOf(double value) {
 
 }  // namespace
 
-void readFill(const std::optional<JsonNode>& value, ZarrArray& out) {
+void readFill(const std::optional<JsonNode>& value, ChunkLayout& out) {
   if (!value) return;
   const VoxelType type = out.number.voxelType();
   const double fill = numberOf(*value, out.number);

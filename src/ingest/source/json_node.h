@@ -1,4 +1,4 @@
-// The JSON of Zarr's metadata. Every error names the file and the key.
+// Headers in JSON. Every error names the file and the key.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,8 @@ class JsonNode {
   /// Reads a whole file, without consolidated metadata. NaN and Infinity may stand without quotes. throws: Error
   /// kNotFound, kIo; kFormat if the file is no JSON, is larger than 16 MiB, or has too many or too deep values.
   explicit JsonNode(const std::filesystem::path& file);
+  /// Parses `text`, which describes `file`. throws: Error kFormat.
+  JsonNode(const std::filesystem::path& file, const std::string& text);
 
   const std::filesystem::path& file() const { return file_; }
   bool isText() const { return value_->is_string(); }
@@ -30,6 +32,8 @@ class JsonNode {
   std::optional<JsonNode> find(const std::string& key) const;
   /// throws: Error kFormat also if the member is missing.
   JsonNode at(const std::string& key) const;
+  /// The keys of an object. throws: Error kFormat if this value is no object.
+  std::vector<std::string> keys() const;
   /// The items of a list. throws: Error kFormat if this value is no list, or has more than `most` items.
   std::vector<JsonNode> items(std::size_t most = 1 << 16) const;
 

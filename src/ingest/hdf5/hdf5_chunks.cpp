@@ -1,0 +1,175 @@
+#include "ingest/hdf5/hdf5_chunks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/error.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+std::uint64_t voxelsOf(const AxisNumbers& shape) {
+  std::uint64_t out = 1;
+  for (const std::int64_t length : shape) out *= static_cast<std::uint64_t>(length);
+  return out;
+}
+
+AxisNumbers gridOf(const ChunkLayout& layout) {
+  AxisNumbers out;
+  for (std::size_t axis = 0; axis < layout.shape.size(); ++axis)
+    out.push_back((layout.shape[axis] - 1) / layout.chunk_shape[axis] + 1);
+  return out;
+}
+
+/// What both ways of reading share: the cache, and the counts.
+class Hdf5Chunks : public ChunkedArray {
+ public:
+  Hdf5Chunks(const fs::path& file, Hdf5Layout layout)
+      : path_(file), layout_(std::move(layout)), grid_(gridOf(layout_)), chunk_voxels_(voxelsOf(layout_.chunk_shape)) {}
+
+  const ChunkLayout& layout() const override { return layout_; }
+  std::shared_ptr<const BlockCache::Bytes> chunk(const AxisNumbers& index) override {
+    const std::int64_t place = placeIn(grid_, index);
+    return cache_.get({place, 0}, [&] {
+      ++decoded_;
+      BlockCache::Bytes voxels = decode(index, place);
+      if (voxels.empty()) ++absent_;
+      return voxels;
+    });
+  }
+  void setCapacity(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
+  std::uint64_t heldBytes() const override { return layout_.table.size() * sizeof(hdf5::ChunkEntry); }
+  std::uint64_t decoded() const override { return decoded_; }
+  std::uint64_t absent() const override { return absent_; }
+
+ protected:
+  virtual BlockCache::Bytes decode(const AxisNumbers& index, std::int64_t place) = 0;
+  std::uint64_t storedBytes() const { return chunk_voxels_ * layout_.number.bytes; }
+  std::uint64_t voxelBytes() const { return chunk_voxels_ * sizeOf(layout_.number.voxelType()); }
+
+  fs::path path_;
+  Hdf5Layout layout_;
+  AxisNumbers grid_;
+  std::uint64_t chunk_voxels_;
+
+ private:
+  BlockCache cache_;
+  std::atomic<std::uint64_t> decoded_ = 0, absent_ = 0;
+};
+
+/// Chunks whose places and codecs are known.
+class PlacedChunks : public Hdf5Chunks {
+ public:
+  PlacedChunks(const fs::path& file, Hdf5Layout layout) : Hdf5Chunks(file, std::move(layout)), file_(file) {
+    codecsWithout(0);
+  }
+
+  std::uint64_t decodeBytes() const override {
+    const CodecChain& codecs = codecs_.at(0);
+    const std::uint64_t converted = isStoredAsVoxels(layout_.number) ? 0 : 2 * storedBytes();
+    return codecs.packedBytes(storedBytes()) + codecs.scratchBytes(storedBytes()) + converted + voxelBytes();
+  }
+
+ private:
+  BlockCache::Bytes decode(const AxisNumbers&, std::int64_t place) override {
+    const hdf5::ChunkEntry& entry = layout_.table[static_cast<std::size_t>(place)];
+    const ChunkPlace at{path_, fmt::format("{}: chunk {}", layout_.path, place)};
+    if (entry.address == UINT64_MAX) {
+      if (!layout_.fill_fault.empty()) at.fail(layout_.fill_fault);
+      return {};
+    }
+    const CodecChain& codecs = codecsWithout(entry.left_out);
+    const std::uint64_t most = codecs.packedBytes(storedBytes());
+    if (entry.bytes == 0 || entry.bytes > most)
+      at.fail(
+          fmt::format("has {} bytes, and a chunk of {} bytes has 1 to {} packed", entry.bytes, storedBytes(), most));
+    if (entry.address > file_.size() || entry.bytes > file_.size() - entry.address)
+      at.fail(
+          fmt::format("lies at byte {} with {} bytes, but the file has {}", entry.address, entry.bytes, file_.size()));
+    std::vector<std::byte> packed(entry.bytes);
+    file_.readAt(entry.address, packed);
+    BlockCache::Bytes out(voxelBytes());
+    if (isStoredAsVoxels(layout_.number)) {
+      codecs.decode(packed, out, at);
+      return out;
+    }
+    std::vector<std::byte> stored(storedBytes());
+    codecs.decode(packed, stored, at);
+    toVoxels(layout_.number, stored, out, at);
+    return out;
+  }
+
+  // Writers leave out a filter that saves nothing, chunk by chunk.
+  const CodecChain& codecsWithout(std::uint64_t left_out) {
+    const std::scoped_lock lock(mutex_);
+    const auto found = codecs_.find(left_out);
+    if (found != codecs_.end()) return found->second;
+    return codecs_.emplace(left_out, *codecsOf(layout_.filters, left_out, layout_.number.bytes)).first->second;
+  }
+
+  File file_;
+  std::mutex mutex_;
+  std::map<std::uint64_t, CodecChain> codecs_;
+};
+
+/// Chunks that the HDF5 library reads, in a process for each thread that reads.
+class ServedChunks : public Hdf5Chunks {
+ public:
+  using Hdf5Chunks::Hdf5Chunks;
+
+  // The process holds a chunk packed, unpacked and as voxels, too.
+  std::uint64_t decodeBytes() const override { return 3 * storedBytes() + 2 * voxelBytes(); }
+
+ private:
+  BlockCache::Bytes decode(const AxisNumbers& index, std::int64_t) override {
+    const ChunkPlace at{path_, layout_.path};
+    std::string payload = layout_.path + '\0';
+    AxisNumbers n(index.size());
+    for (std::size_t axis = 0; axis < index.size(); ++axis) {
+      const std::int64_t first = index[axis] * layout_.chunk_shape[axis],
+                         end = std::min(first + layout_.chunk_shape[axis], layout_.shape[axis]);
+      n[axis] = end - first;
+      for (const std::int64_t number : {first, end})
+        payload.append(reinterpret_cast<const char*>(&number), sizeof number);
+    }
+    std::vector<std::byte> stored(voxelsOf(n) * layout_.number.bytes);
+    {
+      const auto reader = readers_.take(
+          0, [&] { return std::make_unique<Hdf5Reader>(path_, kDescribeMemoryBytes + 8 * storedBytes()); });
+      reader->answerInto(hdf5::Request::kRead, payload, stored);
+    }
+    const std::uint64_t size = sizeOf(layout_.number.voxelType());
+    std::vector<std::byte> part(voxelsOf(n) * size);
+    toVoxels(layout_.number, stored, part, at);
+    return n == layout_.chunk_shape ? part : wholeChunk(part, n, size);
+  }
+
+  // Spreads a part that the border of the array cuts over a chunk.
+  BlockCache::Bytes wholeChunk(const std::vector<std::byte>& part, const AxisNumbers& n, std::uint64_t size) const {
+    BlockCache::Bytes out(chunk_voxels_ * size);
+    const std::uint64_t row = static_cast<std::uint64_t>(n.back()) * size;
+    AxisNumbers index(n.size(), 0);
+    for (std::uint64_t from = 0; from < part.size(); from += row) {
+      std::memcpy(&out[static_cast<std::uint64_t>(placeIn(layout_.chunk_shape, index)) * size], &part[from], row);
+      for (std::size_t axis = n.size() - 1; axis-- > 0;) {
+        if (++index[axis] < n[axis]) break;
+        index[axis] = 0;
+      }
+    }
+    return out;
+  }
+
+  HandlePool<Hdf5Reader> readers_;
+};
+
+}  // namespace
+
+std::unique_ptr<ChunkedArray> openHdf5Chunks(const fs::path& file, Hdf5Layout layout) {
+  if (!layout.table.empty()) return std::make_unique<PlacedChunks>(file, std::move(layout));
+  return std::make_unique<ServedChunks>(file, std::move(layout));
+}
+
+}  // namespace kiln

@@ -1,0 +1,322 @@
+#include "ingest/hdf5/hdf5_image.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/path_status.h"
+#include "base/text.h"
+#include "ingest/hdf5/bdv_xml.h"
+#include "ingest/source/header_text.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+[[noreturn]] void failOption(const fs::path& file, const char* option, const std::string& what) {
+  throw Error(ErrorCode::kUsage, file, option, what);
+}
+
+/// One of several parts that paths number, such as "TimePoint 0".
+std::int64_t chosen(const fs::path& file, const char* option, std::optional<std::int64_t> number, std::int64_t count,
+                    const char* parts) {
+  if (!number && count > 1)
+    failOption(file, option, fmt::format("there are {} {}; choose one, as {} 0", count, parts, option));
+  if (number && (*number < 0 || *number >= count))
+    failOption(file, option, fmt::format("must be a number from 0 to {} (found {})", count - 1, *number));
+  return number.value_or(0);
+}
+
+// The number of paths `pattern` with 0, 1, 2, … that exist.
+template <class Path>
+std::int64_t countOf(const Hdf5Objects& objects, Path path) {
+  std::int64_t n = 0;
+  while (n < 1'000'000 && objects.find(path(n)) != nullptr) ++n;
+  return n;
+}
+
+std::int64_t channelOf(const fs::path& file, const SourceOptions& options, const std::vector<std::string>& names) {
+  const auto count = static_cast<std::int64_t>(names.size());
+  if (!options.channel) return chosen(file, "--channel", std::nullopt, count, "channels");
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i] == *options.channel) return static_cast<std::int64_t>(i);
+  const std::optional<std::int64_t> number = decimalOf<std::int64_t>(*options.channel);
+  if (!number)
+    failOption(
+        file, "--channel",
+        fmt::format("no channel has the name {}; there are {}", inQuotes(*options.channel), fmt::join(names, ", ")));
+  return chosen(file, "--channel", number, count, "channels");
+}
+
+// Imaris: /DataSet/ResolutionLevel R/TimePoint T/Channel C/Data. Source: the description of Imaris 5.5 files.
+Hdf5Image ofImaris(const fs::path& file, const Hdf5Objects& objects, const SourceOptions& options) {
+  const auto level = [](std::int64_t r) { return fmt::format("/DataSet/ResolutionLevel {}", r); };
+  const std::int64_t scale =
+      chosen(file, "--scale", options.scale.value_or(0), std::max<std::int64_t>(countOf(objects, level), 1), "scales");
+  const auto time_path = [&](std::int64_t t) { return fmt::format("{}/TimePoint {}", level(scale), t); };
+  const std::int64_t times = countOf(objects, time_path), time = chosen(file, "--time", options.time, times, "times");
+  const auto channel_path = [&](std::int64_t c) { return fmt::format("{}/Channel {}", time_path(time), c); };
+  std::vector<std::string> names;
+  for (std::int64_t c = 0; c < countOf(objects, channel_path); ++c) {
+    const Hdf5Object* const info = objects.find(fmt::format("/DataSetInfo/Channel {}", c));
+    names.push_back(info ? info->text("Name").value_or("") : "");
+  }
+  const std::int64_t channel = channelOf(file, options, names);
+  const std::string group = channel_path(channel);
+  Hdf5Image out;
+  out.path = group + "/Data";
+  out.path_chooses = true;
+  out.choice = fmt::format(", Imaris, resolution {}, time {}, channel {}", scale, time, channel);
+  if (!objects.hasDataset(out.path)) throw Error(ErrorCode::kFormat, file, out.path, "is missing in this Imaris file");
+  const AxisNumbers& shape = objects.find(out.path)->shape;
+  if (shape.size() != 3) throw Error(ErrorCode::kFormat, file, out.path, "must have three axes");
+  const Hdf5Object *const sizes = objects.find(group), *const image = objects.find("/DataSetInfo/Image");
+  const char* const axis_names[] = {"z", "y", "x"};
+  out.used_shape = shape;
+  out.axes.resize(3);
+  for (int i = 0; i < 3; ++i) {
+    const int imaris_axis = 2 - i;
+    const char letter = static_cast<char>('X' + imaris_axis);
+    const std::optional<double> size = sizes->number(fmt::format("ImageSize{}", letter));
+    if (size && *size >= 1 && *size <= static_cast<double>(shape[i]))
+      out.used_shape[i] = static_cast<std::int64_t>(*size);
+    out.axes[i].name = axis_names[i];
+    const auto extent = [&](const char* end) {
+      return image ? image->number(fmt::format("Ext{}{}", end, imaris_axis)) : std::nullopt;
+    };
+    const std::optional<double> low = extent("Min"), high = extent("Max");
+    if (!low || !high || !(*high > *low)) continue;
+    // Extents go from the outer side of the first voxel to that of the last.
+    out.axes[i].scale = (*high - *low) / static_cast<double>(out.used_shape[i]);
+    out.axes[i].translation = *low + out.axes[i].scale / 2;
+    out.axes[i].unit = image->text("Unit").value_or("um");
+    out.has_scale = true;
+  }
+  return out;
+}
+
+// BigDataViewer: /tTTTTT/sSS/L/cells, with an XML file beside it. Source: imagej.net/plugins/bdv, "About the
+// BigDataViewer data format".
+Hdf5Image ofBigDataViewer(const fs::path& file, const Hdf5Objects& objects, const SourceOptions& options) {
+  const auto time_path = [](std::int64_t t) { return fmt::format("/t{:05}", t); };
+  const std::int64_t time = chosen(file, "--time", options.time, countOf(objects, time_path), "times");
+  const auto setup_path = [](std::int64_t s) { return fmt::format("/s{:02}", s); };
+  const std::int64_t setups = countOf(objects, setup_path);
+  const std::optional<BdvDescription> xml = readBdvXml(fs::path(file).replace_extension(".xml"));
+  std::vector<std::string> names;
+  for (std::int64_t s = 0; s < setups; ++s) names.push_back(xml ? xml->setupName(s) : "");
+  const std::int64_t setup = channelOf(file, options, names);
+  const std::string group = time_path(time) + setup_path(setup);
+  const auto level_path = [&](std::int64_t l) { return fmt::format("{}/{}", group, l); };
+  const std::int64_t levels = std::max<std::int64_t>(countOf(objects, level_path), 1),
+                     scale = chosen(file, "--scale", options.scale.value_or(0), levels, "scales");
+  Hdf5Image out;
+  out.path = level_path(scale) + "/cells";
+  out.path_chooses = true;
+  out.is_unsigned = true;
+  out.choice = fmt::format(", BigDataViewer, time {}, setup {}, level {}", time, setup, scale);
+  if (!objects.hasDataset(out.path))
+    throw Error(ErrorCode::kFormat, file, out.path, "is missing in this file of BigDataViewer");
+  out.axes = {{"z", "", "", 1, 0}, {"y", "", "", 1, 0}, {"x", "", "", 1, 0}};
+  // Factors of the scale, x first; a coarse voxel is centred among the voxels that it covers.
+  glm::dvec3 factor(1);
+  const Hdf5Object* const resolutions = objects.find(setup_path(setup) + "/resolutions");
+  for (int i = 0; i < 3 && resolutions; ++i) {
+    const std::size_t at = static_cast<std::size_t>(scale) * 3 + static_cast<std::size_t>(i);
+    if (at < resolutions->values.size() && resolutions->values[at] >= 1) factor[i] = resolutions->values[at];
+  }
+  const std::optional<glm::dmat4> affine = xml ? xml->worldFromIndex(time, setup) : std::nullopt;
+  if (affine) {
+    out.world_from_index = *affine * axesAffine(factor, (factor - 1.0) / 2.0);
+    out.has_scale = true;
+  }
+  for (ArrayAxis& axis : out.axes) axis.unit = xml ? xml->unit(setup) : "";
+  return out;
+}
+
+// MINC 2. Source: the MINC 2.0 format's reference, and the values of its dimensions.
+Hdf5Image ofMinc(const fs::path& file, const Hdf5Objects& objects) {
+  Hdf5Image out;
+  out.path = "/minc-2.0/image/0/image";
+  out.choice = ", MINC";
+  out.frame = PatientFrame::kRas;
+  const Hdf5Object& image = *objects.find(out.path);
+  const auto uniform = [&](const char* name) {
+    const Hdf5Object* const scales = objects.find(std::string("/minc-2.0/image/0/") + name);
+    return !scales || scales->values.empty() ||
+           std::all_of(scales->values.begin(), scales->values.end(),
+                       [&](double v) { return v == scales->values.front(); });
+  };
+  if (!uniform("image-min") || !uniform("image-max"))
+    throw Error(ErrorCode::kUnsupported, file, "/minc-2.0/image/0/image-max",
+                "intensities are scaled slice by slice, which is not read; rewrite the file: mincreshape -image_range "
+                "MIN MAX, or mincconvert to NIfTI");
+  glm::dmat4 affine(1.0);
+  glm::dvec3 origin(0);
+  std::string order = image.text("dimorder").value_or("zspace,yspace,xspace");
+  for (const std::string_view name : splitAt(order, ',')) {
+    const Hdf5Object* const space = objects.find("/minc-2.0/dimensions/" + std::string(name));
+    const int axis = name == "xspace" ? 0 : name == "yspace" ? 1 : name == "zspace" ? 2 : -1;
+    out.axes.push_back(
+        {axis < 0 ? (name == "time" ? "t" : std::string(name)) : std::string(1, "xyz"[axis]), "mm", "", 1, 0});
+    if (axis < 0 || !space) continue;
+    const double step = space->number("step").value_or(1), start = space->number("start").value_or(0);
+    const std::vector<double> cosines = space->numbers("direction_cosines");
+    glm::dvec3 direction(0);
+    direction[axis] = 1;
+    if (cosines.size() == 3) direction = {cosines[0], cosines[1], cosines[2]};
+    affine[axis] = glm::dvec4(direction * step, 0);
+    origin += direction * start;
+  }
+  affine[3] = glm::dvec4(origin, 1);
+  out.world_from_index = affine;
+  out.has_scale = true;
+  const auto value = [&](const char* name) {
+    const Hdf5Object* const scales = objects.find(std::string("/minc-2.0/image/0/") + name);
+    return scales && !scales->values.empty() ? std::optional(scales->values.front()) : std::nullopt;
+  };
+  if (value("image-min") && value("image-max") && !image.type.starts_with("float"))
+    out.notes.push_back(fmt::format("whole numbers stand for values from {} to {}; they are taken as stored",
+                                    *value("image-min"), *value("image-max")));
+  return out;
+}
+
+// Gives an axis the distance and the begin of its coordinates, if these are equally spaced.
+bool placeByCoordinates(const Hdf5Object* coordinates, ArrayAxis& axis) {
+  if (!coordinates || coordinates->values.size() < 2) return false;
+  const std::vector<double>& at = coordinates->values;
+  const double step = (at.back() - at.front()) / static_cast<double>(at.size() - 1);
+  for (std::size_t i = 0; i < at.size(); ++i)
+    if (!(std::abs(at.front() + step * static_cast<double>(i) - at[i]) <= std::abs(step) * 1e-3)) return false;
+  if (!(step > 0)) return false;
+  axis.scale = step;
+  axis.translation = at.front();
+  axis.unit = coordinates->text("units").value_or("");
+  return true;
+}
+
+std::string parentOf(const std::string& path) {
+  const std::size_t slash = path.find_last_of('/');
+  return slash == 0 ? "" : path.substr(0, slash);
+}
+
+// Axes of a data set by the attributes around it: NeXus and EMD (coordinates), h5py (labels), ilastik (element sizes).
+void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
+  const Hdf5Object& dataset = *objects.find(out.path);
+  const std::size_t count = dataset.shape.size();
+  out.axes.resize(count);
+  const std::string group = parentOf(out.path);
+  const Hdf5Object* const above = objects.find(group.empty() ? "/" : group);
+  std::vector<std::string> names = above ? above->texts("axes") : std::vector<std::string>();
+  const std::vector<std::string> labels = dataset.texts("DIMENSION_LABELS");
+  std::size_t placed = 0, space = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    ArrayAxis& axis = out.axes[i];
+    const bool named = names.size() == count;
+    const std::string coordinates = named ? group + "/" + names[i] : group + fmt::format("/dim{}", i + 1);
+    if (named) axis.name = lowered(names[i]);
+    if (!named && labels.size() == count) axis.name = lowered(labels[i]);
+    const bool of_space = i + 3 >= count;
+    const bool has_place = placeByCoordinates(objects.find(coordinates), axis);
+    space += of_space ? 1 : 0;
+    placed += of_space && has_place ? 1 : 0;
+  }
+  out.has_scale = placed == space && placed > 0;
+  const std::vector<double> sizes = dataset.numbers("element_size_um");
+  if (sizes.size() == 3 && count >= 3 && std::all_of(sizes.begin(), sizes.end(), [](double s) { return s > 0; })) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      out.axes[count - 3 + i].scale = sizes[i];
+      out.axes[count - 3 + i].unit = "um";
+    }
+    out.has_scale = true;
+  }
+  const std::optional<double> scale = dataset.number("scale_factor"), offset = dataset.number("add_offset");
+  if (scale.value_or(1) != 1 || offset.value_or(0) != 0)
+    out.notes.push_back(
+        fmt::format("the attributes say that values are {} + {} times the stored numbers; the numbers are "
+                    "taken as stored",
+                    offset.value_or(0), scale.value_or(1)));
+}
+
+// NeXus: "default" leads from group to group, "signal" to the data. Source: manual.nexusformat.org, NXdata.
+std::optional<std::string> nexusDefault(const Hdf5Objects& objects) {
+  std::string group;
+  for (int depth = 0; depth < 8; ++depth) {
+    const Hdf5Object* const here = objects.find(group.empty() ? "/" : group);
+    if (!here) return std::nullopt;
+    if (const auto signal = here->text("signal"))
+      return objects.hasDataset(group + "/" + *signal) ? std::optional(group + "/" + *signal) : std::nullopt;
+    const std::optional<std::string> next = here->text("default");
+    if (!next) return std::nullopt;
+    group += "/" + *next;
+  }
+  return std::nullopt;
+}
+
+// The data set that the groups of NeXus call their signal, if only one of three axes is.
+std::optional<std::string> onlySignal(const Hdf5Objects& objects) {
+  std::optional<std::string> out;
+  for (const std::string& path : objects.volumes()) {
+    const std::string group = parentOf(path);
+    const Hdf5Object* const above = objects.find(group.empty() ? "/" : group);
+    if (!above || above->text("signal") != path.substr(path.find_last_of('/') + 1)) continue;
+    if (out) return std::nullopt;
+    out = path;
+  }
+  return out;
+}
+
+std::string onlyVolume(const fs::path& file, const Hdf5Objects& objects) {
+  const std::vector<std::string> volumes = objects.volumes();
+  if (volumes.size() == 1) return volumes.front();
+  if (volumes.empty())
+    throw Error(ErrorCode::kUnsupported, file, "",
+                fmt::format("none of its {} objects is a data set of numbers along three axes", objects.all().size()));
+  constexpr std::size_t kMostListed = 24;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(volumes.size(), kMostListed); ++i) {
+    const Hdf5Object& dataset = *objects.find(volumes[i]);
+    list += fmt::format("{}{} ({}) {}", i == 0 ? "" : "; ", shown(volumes[i]), fmt::join(dataset.shape, ", "),
+                        dataset.type);
+  }
+  if (volumes.size() > kMostListed) list += fmt::format("; and {} more", volumes.size() - kMostListed);
+  throw Error(ErrorCode::kUsage, file, "",
+              fmt::format("holds {} data sets: {}; name one, as {}:{}", volumes.size(), list, file.string(),
+                          shown(volumes.front())));
+}
+
+Hdf5Image ofPath(const Hdf5Objects& objects, const std::string& path) {
+  Hdf5Image out;
+  out.path = path;
+  describeAxes(objects, out);
+  return out;
+}
+
+}  // namespace
+
+Hdf5Image findHdf5Image(const fs::path& file, const std::string& path, const Hdf5Objects& objects,
+                        const SourceOptions& options) {
+  const std::string minc = "/minc-2.0/image/0/image";
+  if (path.empty() && objects.find("/DataSet/ResolutionLevel 0")) return ofImaris(file, objects, options);
+  if (path.empty() && objects.find("/s00/resolutions") && objects.find("/t00000"))
+    return ofBigDataViewer(file, objects, options);
+  if (options.scale) failOption(file, "--scale", "applies to files of Imaris and BigDataViewer; leave it out");
+  if (objects.hasDataset(minc) && (path.empty() || path == minc)) return ofMinc(file, objects);
+  if (!path.empty()) {
+    if (!objects.hasDataset(path))
+      throw Error(ErrorCode::kNotFound, file, shown(path),
+                  objects.find(path) ? "is no data set of numbers" : "there is no data set of this name");
+    return ofPath(objects, path);
+  }
+  if (const std::optional<std::string> found = nexusDefault(objects)) return ofPath(objects, *found);
+  if (objects.volumes().size() != 1) {
+    if (const std::optional<std::string> found = onlySignal(objects)) return ofPath(objects, *found);
+    if (objects.hasDataset("/exchange/data")) return ofPath(objects, "/exchange/data");
+  }
+  return ofPath(objects, onlyVolume(file, objects));
+}
+
+}  // namespace kiln

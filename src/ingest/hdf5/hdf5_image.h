@@ -1,0 +1,34 @@
+// Finds the volume in an HDF5 file by the conventions of the programs that write such files.
+#pragma once
+
+#include "ingest/chunks/array_volume.h"
+#include "ingest/hdf5/hdf5_objects.h"
+
+namespace kiln {
+
+/// A data set, and how its axes lie in the world.
+struct Hdf5Image {
+  std::string path;
+  std::vector<ArrayAxis> axes;
+  bool has_scale = false;
+  /// The part of the data set that holds voxels; empty for all. Imaris pads data sets to whole chunks.
+  AxisNumbers used_shape;
+  /// Replaces the place that `axes` give.
+  std::optional<glm::dmat4> world_from_index;
+  PatientFrame frame = PatientFrame::kUnknown;
+  /// True if whole numbers are unsigned, whatever their type. BigDataViewer writes unsigned numbers as signed.
+  bool is_unsigned = false;
+  /// True if the path already chose the channel, time and scale.
+  bool path_chooses = false;
+  /// For SourceInfo::format: ", Imaris, channel 0".
+  std::string choice;
+  std::vector<std::string> notes;
+};
+
+/// Chooses the data set at `path`, or without a path: BigDataViewer's, Imaris's, MINC's, NeXus's, Data Exchange's, or
+/// the only one of three axes. throws: Error kUsage, listing the data sets, if there are several, or an option does not
+/// apply; kUnsupported, kFormat.
+Hdf5Image findHdf5Image(const std::filesystem::path& file, const std::string& path, const Hdf5Objects& objects,
+                        const SourceOptions& options);
+
+}  // namespace kiln

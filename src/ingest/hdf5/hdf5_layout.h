@@ -1,0 +1,47 @@
+// One data set of an HDF5 file: its numbers, its shape, and where its voxels lie in the file.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/chunks/chunked_array.h"
+#include "ingest/codec/byte_codec.h"
+#include "ingest/hdf5/hdf5_reader.h"
+#include "ingest/source/json_node.h"
+
+namespace kiln {
+
+struct Hdf5Filter {
+  int id = 0;
+  std::string name;
+  std::vector<std::int64_t> values;
+};
+
+struct Hdf5Layout : ChunkLayout {
+  std::string path;
+  /// Begin of a contiguous data set in this file; nothing otherwise. unit: bytes.
+  std::optional<std::uint64_t> offset;
+  /// Filters of a chunk in the order of encoding.
+  std::vector<Hdf5Filter> filters;
+  /// The chunks in the order of the grid, the last axis fastest; empty unless Kiln reads the chunks itself.
+  std::vector<hdf5::ChunkEntry> table;
+  /// Attributes of the data set.
+  std::optional<JsonNode> attributes;
+};
+
+/// Returns the layout of the data set at `path`. Kiln reads contiguous data sets and chunks with known filters itself;
+/// where neither `offset` nor `table` is set, the HDF5 library reads the voxels (virtual and external data sets, other
+/// filters, types with unused bits).
+/// throws: Error kFormat, kUnsupported if the data set holds no numbers, kBudget if its table does not fit into
+/// `memory_bytes`.
+Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const std::filesystem::path& file, const std::string& path,
+                          std::uint64_t memory_bytes);
+
+/// Returns the codecs of a chunk whose filters in `left_out` (bit i for filter i) were not applied; nothing if a filter
+/// is unknown to Kiln.
+std::optional<CodecChain> codecsOf(const std::vector<Hdf5Filter>& filters, std::uint64_t left_out,
+                                   std::size_t number_bytes);
+
+}  // namespace kiln

@@ -1,0 +1,46 @@
+// The groups and data sets of an HDF5 file with their attributes, as the HDF5 library describes them.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/chunks/chunked_array.h"
+#include "ingest/source/json_node.h"
+
+namespace kiln {
+
+struct Hdf5Object {
+  bool is_dataset = false;
+  /// Lengths of a data set, the slowest axis first.
+  AxisNumbers shape;
+  /// "uint16"; empty for anything but numbers.
+  std::string type;
+  /// The numbers of a short list, such as the coordinates of an axis.
+  std::vector<double> values;
+  JsonNode attributes;
+
+  std::optional<std::string> text(const std::string& attribute) const;
+  std::optional<double> number(const std::string& attribute) const;
+  std::vector<double> numbers(const std::string& attribute) const;
+  std::vector<std::string> texts(const std::string& attribute) const;
+};
+
+class Hdf5Objects {
+ public:
+  /// `json` is the answer to hdf5::Request::kDescribe. throws: Error kFormat.
+  Hdf5Objects(const std::filesystem::path& file, const std::string& json);
+
+  const Hdf5Object* find(const std::string& path) const;
+  bool hasDataset(const std::string& path) const;
+  const std::map<std::string, Hdf5Object>& all() const { return all_; }
+  /// Data sets that may be volumes: numbers along three axes of two entries and more.
+  std::vector<std::string> volumes() const;
+
+ private:
+  std::map<std::string, Hdf5Object> all_;
+};
+
+}  // namespace kiln

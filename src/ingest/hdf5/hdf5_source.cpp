@@ -1,0 +1,85 @@
+// HDF5 files. The library describes a file in a process of its own; Kiln reads the voxels itself where it can.
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/path_status.h"
+#include "base/text.h"
+#include "ingest/bytes/linear_source.h"
+#include "ingest/chunks/chunked_source.h"
+#include "ingest/hdf5/hdf5_chunks.h"
+#include "ingest/hdf5/hdf5_image.h"
+#include "ingest/source/formats.h"
+#include "ingest/source/header_text.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint64_t kMostDescriptionBytes = 256 << 20;
+
+std::optional<StoredType> linearType(const StoredNumber& number) {
+  if (number.kind == NumberKind::kFloat && number.bytes == 2) return StoredType::half();
+  if (sizeOf(number.voxelType()) != number.bytes) return std::nullopt;
+  return StoredType(number.voxelType());
+}
+
+// A contiguous data set whose last axes are z, y, x is a raw file at an offset. Returns null for any other.
+std::unique_ptr<VolumeSource> openContiguous(SourceInfo& info, const Hdf5Layout& layout, const ArrayVolume& volume,
+                                             const Hdf5Image& image, const fs::path& file) {
+  const auto axes = static_cast<int>(layout.shape.size());
+  const std::optional<StoredType> type = linearType(layout.number);
+  if (!layout.offset || !type || axes < 3 || !image.used_shape.empty() ||
+      volume.axis_of != std::array{axes - 1, axes - 2, axes - 3})
+    return nullptr;
+  std::int64_t before = 0;
+  for (int axis = 0; axis < axes - 3; ++axis)
+    before = before * layout.shape[static_cast<std::size_t>(axis)] + volume.fixed[static_cast<std::size_t>(axis)];
+  LinearData data;
+  data.file = file;
+  data.offset_bytes =
+      *layout.offset + static_cast<std::uint64_t>(before * volume.geometry.dims.count()) * sizeOf(*type);
+  data.stored_type = *type;
+  data.big_endian = layout.number.big_endian;
+  info.type = type->voxel();
+  info.geometry = volume.geometry;
+  info.format += volume.choice;
+  info.notes.insert(info.notes.end(), volume.notes.begin(), volume.notes.end());
+  checkedBytes(info.geometry.dims, info.type, file);
+  return openDescribed(file, info, data);
+}
+
+ArrayVolume placed(const fs::path& file, const Hdf5Image& image, const Hdf5Layout& layout, SourceOptions options) {
+  if (image.path_chooses) {
+    options.channel.reset();
+    options.time.reset();
+  }
+  const AxisNumbers& shape = image.used_shape.empty() ? layout.shape : image.used_shape;
+  ArrayVolume out = volumeOf({file, file, shape}, image.axes, image.has_scale, {}, options);
+  if (image.world_from_index && !options.spacing) out.geometry.world_from_index = *image.world_from_index;
+  requireInvertible(out.geometry.world_from_index, file.string());
+  if (image.frame != PatientFrame::kUnknown) out.geometry.frame = image.frame;
+  out.choice = image.choice + ", " + shown(image.path) + out.choice;
+  out.notes.insert(out.notes.end(), image.notes.begin(), image.notes.end());
+  return out;
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openHdf5(const fs::path& file, const std::string& path, const SourceOptions& options) {
+  Hdf5Reader reader(file, kDescribeMemoryBytes);
+  const std::vector<std::byte> description = reader.answer(hdf5::Request::kDescribe, "", kMostDescriptionBytes);
+  const Hdf5Objects objects(file, std::string(reinterpret_cast<const char*>(description.data()), description.size()));
+  const Hdf5Image image = findHdf5Image(file, path, objects, options);
+  Hdf5Layout layout = readHdf5Layout(reader, file, image.path, options.memory_bytes);
+  if (image.is_unsigned && layout.number.kind == NumberKind::kSigned) layout.number.kind = NumberKind::kUnsigned;
+  const ArrayVolume volume = placed(file, image, layout, options);
+  SourceInfo info;
+  info.format = "HDF5";
+  info.files = {file};
+  if (const fs::path xml = fs::path(file).replace_extension(".xml"); image.is_unsigned && isThere(xml))
+    info.files.push_back(xml);
+  if (std::unique_ptr<VolumeSource> source = openContiguous(info, layout, volume, image, file)) return source;
+  return openChunked(std::move(info), volume, openHdf5Chunks(file, std::move(layout)));
+}
+
+}  // namespace kiln

@@ -1,0 +1,446 @@
+// HDF5. Known because the HDF5 library wrote the files, or because the compressors' own libraries encoded the chunks.
+#include <blosc.h>
+#include <gtest/gtest.h>
+#include <lz4.h>
+#include <zstd.h>
+
+#include <array>
+#include <fstream>
+#include <random>
+
+#include "ingest/open_source.h"
+#include "support/volumes/foreign_files.h"
+#include "support/volumes/hdf5_files.h"
+
+namespace kiln::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr Extent3 kDims = {13, 11, 9};
+const std::vector<std::uint64_t> kChunk = {4, 5, 6};
+
+fs::path part(const fs::path& file, const std::string& path) { return file.string() + ":" + path; }
+
+std::string bigEndian(std::uint64_t number, int bytes) {
+  std::string out;
+  for (int i = bytes - 1; i >= 0; --i) out.push_back(static_cast<char>(number >> (8 * i)));
+  return out;
+}
+
+std::string lz4Of(const std::string& bytes) {
+  std::string out(static_cast<std::size_t>(LZ4_compressBound(static_cast<int>(bytes.size()))), '\0');
+  out.resize(static_cast<std::size_t>(
+      LZ4_compress_default(bytes.data(), out.data(), static_cast<int>(bytes.size()), static_cast<int>(out.size()))));
+  return out;
+}
+
+std::string zstdOf(const std::string& bytes) {
+  std::string out(ZSTD_compressBound(bytes.size()), '\0');
+  out.resize(ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), 3));
+  return out;
+}
+
+std::string bloscOf(const std::string& bytes, const char* codec, int shuffle, std::size_t size) {
+  std::string out(bytes.size() + BLOSC_MAX_OVERHEAD, '\0');
+  const int packed =
+      blosc_compress_ctx(5, shuffle, size, bytes.size(), bytes.data(), out.data(), out.size(), codec, 0, 1);
+  out.resize(static_cast<std::size_t>(packed));
+  return out;
+}
+
+// Blocks of `block` bytes behind the total and the block's size: the form of HDF5's LZ4 filter and of bitshuffle.
+std::string lz4Blocks(const std::string& bytes, std::size_t block) {
+  std::string out = bigEndian(bytes.size(), 8) + bigEndian(block, 4);
+  for (std::size_t at = 0; at < bytes.size(); at += block) {
+    const std::string packed = lz4Of(bytes.substr(at, block));
+    const bool kept = packed.size() >= std::min(block, bytes.size() - at);
+    const std::string& piece = kept ? bytes.substr(at, block) : packed;
+    out += bigEndian(piece.size(), 4) + piece;
+  }
+  return out;
+}
+
+// Plane 8·b + k of a block has bit k of byte b of each number. Written bit by bit.
+std::string bitPlanes(const std::string& bytes, std::size_t size) {
+  const std::size_t count = bytes.size() / size;
+  std::string out(bytes.size(), '\0');
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t b = 0; b < size; ++b)
+      for (std::size_t k = 0; k < 8; ++k)
+        if (static_cast<unsigned char>(bytes[i * size + b]) >> k & 1)
+          out[(b * 8 + k) * (count / 8) + i / 8] |= static_cast<char>(1u << (i % 8));
+  return out;
+}
+
+// Blocks of `block` numbers, a shorter block of a multiple of eight, and the rest as it is.
+std::string bitshuffled(const std::string& bytes, std::size_t size, std::size_t block, bool compressed) {
+  std::string out = compressed ? bigEndian(bytes.size(), 8) + bigEndian(block * size, 4) : "";
+  std::size_t at = 0;
+  while (bytes.size() - at >= 8 * size) {
+    const std::size_t numbers = std::min(block, (bytes.size() - at) / size / 8 * 8);
+    const std::string planes = bitPlanes(bytes.substr(at, numbers * size), size);
+    out += compressed ? bigEndian(lz4Of(planes).size(), 4) + lz4Of(planes) : planes;
+    at += numbers * size;
+  }
+  return out + bytes.substr(at);
+}
+
+// Literal runs of up to 32 bytes, and one copy of the bytes before where eight bytes repeat.
+std::string lzfOf(const std::string& bytes) {
+  std::string out;
+  std::size_t at = 0;
+  while (at < bytes.size()) {
+    const bool repeats = at >= 8 && at + 8 <= bytes.size() && bytes.compare(at, 8, bytes, at - 8, 8) == 0;
+    if (repeats) {
+      // Length 8 is 6 + 2, in three bits; distance 8 is written less one.
+      out += {static_cast<char>(6 << 5), 7};
+      at += 8;
+      continue;
+    }
+    const std::size_t count = std::min<std::size_t>(at < 8 ? 8 : 1, bytes.size() - at);
+    out.push_back(static_cast<char>(count - 1));
+    out += bytes.substr(at, count);
+    at += count;
+  }
+  return out;
+}
+
+TEST(IngestHdf5, EveryTypeAndOrderReadsBack) {
+  const ForeignFiles files;
+  const fs::path file = files.directory() / "a.h5";
+  std::vector<std::pair<std::string, ForeignVolume>> volumes;
+  {
+    Hdf5File out(file);
+    for (const VoxelType type : kAllTypes) {
+      const ForeignVolume volume = randomVolume(kDims, type, 401);
+      for (const bool big_endian : {false, true}) {
+        const std::string name = "/" + std::string(nameOf(type)) + (big_endian ? "be" : "le");
+        out.add(name + "/contiguous", volume, {.big_endian = big_endian});
+        out.add(name + "/chunked", volume, {.chunk = kChunk, .big_endian = big_endian, .deflate = 4});
+        volumes.emplace_back(name + "/contiguous", volume);
+        volumes.emplace_back(name + "/chunked", volume);
+      }
+    }
+  }
+  for (const auto& [path, volume] : volumes) {
+    SCOPED_TRACE(path);
+    expectReadsBack(volume, part(file, path), 402);
+  }
+}
+
+TEST(IngestHdf5, EveryFilterOfTheLibraryReadsBack) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 411);
+  const fs::path file = files.directory() / "a.h5";
+  const std::pair<const char*, Hdf5Dataset> datasets[] = {
+      {"/plain", {.chunk = kChunk}},
+      {"/large", {.chunk = {9, 11, 13}}},
+      {"/deflate", {.chunk = kChunk, .deflate = 9}},
+      {"/shuffle", {.chunk = kChunk, .shuffle = true, .deflate = 1}},
+      {"/checked", {.chunk = kChunk, .shuffle = true, .fletcher32 = true, .deflate = 1}},
+      {"/odd_checked", {.chunk = {1, 1, 3}, .fletcher32 = true}},
+      {"/scaled", {.chunk = kChunk, .scale_offset = true}},
+      {"/compact", {.compact = true}},
+  };
+  {
+    Hdf5File out(file);
+    for (const auto& [path, dataset] : datasets) out.add(path, volume, dataset);
+  }
+  for (const auto& [path, dataset] : datasets) {
+    SCOPED_TRACE(path);
+    expectReadsBack(volume, part(file, path), 412);
+  }
+}
+
+TEST(IngestHdf5, EveryRegisteredFilterReadsBack) {
+  const ForeignFiles files;
+  // Every other voxel repeats, so that compressors have something to save.
+  ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 421);
+  for (std::size_t i = 0; i + 16 <= volume.voxels.size(); i += 32)
+    std::copy_n(volume.voxels.begin() + static_cast<std::ptrdiff_t>(i), 8,
+                volume.voxels.begin() + static_cast<std::ptrdiff_t>(i) + 8);
+  std::vector<std::pair<std::string, Hdf5Dataset>> datasets;
+  const auto add = [&](const std::string& name, int id, std::vector<unsigned> values, auto encode) {
+    datasets.emplace_back("/" + name,
+                          Hdf5Dataset{.chunk = kChunk, .foreign = Hdf5Filter{id, std::move(values)}, .encode = encode});
+  };
+  add("lzf", 32000, {4, 261, 240}, lzfOf);
+  add("lz4", 32004, {64}, [](const std::string& chunk) { return lz4Blocks(chunk, 64); });
+  add("lz4_one", 32004, {}, [](const std::string& chunk) { return lz4Blocks(chunk, 4096); });
+  add("zstd", 32015, {3}, zstdOf);
+  unsigned code = 1;
+  for (const char* const codec : {"lz4", "lz4hc", "snappy", "zlib", "zstd"}) {
+    if (std::string(codec) == "snappy") {
+      ++code;
+      continue;
+    }
+    for (const int shuffle : {0, 1, 2})
+      add(std::string("blosc_") + codec + std::to_string(shuffle), 32001,
+          {2, 2, 2, 240, 5, static_cast<unsigned>(shuffle), code},
+          [=](const std::string& chunk) { return bloscOf(chunk, codec, shuffle, 2); });
+    ++code;
+  }
+  add("bitshuffle", 32008, {0, 4, 2, 16, 0}, [](const std::string& chunk) { return bitshuffled(chunk, 2, 16, false); });
+  add("bitshuffle_default", 32008, {0, 4, 2, 0, 0},
+      [](const std::string& chunk) { return bitshuffled(chunk, 2, 4096, false); });
+  add("bitshuffle_lz4", 32008, {0, 4, 2, 16, 2},
+      [](const std::string& chunk) { return bitshuffled(chunk, 2, 16, true); });
+  const fs::path file = files.directory() / "a.h5";
+  {
+    Hdf5File out(file);
+    for (const auto& [path, dataset] : datasets) out.add(path, volume, dataset);
+  }
+  for (const auto& [path, dataset] : datasets) {
+    SCOPED_TRACE(path);
+    expectReadsBack(volume, part(file, path), 422);
+  }
+}
+
+// Known: chunks of 9 x 7 x 1 numbers are no multiple of eight, so the last numbers are not shuffled.
+TEST(IngestHdf5, NumbersBehindTheLastBitPlaneReadBack) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({9, 7, 5}, VoxelType::f32, 431);
+  const fs::path file = files.directory() / "a.h5";
+  Hdf5File(file).add("/v", volume,
+                     {.chunk = {1, 7, 9},
+                      .foreign = Hdf5Filter{32008, {0, 4, 4, 8, 2}},
+                      .encode = [](const std::string& chunk) { return bitshuffled(chunk, 4, 8, true); }});
+  expectReadsBack(volume, file, 432);
+}
+
+TEST(IngestHdf5, VirtualDataAndUserBlocksReadBack) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 441);
+  Hdf5File(files.directory() / "source.h5").add("/v", volume, {.chunk = kChunk, .deflate = 1});
+  Hdf5File(files.directory() / "virtual.h5").addVirtual("/v", kDims, (files.directory() / "source.h5").string(), "/v");
+  expectReadsBack(volume, files.directory() / "virtual.h5", 442);
+  for (const bool chunked : {false, true}) {
+    const fs::path file = files.directory() / "block.h5";
+    Hdf5File(file, 512).add("/v", volume, {.chunk = chunked ? kChunk : std::vector<std::uint64_t>()});
+    expectReadsBack(volume, file, 443);
+  }
+}
+
+TEST(IngestHdf5, ChunksThatWereNeverWritten_areTheFillValue) {
+  const ForeignFiles files;
+  ForeignVolume volume = randomVolume(kDims, VoxelType::i16, 451);
+  for (std::size_t i = 0; i < volume.voxels.size(); i += 2)
+    volume.voxels[i] = std::byte{0xfe}, volume.voxels[i + 1] = std::byte{0xff};
+  const fs::path file = files.directory() / "a.h5";
+  Hdf5File(file).add("/v", volume, {.chunk = kChunk, .deflate = 1, .fill = -2, .written = false});
+  EXPECT_TRUE(readWhole(*openSource(file)) == volume.voxels);
+}
+
+TEST(IngestHdf5, SeveralThreadsReadAtOnce) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({40, 30, 20}, VoxelType::u16, 461);
+  const fs::path file = files.directory() / "a.h5";
+  {
+    Hdf5File out(file);
+    out.add("/here", volume, {.chunk = {8, 8, 8}, .shuffle = true, .deflate = 1});
+    out.add("/served", volume, {.chunk = {8, 8, 8}, .scale_offset = true});
+  }
+  for (const char* const path : {"/here", "/served"}) expectThreadsReadBack(volume, *openSource(part(file, path)));
+}
+
+TEST(IngestHdf5, SeveralVolumesAreListed) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 471);
+  const fs::path file = files.directory() / "a.h5";
+  {
+    Hdf5File out(file);
+    out.add("/one", volume);
+    out.add("/two/deep", volume);
+    out.addNumbers("/list", {1, 2, 3});
+  }
+  expectRefused(file, ErrorCode::kUsage,
+                "holds 2 data sets: /one (9, 11, 13) uint16; /two/deep (9, 11, 13) uint16; name one, as " +
+                    file.string() + ":/one");
+  expectReadsBack(volume, part(file, "/two/deep"), 472);
+  expectRefused(part(file, "/three"), ErrorCode::kNotFound, "/three: there is no data set of this name");
+  expectRefused(part(file, "/two"), ErrorCode::kNotFound, "/two: is no data set of numbers");
+  expectRefused(part(file, "/list"), ErrorCode::kUnsupported, "one axis");
+  SourceOptions options;
+  options.scale = 1;
+  expectRefused(part(file, "/one"), ErrorCode::kUsage, "--scale", options);
+}
+
+// Known: the last three axes are z, y, x; an axis in front is chosen by a number.
+TEST(IngestHdf5, AxesInFrontAreChannelsAndTimes) {
+  const ForeignFiles files;
+  const ForeignVolume both = randomVolume({5, 4, 6}, VoxelType::u16, 481);
+  const fs::path file = files.directory() / "a.h5";
+  {
+    Hdf5File out(file);
+    out.add("/chunked", both, {.shape = {2, 3, 4, 5}, .chunk = {2, 2, 3, 4}});
+    out.add("/contiguous", both, {.shape = {2, 3, 4, 5}});
+  }
+  for (const char* const path : {"/chunked", "/contiguous"}) {
+    SCOPED_TRACE(path);
+    expectRefused(part(file, path), ErrorCode::kUsage, "--channel: there are 2 channels");
+    for (const std::int64_t i : {0, 1}) {
+      SourceOptions by_channel, by_time;
+      by_channel.channel = std::to_string(i);
+      by_time.time = i;
+      const std::vector<std::byte> expected = both.box({{0, 0, 3 * i}, {5, 4, 3 * i + 3}});
+      EXPECT_TRUE(readWhole(*openSource(part(file, path), by_channel)) == expected);
+      EXPECT_TRUE(readWhole(*openSource(part(file, path), by_time)) == expected);
+    }
+  }
+}
+
+glm::dvec3 at(const VolumeSource& source, const glm::dvec3& index) { return source.info().geometry.worldOf(index); }
+
+TEST(IngestHdf5, ImarisHasExtentsAndPaddedData) {
+  const ForeignFiles files;
+  const fs::path file = files.directory() / "a.ims";
+  const ForeignVolume padded = randomVolume({8, 8, 8}, VoxelType::u8, 491),
+                      other = randomVolume({8, 8, 8}, VoxelType::u8, 492);
+  const std::string time = "/DataSet/ResolutionLevel 0/TimePoint 0";
+  {
+    Hdf5File out(file);
+    out.add(time + "/Channel 0/Data", padded, {.chunk = {4, 4, 4}, .deflate = 2});
+    out.add(time + "/Channel 1/Data", other, {.chunk = {4, 4, 4}, .deflate = 2});
+    for (const char* const channel : {"/Channel 0", "/Channel 1"}) {
+      out.setLetters(time + channel, "ImageSizeX", "5");
+      out.setLetters(time + channel, "ImageSizeY", "6");
+      out.setLetters(time + channel, "ImageSizeZ", "7");
+    }
+    for (const char* const group : {"/DataSetInfo/Image", "/DataSetInfo/Channel 0", "/DataSetInfo/Channel 1"})
+      out.addGroup(group);
+    const char* const low[] = {"10", "0", "-7"};
+    const char* const high[] = {"20", "3", "0"};
+    for (int i = 0; i < 3; ++i) {
+      out.setLetters("/DataSetInfo/Image", "ExtMin" + std::to_string(i), low[i]);
+      out.setLetters("/DataSetInfo/Image", "ExtMax" + std::to_string(i), high[i]);
+    }
+    out.setLetters("/DataSetInfo/Image", "Unit", "um");
+    out.setLetters("/DataSetInfo/Channel 0", "Name", "DAPI");
+    out.setLetters("/DataSetInfo/Channel 1", "Name", "GFP");
+  }
+  expectRefused(file, ErrorCode::kUsage, "there are 2 channels");
+  SourceOptions options;
+  options.channel = "GFP";
+  const auto source = openSource(file, options);
+  EXPECT_TRUE(readWhole(*source) == other.box({{0, 0, 0}, {5, 6, 7}}));
+  // Voxels of 2 x 0.5 x 1; the first is centred half a voxel behind the extent's begin.
+  EXPECT_EQ(at(*source, {0, 0, 0}), glm::dvec3(11, 0.25, -6.5));
+  EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(13, 0.75, -5.5));
+  EXPECT_EQ(source->info().geometry.unit, "um");
+}
+
+TEST(IngestHdf5, BigDataViewerHasItsAffineAndUnsignedNumbers) {
+  const ForeignFiles files;
+  const fs::path file = files.directory() / "a.h5";
+  const ForeignVolume fine = randomVolume({6, 5, 4}, VoxelType::i16, 501),
+                      coarse = randomVolume({3, 5, 4}, VoxelType::i16, 502);
+  {
+    Hdf5File out(file);
+    out.addNumbers("/s00/resolutions", {1, 1, 1, 2, 1, 1}, {2, 3});
+    out.add("/t00000/s00/0/cells", fine, {.chunk = {2, 2, 2}, .deflate = 1});
+    out.add("/t00000/s00/1/cells", coarse, {.chunk = {2, 2, 2}, .deflate = 1});
+  }
+  files.write("a.xml",
+              R"(<?xml version="1.0"?><SpimData><SequenceDescription><ViewSetups><ViewSetup><id>0</id><name>red</name>
+    <voxelSize><unit>micrometer</unit><size>1 1 1</size></voxelSize></ViewSetup></ViewSetups></SequenceDescription>
+    <ViewRegistrations><ViewRegistration timepoint="0" setup="0">
+    <ViewTransform type="affine"><affine>1 0 0 10 0 1 0 20 0 0 1 30</affine></ViewTransform>
+    <ViewTransform type="affine"><affine>2 0 0 0 0 3 0 0 0 0 4 0</affine></ViewTransform>
+    </ViewRegistration></ViewRegistrations></SpimData>)");
+  const auto source = openSource(file);
+  EXPECT_EQ(source->info().type, VoxelType::u16);
+  EXPECT_TRUE(readWhole(*source) == fine.voxels);
+  // The second transformation scales first, the first then moves.
+  EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(12, 23, 34));
+  EXPECT_EQ(source->info().geometry.unit, "um");
+  SourceOptions options;
+  options.scale = 1;
+  const auto small = openSource(file, options);
+  EXPECT_TRUE(readWhole(*small) == coarse.voxels);
+  // A voxel of level 1 covers two of level 0 along x, and lies between them.
+  EXPECT_EQ(at(*small, {0, 0, 0}), at(*source, {0.5, 0, 0}));
+  EXPECT_EQ(at(*small, {1, 1, 1}), at(*source, {2.5, 1, 1}));
+  options.scale = 2;
+  expectRefused(file, ErrorCode::kUsage, "--scale: must be a number from 0 to 1", options);
+}
+
+TEST(IngestHdf5, NexusNamesItsSignalAndAxes) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({4, 3, 5}, VoxelType::f32, 511);
+  const fs::path file = files.directory() / "a.nxs";
+  {
+    Hdf5File out(file);
+    out.add("/entry/result/data", volume);
+    out.add("/entry/raw/data", volume);
+    out.addNumbers("/entry/result/z", {0, 2, 4, 6, 8});
+    out.addNumbers("/entry/result/y", {5, 6, 7});
+    out.addNumbers("/entry/result/x", {0, 0.5, 1, 1.5});
+    out.setText("/", "default", "entry");
+    out.setText("/entry", "default", "result");
+    out.setText("/entry/result", "signal", "data");
+    out.setTexts("/entry/result", "axes", {"z", "y", "x"});
+  }
+  const auto source = openSource(file);
+  EXPECT_TRUE(readWhole(*source) == volume.voxels);
+  EXPECT_EQ(at(*source, {0, 0, 0}), glm::dvec3(0, 5, 0));
+  EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(0.5, 6, 2));
+}
+
+TEST(IngestHdf5, MincHasDirectionCosines) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({4, 3, 5}, VoxelType::f32, 521);
+  const fs::path file = files.directory() / "a.mnc";
+  const auto write = [&](const std::vector<double>& maxima) {
+    Hdf5File out(file);
+    out.add("/minc-2.0/image/0/image", volume);
+    out.setText("/minc-2.0/image/0/image", "dimorder", "zspace,yspace,xspace");
+    out.addNumbers("/minc-2.0/image/0/image-max", maxima);
+    const std::vector<double> cosines[] = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}};
+    const char* const names[] = {"xspace", "yspace", "zspace"};
+    for (int i = 0; i < 3; ++i) {
+      const std::string path = std::string("/minc-2.0/dimensions/") + names[i];
+      out.addNumbers(path, {0});
+      out.setNumbers(path, "start", {10.0 * (i + 1)});
+      out.setNumbers(path, "step", {1.0 + i});
+      out.setNumbers(path, "direction_cosines", cosines[i]);
+    }
+  };
+  write({9, 9, 9, 9, 9});
+  const auto source = openSource(file);
+  EXPECT_EQ(source->info().geometry.frame, PatientFrame::kRas);
+  EXPECT_EQ(at(*source, {0, 0, 0}), glm::dvec3(-20, 10, 30));
+  EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(-22, 11, 33));
+  write({9, 9, 8, 9, 9});
+  expectRefused(file, ErrorCode::kUnsupported, "scaled slice by slice");
+}
+
+// Known: the file holds the volume once, so a changed byte changes a voxel, a length or nothing.
+TEST(IngestHdf5, CutsAndFlipsAreErrorsOrHarmless) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({6, 5, 4}, VoxelType::u16, 531);
+  const fs::path file = files.directory() / "a.h5";
+  Hdf5File(file).add("/v", volume, {.chunk = {2, 3, 4}, .shuffle = true, .fletcher32 = true, .deflate = 1});
+  const std::string whole = bytesOf(file);
+  std::mt19937_64 random(532);
+  int refused = 0;
+  for (int i = 0; i < 60; ++i) {
+    std::string damaged = whole;
+    if (i % 2 == 0)
+      damaged.resize(random() % whole.size());
+    else
+      for (int flips = 0; flips < 4; ++flips)
+        damaged[random() % damaged.size()] ^= static_cast<char>(1u << (random() % 8));
+    files.write("a.h5", damaged);
+    try {
+      readWhole(*openSource(file));
+    } catch (const Error& error) {
+      ++refused;
+      EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    }
+  }
+  EXPECT_GT(refused, 30);
+}
+
+}  // namespace
+}  // namespace kiln::test

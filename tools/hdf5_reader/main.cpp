@@ -1,0 +1,407 @@
+// Reads HDF5 files for Kiln in a process of its own: hdf5_reader FILE MEMORY_BYTES. Requests come on standard input,
+// answers go to standard output (ingest/hdf5/hdf5_protocol.h). The process limits its own memory and processor time.
+#include <hdf5.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ingest/hdf5/hdf5_protocol.h"
+
+namespace {
+
+using kiln::hdf5::AnswerHead;
+using kiln::hdf5::ChunkEntry;
+using kiln::hdf5::Request;
+using kiln::hdf5::RequestHead;
+using nlohmann::json;
+
+constexpr std::size_t kMostObjects = 20'000, kMostValues = 4096;
+constexpr std::uint64_t kMostChunks = std::uint64_t{1} << 27;
+constexpr rlim_t kProcessorSeconds = 24 * 3600;
+
+struct Failure : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// An identifier of the library, closed at the end of its scope.
+class Id {
+ public:
+  Id(hid_t id, herr_t (*close)(hid_t), const char* what) : id_(id), close_(close) {
+    if (id < 0) throw Failure(std::string("the HDF5 library cannot read ") + what);
+  }
+  ~Id() { close_(id_); }
+  Id(const Id&) = delete;
+  Id& operator=(const Id&) = delete;
+  operator hid_t() const { return id_; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+void require(bool ok, const char* what) {
+  if (!ok) throw Failure(std::string("the HDF5 library cannot read ") + what);
+}
+
+// Whole numbers and floats that fill their bytes. Anything else the library converts.
+json typeOf(hid_t type) {
+  const H5T_class_t kind = H5Tget_class(type);
+  if (kind == H5T_ENUM) {
+    const Id base(H5Tget_super(type), H5Tclose, "the type of an enumeration");
+    return typeOf(base);
+  }
+  const std::size_t bytes = H5Tget_size(type);
+  const bool whole = kind == H5T_INTEGER, floating = kind == H5T_FLOAT;
+  if (!whole && !floating) return nullptr;
+  const bool size_is_power = bytes == 1 || bytes == 2 || bytes == 4 || bytes == 8;
+  const H5T_order_t order = H5Tget_order(type);
+  bool plain = size_is_power && H5Tget_precision(type) == 8 * bytes && H5Tget_offset(type) == 0 &&
+               (order == H5T_ORDER_LE || order == H5T_ORDER_BE || order == H5T_ORDER_NONE);
+  if (floating) {
+    const hid_t standard[] = {H5T_IEEE_F32LE, H5T_IEEE_F32BE, H5T_IEEE_F64LE, H5T_IEEE_F64BE};
+    const bool ieee =
+        std::any_of(std::begin(standard), std::end(standard), [&](hid_t s) { return H5Tequal(type, s) > 0; });
+    std::size_t sign, exponent, exponent_size, mantissa, mantissa_size;
+    const bool half =
+        bytes == 2 && H5Tget_fields(type, &sign, &exponent, &exponent_size, &mantissa, &mantissa_size) >= 0 &&
+        sign == 15 && exponent == 10 && exponent_size == 5 && mantissa_size == 10 && H5Tget_ebias(type) == 15;
+    plain = plain && (ieee || half);
+  }
+  const char* const name = floating ? "float" : H5Tget_sign(type) == H5T_SGN_NONE ? "uint" : "int";
+  return {{"name", name + std::to_string(8 * bytes)}, {"big", order == H5T_ORDER_BE}, {"plain", plain}};
+}
+
+// The type in memory in which the library gives values of `type` to Kiln.
+hid_t nativeOf(hid_t type) {
+  const std::size_t bytes = H5Tget_size(type);
+  if (H5Tget_class(type) == H5T_FLOAT) return bytes > 4 ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT;
+  const bool is_unsigned = H5Tget_sign(type) == H5T_SGN_NONE;
+  if (bytes == 1) return is_unsigned ? H5T_NATIVE_UINT8 : H5T_NATIVE_INT8;
+  if (bytes == 2) return is_unsigned ? H5T_NATIVE_UINT16 : H5T_NATIVE_INT16;
+  if (bytes <= 4) return is_unsigned ? H5T_NATIVE_UINT32 : H5T_NATIVE_INT32;
+  return is_unsigned ? H5T_NATIVE_UINT64 : H5T_NATIVE_INT64;
+}
+
+std::string shownNative(hid_t native) {
+  const char* const name = H5Tget_class(native) == H5T_FLOAT     ? "float"
+                           : H5Tget_sign(native) == H5T_SGN_NONE ? "uint"
+                                                                 : "int";
+  return name + std::to_string(8 * H5Tget_size(native));
+}
+
+std::vector<hsize_t> dimsOf(hid_t space) {
+  const int axes = H5Sget_simple_extent_ndims(space);
+  std::vector<hsize_t> out(axes > 0 ? static_cast<std::size_t>(axes) : 0);
+  if (axes > 0) H5Sget_simple_extent_dims(space, out.data(), nullptr);
+  return out;
+}
+
+json textsOf(hid_t attribute, hid_t type, std::size_t count) {
+  json out = json::array();
+  if (H5Tis_variable_str(type) > 0) {
+    const Id memory(H5Tcopy(H5T_C_S1), H5Tclose, "a text");
+    H5Tset_size(memory, H5T_VARIABLE);
+    H5Tset_cset(memory, H5Tget_cset(type));
+    std::vector<char*> texts(count, nullptr);
+    if (H5Aread(attribute, memory, texts.data()) < 0) return nullptr;
+    for (char* const text : texts) {
+      out.push_back(text ? std::string(text, strnlen(text, 4096)) : "");
+      H5free_memory(text);
+    }
+    return out;
+  }
+  const std::size_t size = H5Tget_size(type);
+  if (size == 0 || size > (1 << 16)) return nullptr;
+  std::vector<char> texts(count * size);
+  const Id memory(H5Tcopy(type), H5Tclose, "a text");
+  if (H5Aread(attribute, memory, texts.data()) < 0) return nullptr;
+  for (std::size_t i = 0; i < count; ++i) out.push_back(std::string(&texts[i * size], strnlen(&texts[i * size], size)));
+  return out;
+}
+
+// Numbers and texts of an attribute; null for anything else and for long lists.
+json valueOf(hid_t attribute) {
+  const Id type(H5Aget_type(attribute), H5Tclose, "an attribute"),
+      space(H5Aget_space(attribute), H5Sclose, "an attribute");
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  if (count < 1 || count > static_cast<hssize_t>(kMostValues)) return nullptr;
+  const auto n = static_cast<std::size_t>(count);
+  const H5T_class_t kind = H5Tget_class(type);
+  json out;
+  if (kind == H5T_STRING) {
+    out = textsOf(attribute, type, n);
+  } else if (kind == H5T_INTEGER || kind == H5T_FLOAT) {
+    std::vector<double> numbers(n);
+    if (H5Aread(attribute, H5T_NATIVE_DOUBLE, numbers.data()) < 0) return nullptr;
+    out = json::array();
+    for (const double number : numbers) {
+      // JSON has no NaN.
+      if (number != number || number - number != 0)
+        out.push_back(number != number ? "NaN" : number > 0 ? "Infinity" : "-Infinity");
+      else
+        out.push_back(number);
+    }
+  } else {
+    return nullptr;
+  }
+  return out.is_array() && H5Sget_simple_extent_type(space) == H5S_SCALAR ? out[0] : out;
+}
+
+json attributesOf(hid_t object) {
+  json out = json::object();
+  hsize_t index = 0;
+  H5Aiterate2(
+      object, H5_INDEX_NAME, H5_ITER_NATIVE, &index,
+      [](hid_t of, const char* name, const H5A_info_t*, void* data) -> herr_t {
+        auto& all = *static_cast<json*>(data);
+        if (all.size() > 256) return 1;
+        const hid_t attribute = H5Aopen(of, name, H5P_DEFAULT);
+        if (attribute < 0) return 0;
+        try {
+          all[name] = valueOf(attribute);
+        } catch (const std::exception&) {
+        }
+        H5Aclose(attribute);
+        return 0;
+      },
+      &out);
+  return out;
+}
+
+json describedDataset(hid_t dataset) {
+  const Id type(H5Dget_type(dataset), H5Tclose, "a type"), space(H5Dget_space(dataset), H5Sclose, "a shape");
+  json out = {{"kind", "dataset"}, {"shape", dimsOf(space)}, {"type", typeOf(type)}};
+  // Short lists of numbers are coordinates and scales.
+  const hssize_t count = H5Sget_simple_extent_npoints(space);
+  const H5T_class_t kind = H5Tget_class(type);
+  if (count > 0 && count <= static_cast<hssize_t>(kMostValues) && H5Sget_simple_extent_ndims(space) <= 2 &&
+      (kind == H5T_INTEGER || kind == H5T_FLOAT)) {
+    std::vector<double> values(static_cast<std::size_t>(count));
+    if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0) out["values"] = values;
+  }
+  return out;
+}
+
+json describe(hid_t file) {
+  json out = json::object();
+  struct Walk {
+    json& all;
+  } walk{out};
+  const herr_t verdict = H5Ovisit(
+      file, H5_INDEX_NAME, H5_ITER_NATIVE,
+      [](hid_t root, const char* name, const H5O_info_t* info, void* data) -> herr_t {
+        json& all = static_cast<Walk*>(data)->all;
+        if (all.size() >= kMostObjects) return 1;
+        const std::string path = std::string(name) == "." ? "/" : std::string("/") + name;
+        const hid_t object = H5Oopen(root, name, H5P_DEFAULT);
+        if (object < 0) return 0;
+        try {
+          json described = info->type == H5O_TYPE_DATASET ? describedDataset(object) : json{{"kind", "group"}};
+          described["attributes"] = attributesOf(object);
+          all[path] = std::move(described);
+        } catch (const std::exception& error) {
+          all[path] = {{"kind", "damaged"}, {"why", error.what()}};
+        }
+        H5Oclose(object);
+        return 0;
+      },
+      &walk);
+  require(verdict >= 0, "the objects of the file");
+  return out;
+}
+
+json fillOf(hid_t plist) {
+  H5D_fill_value_t defined;
+  if (H5Pfill_value_defined(plist, &defined) < 0 || defined == H5D_FILL_VALUE_UNDEFINED) return nullptr;
+  double value = 0;
+  if (H5Pget_fill_value(plist, H5T_NATIVE_DOUBLE, &value) < 0) return nullptr;
+  if (value != value) return "NaN";
+  return value;
+}
+
+// A table of all chunks in the order of the grid, the last axis fastest.
+std::string tableOf(hid_t dataset, const std::vector<hsize_t>& dims, const std::vector<hsize_t>& chunk) {
+  std::vector<hsize_t> grid;
+  std::uint64_t count = 1;
+  for (std::size_t axis = 0; axis < dims.size(); ++axis) {
+    grid.push_back((dims[axis] + chunk[axis] - 1) / chunk[axis]);
+    count *= grid.back();
+    if (count > kMostChunks) throw Failure("the data set has more than 134 million chunks");
+  }
+  std::string out;
+  out.reserve(count * sizeof(ChunkEntry));
+  std::vector<hsize_t> at(dims.size(), 0);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    std::vector<hsize_t> offset(at);
+    for (std::size_t axis = 0; axis < at.size(); ++axis) offset[axis] *= chunk[axis];
+    unsigned mask = 0;
+    haddr_t address = HADDR_UNDEF;
+    hsize_t bytes = 0;
+    require(H5Dget_chunk_info_by_coord(dataset, offset.data(), &mask, &address, &bytes) >= 0,
+            "the places of the chunks");
+    const ChunkEntry entry{address, bytes, mask};
+    out.append(reinterpret_cast<const char*>(&entry), sizeof entry);
+    for (std::size_t axis = at.size(); axis-- > 0;) {
+      if (++at[axis] < grid[axis]) break;
+      at[axis] = 0;
+    }
+  }
+  return out;
+}
+
+std::string layoutOf(hid_t file, const std::string& path) {
+  const Id dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "the data set");
+  const Id type(H5Dget_type(dataset), H5Tclose, "its type"), space(H5Dget_space(dataset), H5Sclose, "its shape");
+  const Id plist(H5Dget_create_plist(dataset), H5Pclose, "its layout"),
+      file_plist(H5Fget_create_plist(file), H5Pclose, "the file");
+  const std::vector<hsize_t> dims = dimsOf(space);
+  const hid_t native = nativeOf(type);
+  hsize_t user_block = 0;
+  H5Pget_userblock(file_plist, &user_block);
+  json out = {{"shape", dims},         {"type", typeOf(type)},     {"native", shownNative(native)},
+              {"fill", fillOf(plist)}, {"user_block", user_block}, {"attributes", attributesOf(dataset)}};
+  const H5D_layout_t layout = H5Pget_layout(plist);
+  std::string table;
+  if (layout == H5D_CONTIGUOUS) {
+    out["layout"] = "contiguous";
+    const haddr_t offset = H5Dget_offset(dataset);
+    if (offset != HADDR_UNDEF && H5Pget_external_count(plist) <= 0) out["offset"] = offset;
+  } else if (layout == H5D_CHUNKED) {
+    out["layout"] = "chunked";
+    std::vector<hsize_t> chunk(dims.size());
+    require(H5Pget_chunk(plist, static_cast<int>(chunk.size()), chunk.data()) >= 0, "the shape of chunks");
+    out["chunk"] = chunk;
+    json filters = json::array();
+    const int count = H5Pget_nfilters(plist);
+    for (int i = 0; i < count; ++i) {
+      unsigned flags = 0, values[32] = {}, settings = 0;
+      std::size_t n = std::size(values);
+      char name[64] = {};
+      const H5Z_filter_t id =
+          H5Pget_filter2(plist, static_cast<unsigned>(i), &flags, &n, values, sizeof name, name, &settings);
+      filters.push_back({{"id", id},
+                         {"name", std::string(name, strnlen(name, sizeof name))},
+                         {"values", std::vector<unsigned>(values, values + std::min(n, std::size(values)))}});
+    }
+    out["filters"] = filters;
+    table = tableOf(dataset, dims, chunk);
+  } else {
+    out["layout"] = layout == H5D_COMPACT ? "compact" : "virtual";
+  }
+  return out.dump(-1, ' ', true, json::error_handler_t::replace) + "\n" + table;
+}
+
+// A data set that is read again and again stays open.
+class OpenDataset {
+ public:
+  hid_t at(hid_t file, const std::string& path) {
+    if (id_ >= 0 && path == path_) return id_;
+    if (id_ >= 0) H5Dclose(id_);
+    id_ = H5Dopen2(file, path.c_str(), H5P_DEFAULT);
+    path_ = path;
+    require(id_ >= 0, "the data set");
+    return id_;
+  }
+
+ private:
+  hid_t id_ = -1;
+  std::string path_;
+};
+
+std::string readBox(hid_t file, OpenDataset& open, const std::string& payload) {
+  const std::size_t nul = payload.find('\0');
+  if (nul == std::string::npos) throw Failure("a request without a path");
+  const hid_t dataset = open.at(file, payload.substr(0, nul));
+  const Id type(H5Dget_type(dataset), H5Tclose, "its type"), space(H5Dget_space(dataset), H5Sclose, "its shape");
+  const std::size_t axes = dimsOf(space).size();
+  if (payload.size() - nul - 1 != 2 * axes * sizeof(std::int64_t)) throw Failure("a request of another shape");
+  std::vector<hsize_t> first(axes), count(axes);
+  hsize_t total = 1;
+  for (std::size_t i = 0; i < axes; ++i) {
+    std::int64_t range[2];
+    std::memcpy(range, payload.data() + nul + 1 + i * sizeof range, sizeof range);
+    first[i] = static_cast<hsize_t>(range[0]);
+    count[i] = static_cast<hsize_t>(range[1] - range[0]);
+    total *= count[i];
+  }
+  const Id memory(H5Screate_simple(static_cast<int>(axes), count.data(), nullptr), H5Sclose, "a box");
+  require(H5Sselect_hyperslab(space, H5S_SELECT_SET, first.data(), nullptr, count.data(), nullptr) >= 0, "a box");
+  const hid_t native = nativeOf(type);
+  std::string out(total * H5Tget_size(native), '\0');
+  require(H5Dread(dataset, native, memory, space, H5P_DEFAULT, out.data()) >= 0, "the voxels");
+  return out;
+}
+
+bool readAll(void* to, std::size_t bytes) {
+  auto* at = static_cast<char*>(to);
+  while (bytes > 0) {
+    const ssize_t got = ::read(STDIN_FILENO, at, bytes);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    at += got;
+    bytes -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+void writeAll(const void* from, std::size_t bytes) {
+  const auto* at = static_cast<const char*>(from);
+  while (bytes > 0) {
+    const ssize_t put = ::write(STDOUT_FILENO, at, bytes);
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) std::exit(1);
+    at += put;
+    bytes -= static_cast<std::size_t>(put);
+  }
+}
+
+void answer(bool ok, const std::string& text) {
+  const AnswerHead head{ok ? 1u : 0u, text.size()};
+  writeAll(&head, sizeof head);
+  writeAll(text.data(), text.size());
+}
+
+// Memory and time that a hostile file can take.
+void limitProcess(std::uint64_t memory_bytes) {
+  const rlimit memory{memory_bytes, memory_bytes}, time{kProcessorSeconds, kProcessorSeconds}, none{0, 0};
+  ::setrlimit(RLIMIT_AS, &memory);
+  ::setrlimit(RLIMIT_CPU, &time);
+  ::setrlimit(RLIMIT_CORE, &none);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+  if (count != 3) return 2;
+  limitProcess(std::strtoull(arguments[2], nullptr, 10));
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const hid_t file = H5Fopen(arguments[1], H5F_ACC_RDONLY, H5P_DEFAULT);
+  OpenDataset open;
+  RequestHead head;
+  while (readAll(&head, sizeof head)) {
+    std::string payload(head.payload_bytes, '\0');
+    if (!readAll(payload.data(), payload.size())) break;
+    try {
+      require(file >= 0, "the file; it is damaged, cut, or open in a program that writes to it");
+      if (head.kind == Request::kDescribe)
+        answer(true, describe(file).dump(-1, ' ', true, json::error_handler_t::replace));
+      else if (head.kind == Request::kLayout)
+        answer(true, layoutOf(file, payload));
+      else
+        answer(true, readBox(file, open, payload));
+    } catch (const std::exception& error) {
+      answer(false, error.what());
+    }
+  }
+  // The library's cleaning up takes time, and nothing was written.
+  ::_exit(0);
+}
