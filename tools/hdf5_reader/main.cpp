@@ -24,7 +24,8 @@ using kiln::hdf5::Request;
 using kiln::hdf5::RequestHead;
 using nlohmann::json;
 
-constexpr std::size_t kMostObjects = 20'000, kMostValues = 4096;
+// Few enough for Kiln to read the description within its limits of JSON.
+constexpr std::size_t kMostObjects = 10'000, kMostValues = 4096, kMostCoordinates = 100'000;
 constexpr std::uint64_t kMostChunks = std::uint64_t{1} << 27;
 constexpr rlim_t kProcessorSeconds = 24 * 3600;
 
@@ -183,10 +184,14 @@ json describedDataset(hid_t dataset) {
   // Short lists of numbers are coordinates and scales.
   const hssize_t count = H5Sget_simple_extent_npoints(space);
   const H5T_class_t kind = H5Tget_class(type);
-  if (count > 0 && count <= static_cast<hssize_t>(kMostValues) && H5Sget_simple_extent_ndims(space) <= 2 &&
-      (kind == H5T_INTEGER || kind == H5T_FLOAT)) {
+  static std::size_t left = kMostCoordinates;
+  if (count > 0 && count <= static_cast<hssize_t>(std::min(kMostValues, left)) &&
+      H5Sget_simple_extent_ndims(space) <= 2 && (kind == H5T_INTEGER || kind == H5T_FLOAT)) {
     std::vector<double> values(static_cast<std::size_t>(count));
-    if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0) out["values"] = values;
+    if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0) {
+      out["values"] = values;
+      left -= values.size();
+    }
   }
   return out;
 }
