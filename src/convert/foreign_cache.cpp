@@ -1,5 +1,7 @@
 #include "convert/foreign_cache.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -7,7 +9,9 @@
 #include <utility>
 
 #include "base/file_lock.h"
+#include "base/hash.h"
 #include "base/memory/memory.h"
+#include "base/path_status.h"
 #include "base/shell_text.h"
 #include "convert/plan.h"
 #include "convert/resume/journal.h"
@@ -25,9 +29,10 @@ namespace {
 bool sameVolume(const Manifest& manifest, const SourceInfo& info) {
   const bool same_grid = manifest.source.vdb.has_value() == info.vdb.has_value() &&
                          (!info.vdb || manifest.source.vdb->grid_name == info.vdb->grid_name);
+  const VolumeGeometry& stored = manifest.geometry();
   return same_grid && manifest.source.format == info.format && manifest.type == info.type &&
-         manifest.geometry().dims == info.geometry.dims &&
-         manifest.geometry().world_from_index == info.geometry.world_from_index;
+         stored.dims == info.geometry.dims && stored.world_from_index == info.geometry.world_from_index &&
+         stored.frame == info.geometry.frame && stored.unit == info.geometry.unit;
 }
 
 bool isYounger(const fs::path& store, const std::vector<fs::path>& files) {
@@ -48,7 +53,7 @@ std::optional<std::string> makerOf(const fs::path& store) {
   return std::nullopt;
 }
 
-// The commands that make a store beside a volume file. Only their stores may be replaced, never a store that a user
+// The commands that make a store of a volume file on the way. Only their stores may be replaced, never a store that a user
 // converted.
 constexpr std::array kDrawingCommands = {"kiln render ", "kiln slice ", "kiln gallery "};
 
@@ -89,19 +94,43 @@ void requireNoPhantom(const fs::path& input) {
   }
 }
 
-fs::path besideOf(const fs::path& input) { return baseOf(input).string() + ".kiln"; }
+bool canWriteIn(const fs::path& folder) {
+  try {
+    FileSystem::real().makeScratch(folder);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
 
-// True if `input` is for StoreReader; options about voxels are then refused.
-bool namesStore(const fs::path& input, const SourceOptions& source_options) {
-  requireNoPhantom(input);
-  if (!isForStoreReader(input)) return false;
-  requireNoOptions(input, source_options);
+// Checks that the store can be made: in its folder, or in place, in a folder of others.
+void requireFolderFor(const fs::path& store, const ForeignVolume& volume) {
+  const fs::path folder = store.has_parent_path() ? store.parent_path() : ".";
+  if (isFolder(store) && canWriteIn(store)) return;
+  try {
+    FileSystem::real().makeDirectories(folder);
+    FileSystem::real().makeScratch(folder);
+  } catch (const Error& error) {
+    const std::string text = error.what(), prefix = folder.string() + ": ";
+    throw Error(error.code(), folder, "",
+                fmt::format("the store of {} cannot be made here ({}); name another folder by --store DIR or the "
+                            "variable KILN_STORE_DIR",
+                            volume.input.string(), text.starts_with(prefix) ? text.substr(prefix.size()) : text));
+  }
+}
+
+// True if the input is for StoreReader; options about voxels are then refused.
+bool namesStore(const ForeignVolume& volume) {
+  requireNoPhantom(volume.input);
+  if (!isForStoreReader(volume.input)) return false;
+  requireNoOptions(volume.input, volume.options);
   return true;
 }
 
-std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const fs::path& input, SourceOptions options) {
+std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const ForeignVolume& volume) {
+  SourceOptions options = volume.options;
   options.memory_bytes = memory_bytes;
-  return openSource(input, options);
+  return openSource(volume.input, options);
 }
 
 // True if the store can be used. A store of amounts cannot serve a rendering of labels.
@@ -130,11 +159,23 @@ bool isStoreOf(const fs::path& store, const SourceInfo& info, std::uint64_t memo
   }
 }
 
-fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options, std::uint64_t memory_bytes,
+fs::path storePathOf(const ForeignVolume& volume) {
+  if (volume.store_directory.empty()) return baseOf(volume.input).string() + ".kiln";
+  constexpr std::size_t kDigits = 12;
+  std::error_code unknown;
+  fs::path whole = fs::weakly_canonical(volume.input, unknown);
+  if (unknown) whole = fs::absolute(volume.input, unknown);
+  if (!whole.has_filename()) whole = whole.parent_path();
+  const std::string hash = toHex(hashOf(whole.native())).substr(0, kDigits);
+  return volume.store_directory / fmt::format("{}-{}.kiln", whole.filename().string(), hash);
+}
+
+fs::path madeStoreFor(const ForeignVolume& volume, std::uint64_t memory_bytes,
                       const std::function<void(const SourceInfo&)>& opened) {
-  if (namesStore(input, source_options)) return input;
-  fs::path store = besideOf(input);
-  const std::unique_ptr<VolumeSource> source = openedWithin(memory_bytes, input, source_options);
+  const fs::path& input = volume.input;
+  if (namesStore(volume)) return input;
+  fs::path store = storePathOf(volume);
+  const std::unique_ptr<VolumeSource> source = openedWithin(memory_bytes, volume);
   if (opened) opened(source->info());
   if (isStoreOf(store, source->info(), memory_bytes)) return store;
   throw Error(
@@ -143,16 +184,18 @@ fs::path madeStoreFor(const fs::path& input, const SourceOptions& source_options
           shellText(input.string()) + " NAME.kiln");
 }
 
-fs::path storeFor(const fs::path& input, const SourceOptions& source_options, const ConvertOptions& options,
-                  Progress& progress, const std::function<void(const SourceInfo&)>& opened) {
-  if (namesStore(input, source_options)) return input;
-  std::unique_ptr<VolumeSource> source = openedWithin(options.memory_bytes, input, source_options);
+fs::path storeFor(const ForeignVolume& volume, const ConvertOptions& options, Progress& progress,
+                  const std::function<void(const SourceInfo&)>& opened) {
+  const fs::path& input = volume.input;
+  if (namesStore(volume)) return input;
+  std::unique_ptr<VolumeSource> source = openedWithin(options.memory_bytes, volume);
   if (opened) opened(source->info());
-  const fs::path store = besideOf(input);
+  const fs::path store = storePathOf(volume);
   if (serves(store, source->info(), options)) {
     progress.note("using the store " + store.string() + " made from it before");
     return store;
   }
+  requireFolderFor(store, volume);
   bool waits = false;
   const FileLock lock(lockOf(behindLinks(store)), [&] {
     if (!std::exchange(waits, true)) progress.note("waiting for another process that converts " + input.string());

@@ -1,4 +1,5 @@
-// Renders foreign files: a store beside the file is made once, and made anew when the file or its description changes.
+// Renders foreign files: a store beside the file, or in a folder of the user's choice, is made once, and made anew when
+// the file or its description changes.
 #pragma once
 
 #include <functional>
@@ -11,20 +12,31 @@ namespace kiln {
 /// nothing, or a folder whose name ends in .kiln, such as that of an unfinished conversion.
 bool isForStoreReader(const std::filesystem::path& input);
 
-/// Returns the store for `input`: `input` itself if it is a store, else `input` with ".kiln" appended. Makes the store
-/// if it is missing, or was made from an older state of the file or with different source options; reports the fact by
-/// `progress.note`. If several processes need the store, a single process makes it. Calls opened(info), which may
-/// throw, once the source is open and before anything is written.
+/// A volume file, or a store, and the folder for the store that is made of the file.
+struct ForeignVolume {
+  std::filesystem::path input;
+  SourceOptions options;
+  /// Made if it is missing. Empty: the folder of the file.
+  std::filesystem::path store_directory;
+};
+
+/// Returns the name of the store that is made of a volume file. Beside the file: the file's name with ".kiln" appended.
+/// In a `store_directory`: NAME-HASH.kiln, where HASH is 12 digits of the hash of the file's absolute path without
+/// links, so that files of one name in several folders have a store each.
+std::filesystem::path storePathOf(const ForeignVolume& volume);
+
+/// Returns the input itself if it is a store, else storePathOf. Makes the store if it is missing, or was made from an
+/// older state of the file or with different source options; reports the fact by `progress.note`. If several processes
+/// need the store, a single process makes it. Calls opened(info), which may throw, once the source is open and before
+/// anything is written.
 /// throws: as openSource and convert; Error kExists if an existing store would be replaced that was not made by
-/// render, slice or gallery (Provenance::command).
-std::filesystem::path storeFor(const std::filesystem::path& input, const SourceOptions& source_options,
-                               const ConvertOptions& options, Progress& progress,
+/// render, slice or gallery (Provenance::command); kIo, naming --store, if the folder cannot be written to.
+std::filesystem::path storeFor(const ForeignVolume& volume, const ConvertOptions& options, Progress& progress,
                                const std::function<void(const SourceInfo&)>& opened = {});
 
 /// Returns the store without making it; the source is opened in at most `memory_bytes`.
 /// throws: Error kUsage if a foreign file has no such store yet; kBudget.
-std::filesystem::path madeStoreFor(const std::filesystem::path& input, const SourceOptions& source_options,
-                                   std::uint64_t memory_bytes,
+std::filesystem::path madeStoreFor(const ForeignVolume& volume, std::uint64_t memory_bytes,
                                    const std::function<void(const SourceInfo&)>& opened = {});
 
 /// True if `store` was made from the present state of the files, and holds the volume described by the source: a change

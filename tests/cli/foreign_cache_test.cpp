@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <set>
 #include <thread>
 
 #include "base/file.h"
@@ -65,6 +66,57 @@ TEST_F(ForeignCache, AFileOfEqualSizeAndTime_IsConvertedAnew) {
   fs::last_write_time(in("w.raw"), time);
   fs::rename(in("v.raw.kiln"), in("w.raw.kiln"));
   EXPECT_EQ(done(drawn("w.raw", "third.png")).err.find("converting"), std::string::npos);
+}
+
+// Known because a picture from the named folder equals a picture from the store beside an equal file.
+TEST_F(ForeignCache, StoresGoToTheNamedFolder_OneForEachFile) {
+  for (const char* folder : {"a", "b"}) fs::create_directory(in(folder));
+  write("a/v.raw", 3);
+  write("b/v.raw", 1.5);
+  ToolOptions variable;
+  variable.environment = {"KILN_STORE_DIR=" + in("by_variable")};
+  const auto draw = [&](const char* volume, const char* picture, const std::string& store, const ToolOptions& options) {
+    std::vector<std::string> arguments = drawn(volume, picture);
+    if (!store.empty()) arguments.insert(arguments.end(), {"--store", store});
+    return done(arguments, options);
+  };
+  const auto stores = [&](const char* folder) {
+    std::set<std::string> out;
+    if (!fs::exists(in(folder))) return out;
+    for (const auto& entry : fs::directory_iterator(in(folder))) out.insert(entry.path().filename().string());
+    return out;
+  };
+  draw("a/v.raw", "a.png", "", variable);
+  draw("b/v.raw", "b.png", "", variable);
+  EXPECT_EQ(stores("by_variable").size(), 2u);
+  EXPECT_TRUE(stores("by_variable").begin()->starts_with("v.raw-")) << *stores("by_variable").begin();
+  EXPECT_FALSE(fs::exists(in("a/v.raw.kiln")));
+  EXPECT_FALSE(equalBits(readImage(in("a.png")), readImage(in("b.png"))));
+  // The option wins over the variable.
+  draw("a/v.raw", "c.png", in("new/by_option"), variable);
+  EXPECT_EQ(stores("new/by_option").size(), 1u);
+  draw("a/v.raw", "beside.png", "", {});
+  EXPECT_TRUE(fs::exists(in("a/v.raw.kiln")));
+  for (const char* same : {"a.png", "c.png"})
+    EXPECT_TRUE(equalBits(readImage(in(same)), readImage(in("beside.png")))) << same;
+  // A link and another spelling are the same file; a dry run finds its store; a changed file replaces it.
+  fs::create_symlink(in("a"), in("link"));
+  EXPECT_EQ(draw("link/../b/../a/v.raw", "c.png", in("new/by_option"), {}).err.find("converting"), std::string::npos);
+  std::vector<std::string> dry = drawn("link/v.raw", "d.png");
+  dry.insert(dry.end(), {"--store", in("new/by_option"), "--dry-run"});
+  done(dry);
+  write("a/v.raw", 1.5);
+  draw("a/v.raw", "d.png", in("new/by_option"), {});
+  EXPECT_EQ(stores("new/by_option").size(), 1u);
+  EXPECT_TRUE(equalBits(readImage(in("d.png")), readImage(in("b.png"))));
+}
+
+TEST_F(ForeignCache, AFolderThatCannotHoldTheStore_NamesOtherFolders) {
+  write("v.raw", 3);
+  std::vector<std::string> arguments = drawn("v.raw", "p.png");
+  arguments.insert(arguments.end(), {"--store", in("v.raw/below_a_file")});
+  refused(arguments, 1, "cannot be made here (making the directory: Not a directory); name another folder by --store");
+  refused(arguments, 1, "KILN_STORE_DIR");
 }
 
 // As on a render farm: a single process converts, all others wait and use the store.

@@ -10,7 +10,6 @@
 #include "output_files.h"
 #include "say.h"
 #include "sequence/gallery.h"
-#include "source_arguments.h"
 #include "store/store_reader.h"
 
 namespace kiln::tool {
@@ -19,7 +18,7 @@ namespace {
 struct GalleryArguments {
   std::string store, output, memory = kDefaultMemory;
   GalleryRequest request;
-  SourceArguments source;
+  ForeignArguments source;
 };
 
 void run(const GalleryArguments& a, Context& context) {
@@ -29,14 +28,14 @@ void run(const GalleryArguments& a, Context& context) {
   outputs.add(a.output);
   GalleryRequest request = a.request;
   request.speed.memory_bytes = parseBytes(a.memory, "--memory");
-  request.store = storeOfInput(a.store, a.source.resolve(), request.speed.memory_bytes, outputs, context);
+  request.store = storeOfInput(a.source.volume(a.store), request.speed.memory_bytes, outputs, context);
   const Gallery gallery = drawGallery(request, context.progress);
   ImageFileOptions file;
   file.writer_bytes = request.speed.memory_bytes - std::min(request.speed.memory_bytes, gallery.sheet.bytes());
   writeImage(gallery.sheet, {}, file, a.output);
   context.progress.clear();
   for (const GalleryRow& row : gallery.rows)
-    say("kiln render {} --tf {} -o {}.png\n", shellText(a.store), row.preset, row.preset);
+    say("kiln render {} --tf {} -o {}.png\n", shellText(request.store.string()), row.preset, row.preset);
   say("{}: {} x {} pixels, {} preset{} from {} sides; {} bricks read ({})\n", a.output, gallery.sheet.width,
       gallery.sheet.height, gallery.rows.size(), gallery.rows.size() == 1 ? "" : "s", galleryViews().size(),
       gallery.bricks_read, formatBytes(gallery.read_bytes));
@@ -59,7 +58,7 @@ void addGallery(CLI::App& app, Context& context) {
   command->add_option("--threads", a->request.speed.threads, "threads; 0 uses all processors")
       ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
-  addSourceArguments(*command, a->source);
+  addForeignArguments(*command, a->source);
   addExamples(*command, {"kiln gallery head.kiln -o gallery.png",
                          "kiln gallery head.kiln -o bones.png --tf ct-bone --tf ct-teeth --thumbnail 256"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });

@@ -9,7 +9,6 @@
 #include "base/memory/memory.h"
 #include "cluster/shared_lists.h"
 #include "commands.h"
-#include "convert/foreign_cache.h"
 #include "examples.h"
 #include "find_program.h"
 #include "foreign_store.h"
@@ -32,7 +31,6 @@
 #include "sequence/sequence_sheet.h"
 #include "sequence/series_volumes.h"
 #include "sequence_report.h"
-#include "source_arguments.h"
 #include "store/manifest/read_manifest.h"
 #include "store/store_reader.h"
 
@@ -47,7 +45,7 @@ struct RenderArguments {
   bool quiet = false, verbose = false, strict = false, dry_run = false, resume = false, checkpoint = false;
   int repeat = 1, sheet = 0;
   JobArguments job;
-  SourceArguments source;
+  ForeignArguments source;
 };
 
 // Checks that a pair of eyes is complete once the flags are applied.
@@ -288,18 +286,20 @@ RenderJob jobOf(const RenderArguments& a) {
   return job;
 }
 
-// Options for reading foreign files: the dimensions and types of the command line belong to INPUT; labels are known per
-// volume.
+// Volume files of a job: dimensions and types of the command line belong to INPUT, the folder of stores to all volumes;
+// labels are known per volume.
 class InputOptions {
  public:
-  InputOptions(const RenderArguments& a, const RenderJob& job) : options_(a.source.resolve()) {
+  InputOptions(const RenderArguments& a, const RenderJob& job) : described_(a.source.volume({})) {
     const fs::path input = job.volumes.empty() ? job.volume : job.volumes.front().volume;
     names_ = namesIn(job, input);
     for (const VolumeOptions& volume : job.volumes) {
       if (volume.labels) labels_.merge(namesIn(job, volume.volume));
     }
   }
-  SourceOptions of(const fs::path& volume) const { return names_.contains(volume) ? options_ : SourceOptions(); }
+  ForeignVolume of(const fs::path& volume) const {
+    return {volume, names_.contains(volume) ? described_.options : SourceOptions(), described_.store_directory};
+  }
   bool areLabels(const fs::path& volume) const { return labels_.contains(volume); }
 
  private:
@@ -312,7 +312,7 @@ class InputOptions {
     return out;
   }
 
-  SourceOptions options_;
+  ForeignVolume described_;  // options and folder, without a name
   std::set<fs::path> names_, labels_;
 };
 
@@ -337,7 +337,7 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
   forEachVolume(job, [&](const fs::path& volume) {
     const fs::path of_first = series ? pathOfFrame(volume, first) : volume;
     const auto opened = [&](const SourceInfo& info) { outputs.requireNoneOf(info.files); };
-    const fs::path store = madeStoreFor(of_first, input.of(of_first), job.speed.memory_bytes, opened);
+    const fs::path store = madeStoreFor(input.of(of_first), job.speed.memory_bytes, opened);
     outputs.requireNone(store);
     return store == of_first ? volume : store;
   });
@@ -485,8 +485,7 @@ void run(const RenderArguments& a, Context& context) {
   const OutputFiles outputs = outputsOf(a, job);
   options.store_for = [&](const fs::path& volume) {
     const bool labels = input.areLabels(volume);
-    return requiredClass(storeOfInput(volume, input.of(volume), job.speed.memory_bytes, outputs, context, labels),
-                         labels);
+    return requiredClass(storeOfInput(input.of(volume), job.speed.memory_bytes, outputs, context, labels), labels);
   };
   if (a.repeat > 1)
     repeatFrame(a, job, options, context);
@@ -524,7 +523,7 @@ class RenderCommandLine {
       if (group_ == OptionGroup::kFrames) addFrames();
       if (group_ == OptionGroup::kRanks) addRanks(context);
     }
-    addSourceArguments(command, a.source);
+    addForeignArguments(command, a.source);
   }
 
  private:

@@ -14,7 +14,6 @@
 #include "output_files.h"
 #include "say.h"
 #include "scene_arguments.h"
-#include "source_arguments.h"
 
 namespace kiln::tool {
 namespace {
@@ -24,7 +23,7 @@ struct SliceArguments {
   int level = 0;
   std::optional<std::string> index, at;
   bool sheet = false;
-  SourceArguments source;
+  ForeignArguments source;
 };
 
 void warnBeside(const std::string& picture, const Window& window, const ValueRange& range, Progress& progress) {
@@ -105,7 +104,7 @@ void run(const SliceArguments& a, Context& context) {
   request.memory_bytes = parseBytes(a.memory, "--memory");
   request.colormap = a.colormap;
   if (!a.window.empty()) request.window = parseWindow(a.window, "--window");
-  const StoreReader store(storeOfInput(a.store, a.source.resolve(), request.memory_bytes, outputs, context),
+  const StoreReader store(storeOfInput(a.source.volume(a.store), request.memory_bytes, outputs, context),
                           request.memory_bytes);
   if (a.sheet)
     drawSheet(a, store, request, context);
@@ -142,7 +141,7 @@ void addSlice(CLI::App& app, Context& context) {
       ->type_name("NAME")
       ->capture_default_str();
   addMemory(*command, a->memory, "the picture, a brick and the index")->capture_default_str();
-  addSourceArguments(*command, a->source);
+  addForeignArguments(*command, a->source);
   addExamples(*command, {"kiln slice head.kiln -o sheet.png --sheet",
                          "kiln slice head.kiln -o slice_###.png --axis z --index 0-63x16"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });

@@ -3,18 +3,29 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "commands.h"
-#include "ingest/source/volume_source.h"
+#include "convert/foreign_cache.h"
 #include "output_files.h"
+#include "source_arguments.h"
 
 namespace kiln::tool {
 
-/// Returns `input` if it is a store, else the store beside the volume file, which is made if it is missing or older
-/// than the file. `labels`: the values of a file are labels. No output may be a file that is read. throws: as storeFor;
-/// Error kUsage naming the output.
-std::filesystem::path storeOfInput(const std::filesystem::path& input, const SourceOptions& source,
-                                   std::uint64_t memory_bytes, const OutputFiles& outputs, Context& context,
-                                   bool labels = false);
+/// Options of a command that takes a volume file in place of a store.
+struct ForeignArguments : SourceArguments {
+  std::string store_directory;
+  /// throws: as SourceArguments::resolve.
+  ForeignVolume volume(const std::filesystem::path& input) const { return {input, resolve(), store_directory}; }
+};
+
+/// Adds the options of SourceArguments, and --store, which the variable KILN_STORE_DIR replaces.
+void addForeignArguments(CLI::App& command, ForeignArguments& arguments);
+
+/// Returns the input if it is a store, else the store of the volume file (storePathOf), which is made if it is missing
+/// or older than the file. `labels`: the values of a file are labels. No output may be a file that is read. throws: as
+/// storeFor; Error kUsage naming the output.
+std::filesystem::path storeOfInput(const ForeignVolume& volume, std::uint64_t memory_bytes, const OutputFiles& outputs,
+                                   Context& context, bool labels = false);
 
 }  // namespace kiln::tool

@@ -142,8 +142,8 @@ bool saidAll() { return std::fflush(stdout) == 0 && std::ferror(stdout) == 0; }
 
 // Options that may differ between ranks: speed, and files of one rank.
 bool isOfOneRank(const CLI::Option& option) {
-  static constexpr const char* kNames[] = {"--threads",  "--memory",      "--stats",       "--trace",
-                                           "--progress", "--store-local", "--rank-timeout"};
+  static constexpr const char* kNames[] = {"--threads",  "--memory", "--stats",       "--trace",
+                                           "--progress", "--store",  "--store-local", "--rank-timeout"};
   return std::any_of(std::begin(kNames), std::end(kNames), [&](const char* name) { return option.check_name(name); });
 }
 

@@ -102,7 +102,9 @@ std::vector<std::string> ToolResult::errorLines() const {
 }
 
 ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions& options) {
-  std::vector<std::string> words = launcherOf(options.ranks);
+  std::vector<std::string> words = {"env"};
+  words.insert(words.end(), options.environment.begin(), options.environment.end());
+  for (const std::string& word : launcherOf(options.ranks)) words.push_back(word);
   words.emplace_back(KILN_TOOL);
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> raw;

@@ -22,6 +22,8 @@ struct ToolOptions {
   std::uint64_t open_files = std::numeric_limits<std::uint64_t>::max();
   /// Working directory of the child; empty keeps the current directory.
   std::filesystem::path directory{};
+  /// Variables of the environment to set for the child. shape: NAME=VALUE.
+  std::vector<std::string> environment{};
   /// Number of ranks under mpirun, on this machine; 0 runs without mpirun. requires: canRunRanks().
   int ranks = 0;
   /// Called every millisecond; once it returns true the child gets SIGINT.
