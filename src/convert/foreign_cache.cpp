@@ -32,7 +32,7 @@ bool sameVolume(const Manifest& manifest, const SourceInfo& info) {
   const VolumeGeometry& stored = manifest.geometry();
   return same_grid && manifest.source.format == info.format && manifest.type == info.type &&
          stored.dims == info.geometry.dims && stored.world_from_index == info.geometry.world_from_index &&
-         stored.frame == info.geometry.frame && stored.unit == info.geometry.unit;
+         stored.frame == info.geometry.frame;
 }
 
 bool isYounger(const fs::path& store, const std::vector<fs::path>& files) {
@@ -53,8 +53,8 @@ std::optional<std::string> makerOf(const fs::path& store) {
   return std::nullopt;
 }
 
-// The commands that make a store of a volume file on the way. Only their stores may be replaced, never a store that a user
-// converted.
+// The commands that make a store of a volume file on the way. Only their stores may be replaced, never a store that a
+// user converted.
 constexpr std::array kDrawingCommands = {"kiln render ", "kiln slice ", "kiln gallery "};
 
 void requireOwn(const fs::path& store, const fs::path& input) {

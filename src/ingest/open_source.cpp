@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/ext/matrix_transform.hpp>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -14,6 +15,7 @@
 #include "ingest/slice_names.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"
+#include "ingest/source/wrapped_source.h"
 #include "ingest/volume_format.h"
 
 namespace kiln {
@@ -265,6 +267,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   refusePart(options.time && !has_times, path, "--time", format, "times");
   refusePart(options.scale && !has_scales, path, "--scale", format, "scales");
   refuse(options.spacing && (vdb || format == kStore), "--spacing", "files without axes of their own");
+  refuse(!options.placement.none() && format == kStore, "--flip, --orient or --up-axis", "volume files");
   if (!options.spacing) return;
   for (int axis = 0; axis < 3; ++axis) {
     const double edge = (*options.spacing)[axis];
@@ -317,7 +320,10 @@ fs::path containerOf(const fs::path& input) {
   return fs::is_regular_file(file, ignored) ? file : input;
 }
 
-std::unique_ptr<VolumeSource> openSource(const fs::path& given, const SourceOptions& options) {
+namespace {
+
+// Opens a volume where its file places it.
+std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOptions& options) {
   const fs::path input = containerOf(given);
   const std::string part = input == given ? "" : given.string().substr(input.string().size() + 1);
   if (namesPhantom(input)) {
@@ -382,6 +388,28 @@ std::unique_ptr<VolumeSource> openSource(const fs::path& given, const SourceOpti
             headerBeside(input));
   }
   return openRaw(input, options);
+}
+
+// A volume that lies where the user places it.
+class PlacedSource : public WrappedSource {
+ public:
+  PlacedSource(std::unique_ptr<VolumeSource> source, const fs::path& input, const Placement& placement)
+      : WrappedSource(std::move(source)) {
+    info_.geometry = placed(info_.geometry, placement, input.string());
+    if (!info_.vdb) return;
+    const VoxelCoord& at = info_.vdb->index_origin;
+    info_.vdb->world_from_grid = glm::translate(
+        info_.geometry.world_from_index,
+        -glm::dvec3(static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z)));
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> openSource(const fs::path& input, const SourceOptions& options) {
+  std::unique_ptr<VolumeSource> source = openAsStored(input, options);
+  if (options.placement.none()) return source;
+  return std::make_unique<PlacedSource>(std::move(source), input, options.placement);
 }
 
 }  // namespace kiln

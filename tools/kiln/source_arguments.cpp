@@ -85,6 +85,38 @@ void refuseVolumeFile(const std::filesystem::path& path, const char* wanted) {
 
 std::string timeNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
+namespace {
+
+std::array<bool, 3> parseFlip(const std::string& text) {
+  constexpr std::string_view kAxes = "xyz";
+  std::array<bool, 3> out{};
+  for (const std::string_view axis : splitAt(text, ',')) {
+    const std::size_t at = axis.size() == 1 ? kAxes.find(axis.front()) : std::string_view::npos;
+    if (at == std::string_view::npos || out[at])
+      throw Error(ErrorCode::kUsage, fmt::format("--flip: expected x, y, z or a list such as x,z, found '{}'", text));
+    out[at] = true;
+  }
+  return out;
+}
+
+Placement parsePlacement(const SourceArguments& a) {
+  Placement out;
+  if (!a.flip.empty()) out.flip = parseFlip(a.flip);
+  if (!a.orient.empty()) {
+    out.axes = axisLettersOf(a.orient);
+    if (!out.axes)
+      throw Error(ErrorCode::kUsage, fmt::format("--orient: expected three letters, one of R or L, A or P, and S or I, "
+                                                 "such as LPS (found '{}')",
+                                                 a.orient));
+  }
+  if (!a.up.empty() && a.up != "y" && a.up != "z")
+    throw Error(ErrorCode::kUsage, fmt::format("--up-axis: expected y or z, found '{}'", a.up));
+  if (a.up == "y") out.up = UpAxis::kY;
+  return out;
+}
+
+}  // namespace
+
 SourceOptions SourceArguments::resolve() const {
   SourceOptions out;
   if (!dims.empty()) {
@@ -117,6 +149,7 @@ SourceOptions SourceArguments::resolve() const {
   out.channel = channel;
   out.time = time;
   out.scale = scale;
+  out.placement = parsePlacement(*this);
   out.allow_irregular = allow_irregular;
   return out;
 }
@@ -136,6 +169,14 @@ void addSourceArguments(CLI::App& command, SourceArguments& a) {
   add("--channel", "NAME|N", a.channel, "Of several channels: the one to read, by name or by number from 0.");
   add("--time", "N", a.time, "Of several times: the one to read, from 0.")->check(wholeNumberFrom(0));
   add("--scale", "N", a.scale, "Of several resolutions: the one to read; 0 is the finest.")->check(wholeNumberFrom(0));
+  add("--flip", "AXES", a.flip, "Mirror the volume within its box along voxel axes: x, y, z or a list such as x,z.");
+  add("--orient", "LETTERS", a.orient,
+      "File without directions: where its voxel axes x, y, z grow in a patient, as LPS: R or L (right, left), A or P "
+      "(anterior, posterior), S or I (superior, inferior).");
+  // In kiln render, --up is the camera's.
+  const bool taken = command.get_option_no_throw("--up") != nullptr;
+  add(taken ? "--up-axis" : "--up-axis,--up", "AXIS", a.up,
+      "World axis of the file that points up: z (default), or y as in files of graphics.");
   command
       .add_flag("--allow-irregular", a.allow_irregular,
                 "DICOM: accept slices that are tilted, missing, unequally spaced (the median distance is used) or "

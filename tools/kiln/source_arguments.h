@@ -45,7 +45,7 @@ CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional
 }
 
 struct SourceArguments {
-  std::string dims, type, endian, spacing, grid, series;
+  std::string dims, type, endian, spacing, grid, series, flip, orient, up;
   std::optional<std::string> channel;
   std::optional<std::int64_t> time, scale;
   std::uint64_t skip = 0;

@@ -54,7 +54,7 @@ HalfLoss roundToHalf(VoxelType type, std::span<std::byte> voxels) {
   });
 }
 
-HalfSource::HalfSource(std::unique_ptr<VolumeSource> exact) : exact_(std::move(exact)), info_(exact_->info()) {
+HalfSource::HalfSource(std::unique_ptr<VolumeSource> exact) : WrappedSource(std::move(exact)) {
   if (sizeOf(info_.type) > 4 || info_.type == VoxelType::i32 || info_.type == VoxelType::u32) {
     throw Error(ErrorCode::kUsage, "--half: rounds volumes of 16-bit integers and of floats; this one has " +
                                        std::string(nameOf(info_.type)));
@@ -63,7 +63,7 @@ HalfSource::HalfSource(std::unique_ptr<VolumeSource> exact) : exact_(std::move(e
 }
 
 void HalfSource::read(const VoxelBox& box, std::span<std::byte> out) {
-  exact_->read(box, out);
+  WrappedSource::read(box, out);
   const HalfLoss loss = roundToHalf(info_.type, out);
   const std::scoped_lock lock(mutex_);
   loss_.include(loss);

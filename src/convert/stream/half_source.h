@@ -5,7 +5,7 @@
 #include <mutex>
 #include <string>
 
-#include "ingest/source/volume_source.h"
+#include "ingest/source/wrapped_source.h"
 
 namespace kiln {
 
@@ -24,29 +24,18 @@ struct HalfLoss {
 /// infinities and NaN stay.
 HalfLoss roundToHalf(VoxelType type, std::span<std::byte> voxels);
 
-class HalfSource : public VolumeSource {
+class HalfSource : public WrappedSource {
  public:
   /// throws: Error kUsage if the source has 32-bit integers or doubles.
   explicit HalfSource(std::unique_ptr<VolumeSource> exact);
 
-  const SourceInfo& info() const override { return info_; }
-  ReadOrder order() const override { return exact_->order(); }
   /// Values beyond the range of half become its largest value; infinities and NaN stay.
   void read(const VoxelBox& box, std::span<std::byte> out) override;
-  void finish() override {
-    exact_->finish();
-    info_.notes = exact_->info().notes;
-  }
-  std::uint64_t decodeBytes() const override { return exact_->decodeBytes(); }
-  std::uint64_t heldBytes() const override { return exact_->heldBytes(); }
-  void keepDecoded(std::uint64_t bytes) override { exact_->keepDecoded(bytes); }
 
   /// The loss so far. thread: safe.
   HalfLoss loss() const;
 
  private:
-  std::unique_ptr<VolumeSource> exact_;
-  SourceInfo info_;
   mutable std::mutex mutex_;
   HalfLoss loss_;
 };

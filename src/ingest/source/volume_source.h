@@ -15,6 +15,7 @@
 #include "grid/geometry.h"
 #include "grid/volume_info.h"
 #include "grid/voxel_type.h"
+#include "ingest/source/placement.h"
 
 namespace kiln {
 
@@ -78,6 +79,7 @@ struct SourceOptions {
   std::optional<std::string> channel;    // of several channels: a name, or a number from 0
   std::optional<std::int64_t> time;      // of several times: a number from 0
   std::optional<std::int64_t> scale;     // of several resolutions: 0 is the finest
+  Placement placement;                   // how the volume lies in the world
   bool allow_irregular = false;          // DICOM, TIFF: accept slices unequally spaced, tilted, different or missing
   /// Upper bound for VolumeSource::heldBytes. unit: bytes.
   std::uint64_t memory_bytes = UINT64_MAX;
