@@ -370,11 +370,11 @@ std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOp
     case Format::kHdf5:
       return openHdf5(input, part, options);
     case Format::kTiff:
-      return openTiff({input, SliceFormat::kTiff, {input}, {}}, options);
+      return openTiff({input, SliceFormat::kTiff, {input}, {}, {}}, options);
     case Format::kDicom:
       // The list of a CD stands for its folder.
       if (isDicomDirectory(input)) return openDirectory(input.has_parent_path() ? input.parent_path() : ".", options);
-      return openDicom({input, SliceFormat::kDicom, {input}, {}}, options);
+      return openDicom({input, SliceFormat::kDicom, {input}, {}, {}}, options);
     case Format::kUnknown:
     case Format::kForeign:
       break;

@@ -84,6 +84,15 @@ std::string named(const std::vector<fs::path>& files) {
   return files.size() == 1 ? first : first + " and " + std::to_string(files.size() - 1) + " more";
 }
 
+// Moves the files named as logs out of `files`.
+std::vector<fs::path> takeLogs(std::vector<fs::path>& files) {
+  const auto isLog = [](const fs::path& path) { return extensionOf(path) == ".log"; };
+  std::vector<fs::path> out;
+  std::copy_if(files.begin(), files.end(), std::back_inserter(out), isLog);
+  std::erase_if(files, isLog);
+  return out;
+}
+
 // True for a link to nothing, or to itself.
 bool isBadLink(const fs::path& path) {
   std::error_code unknown;
@@ -276,6 +285,7 @@ SliceFiles slicesIn(const fs::path& directory) {
   }
   if (!searched && out.format == SliceFormat::kDicom) noteSlicesBelow(directory, out.notes);
   if (!missing.empty()) out.notes.push_back(missing);
+  if (out.format == SliceFormat::kTiff) out.logs = takeLogs(other);
   if (!other.empty()) out.notes.push_back("passed over " + named(other) + ", which are no slices");
   return out;
 }

@@ -12,7 +12,7 @@ namespace {
 // Returns the error for these names, or an empty text for a single stack.
 std::string sentenceOn(std::vector<std::string> names) {
   std::sort(names.begin(), names.end(), naturallyBefore);
-  SliceFiles slices{"scan", SliceFormat::kTiff, {names.begin(), names.end()}, {}};
+  SliceFiles slices{"scan", SliceFormat::kTiff, {names.begin(), names.end()}, {}, {}};
   SliceFiles allowed = slices;
   SourceOptions irregular;
   irregular.allow_irregular = true;

@@ -130,6 +130,97 @@ TEST(IngestTiff, OmeUnitsOfAxes_AreConvertedToTheUnitOfX) {
   EXPECT_NE(source->info().notes[0].find("along z in 'parsec'"), std::string::npos) << source->info().notes[0];
 }
 
+TEST(IngestTiff, TifffilesSpacingAndUnit_MeanWhatTheyMeanInImageJ) {
+  const std::string shape = R"({"shape": [4, 19, 21], )";
+  for (const SaidUnits& said : {
+           SaidUnits{shape + R"("axes": "ZYX", "spacing": 1.5, "unit": "um"})", {0.5, 0.5, 1.5}, "um", ""},
+           {shape + R"("spacing": 1.5, "unit": "\u00b5m"})", {0.5, 0.5, 1.5}, "um", ""},
+           {shape + R"("unit": "mm", "spacing": [1.5, 0.25, 0.75]})", {0.75, 0.25, 1.5}, "mm", ""},
+           {shape + R"("spacing": 3})", {1, 1, 3}, "", ""},
+           {shape + R"("unit": "nm"})", {0.5, 0.5, 0.5}, "nm", "tifffile's description has 0.5 nm a pixel and no"},
+           {shape + R"("unit": "furlong", "spacing": 3})", {0.5, 0.5, 3}, "", "'furlong', which is no known unit"},
+           {shape + R"("comment": "a \"spacing\": 7"})", {1, 1, 1}, "", "no size of a voxel, which is taken to be 1"},
+       })
+    expectUnits(said);
+  // Tags with a unit of their own: 5000 pixels a centimetre are 2 um each.
+  const ForeignFiles files;
+  TiffLayout layout;
+  layout.description = shape + R"("spacing": 3.5, "unit": "um"})";
+  layout.x_resolution = layout.y_resolution = 5000, layout.resolution_unit = 3;
+  writeTiff(files.directory() / "a.tif", randomVolume(kStackDims, VoxelType::u8, 18), 0, 4, layout);
+  EXPECT_NEAR(spacingOf(files.directory() / "a.tif").x, 2, 1e-12);
+  EXPECT_EQ(spacingOf(files.directory() / "a.tif").z, 3.5);
+}
+
+constexpr const char* kLog =
+    "[System]\r\nScanner=SkyScan1172\r\n[Acquisition]\r\nImage Pixel Size (um)=    9.92\r\nPixel Size (um)=7\r\n"
+    "[Reconstruction]\r\nSection to Section Step=1\r\nResult Image Width (pixels)=21\r\n"
+    "Result Image Height (pixels)=19\r\nPixel Size (um)=4.5\r\n[File name convention]\r\nPixel Size (um)=6\r\n";
+
+// A folder of slices with logs beside them.
+class LoggedSlices {
+ public:
+  void slice(const std::string& name, const TiffLayout& layout = {}) const {
+    writeTiff(files_.directory() / name, randomVolume(kStackDims, VoxelType::u8, 18), 0, 1, layout);
+  }
+  void log(const std::string& name, const std::string& text) const { files_.write(name, text); }
+  glm::dvec3 spacing() const { return spacingOf(files_.directory()); }
+  SourceInfo info() const { return openSource(files_.directory())->info(); }
+  std::string notes() const {
+    std::string out;
+    for (const std::string& note : info().notes) out += note + "\n";
+    return out;
+  }
+
+ private:
+  ForeignFiles files_;
+};
+
+std::string changed(const std::string& text, const std::string& from, const std::string& to) {
+  std::string out = text;
+  return out.replace(out.find(from), from.size(), to);
+}
+
+TEST(IngestTiff, ALogOfSkyScanStatesTheSpacing) {
+  const LoggedSlices rat;
+  TiffLayout layout;
+  layout.x_resolution = layout.y_resolution = 500, layout.resolution_unit = 3;
+  for (const char* name : {"rat__rec001.tif", "rat__rec002.tif"}) rat.slice(name, layout);
+  rat.log("rat__rec.log", kLog);
+  rat.log("rat_.log", "[Acquisition]\nImage Pixel Size (um)=8\n");
+  EXPECT_EQ(rat.spacing(), glm::dvec3(4.5));
+  EXPECT_EQ(rat.info().geometry.unit, "um");
+  EXPECT_EQ(rat.info().files.back().filename(), "rat__rec.log");
+  EXPECT_NE(rat.notes().find("is by the log 'rat__rec.log'"), std::string::npos) << rat.notes();
+  EXPECT_NE(rat.notes().find("passed over 'rat_.log', which states no size"), std::string::npos) << rat.notes();
+  // A log of another name counts if no log has the slices' name.
+  rat.log("other.log", changed(kLog, "=4.5", "=3"));
+  EXPECT_EQ(rat.spacing(), glm::dvec3(4.5));
+  rat.log("rat__rec.log", "no log");
+  EXPECT_EQ(rat.spacing(), glm::dvec3(3));
+  rat.log("third.log", kLog);
+  EXPECT_NEAR(rat.spacing().x, 0.02, 1e-9) << "by the tags";
+  EXPECT_NE(rat.notes().find("state different sizes of a voxel, of which none is taken"), std::string::npos);
+}
+
+TEST(IngestTiff, SlicesFurtherApartThanTheLogStates_AreByTheirNumbers) {
+  const LoggedSlices every_third, by_log, cut;
+  for (const char* name : {"r_rec003.tif", "r_rec006.tif"}) every_third.slice(name);
+  every_third.log("r_rec.LOG", changed(kLog, "Step=1", "Step=3"));
+  EXPECT_EQ(every_third.spacing(), glm::dvec3(4.5, 4.5, 13.5));
+  every_third.log("r_rec.LOG", kLog);
+  EXPECT_EQ(every_third.spacing(), glm::dvec3(4.5, 4.5, 13.5));
+  for (const char* name : {"r_rec1.tif", "r_rec2.tif"}) by_log.slice(name);
+  by_log.log("r_rec.log", changed(kLog, "Step=1", "Step=2"));
+  EXPECT_EQ(by_log.spacing(), glm::dvec3(4.5, 4.5, 9));
+  cut.slice("a1.tif");
+  cut.log("a.log", changed(kLog, "pixels)=21", "pixels)=42"));
+  EXPECT_EQ(cut.spacing(), glm::dvec3(1));
+  EXPECT_NE(cut.notes().find("passed over 'a.log', which is of slices of 42 x 19 pixels (found 21 x 19)"),
+            std::string::npos)
+      << cut.notes();
+}
+
 // As ImageJ writes stacks of more than 4 GB: a single directory, big-endian, and the images concatenated.
 TEST(IngestTiff, ImagesBehindImageJsOnlyDirectoryAreSlices) {
   const ForeignFiles files;

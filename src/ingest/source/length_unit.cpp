@@ -17,10 +17,11 @@ struct LengthUnit {
 // ImageJ writes the micro sign as \u00B5, older versions as the Latin-1 byte; XML may write an entity.
 constexpr std::array<LengthUnit, 12> kUnits = {{
     {"pm", 1, "picometer picometre"},
-    {"angstrom", 100, "angstroms Angstrom A \xc3\x85 \xe2\x84\xab &#197; &#xC5; &#8491; &#x212B; \\u00C5"},
+    {"angstrom", 100, "angstroms Angstrom A \xc3\x85 \xe2\x84\xab &#197; &#xC5; &#8491; &#x212B; \\u00C5 \\u00c5"},
     {"nm", 1'000, "nanometer nanometre nanometers nanometres"},
     {"um", 1'000'000,
-     "micron microns micrometer micrometre micrometers micrometres \\u00B5m \xb5m \xc2\xb5m \xce\xbcm &#181;m &#xB5;m "
+     "micron microns micrometer micrometre micrometers micrometres \\u00B5m \\u00b5m \\u03bcm \xb5m \xc2\xb5m "
+     "\xce\xbcm &#181;m &#xB5;m "
      "&#xb5;m &#956;m &#x3BC;m &#x3bc;m &micro;m"},
     {"mm", 1'000'000'000, "millimeter millimetre millimeters millimetres"},
     {"cm", 10'000'000'000, "centimeter centimetre centimeters centimetres"},

@@ -22,6 +22,8 @@ struct SliceFiles {
   SliceFormat format = SliceFormat::kNone;
   /// In natural order of their names.
   std::vector<std::filesystem::path> files;
+  /// Logs beside TIFF slices, which may state the size of a voxel.
+  std::vector<std::filesystem::path> logs;
   /// Sentences about the files passed over.
   std::vector<std::string> notes;
   /// ", channel 1" if the names of the files chose one of several stacks.

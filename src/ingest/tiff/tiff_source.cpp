@@ -292,13 +292,15 @@ std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOpti
   info.type = stack.storesLargerBy32768() ? VoxelType::i16 : stack.first.type.voxel();
   const Extent3 dims = {stack.first.width, stack.first.height, static_cast<std::int64_t>(stack.slices.size())};
   checkedBytes(dims, info.type, input.input);
-  info.geometry = tiffGeometry(dims, stack.first, stack.notes, options, info.notes);
+  const auto log = loggedSpacing(input, dims.x, dims.y, info.notes);
+  info.geometry = tiffGeometry(dims, stack.first, stack.notes, log, options, info.notes);
   if (stack.notes && !stack.notes->line.empty())
     info.notes.push_back(fmt::format("by {}'s description values are {} what is stored; they are taken as stored",
                                      stack.notes->writer, stack.notes->line));
   info.format = fmt::format("TIFF, {} {}{}", dims.z, dims.z == 1 ? "slice" : "slices", stack.part);
   if (input.files.size() != 1 || input.files.front() != input.input) info.files.push_back(input.input);
   info.files.insert(info.files.end(), input.files.begin(), input.files.end());
+  if (log) info.files.push_back(log->log);
   return std::make_unique<TiffSource>(std::move(info), input.files, std::move(stack));
 }
 

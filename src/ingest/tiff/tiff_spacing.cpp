@@ -1,7 +1,7 @@
 // Problem. Most programs write the resolution of a printer or screen into TIFF's tags, whatever the image is.
 // Method. The tags count only with a unit and a number that no screen or printer has. They give no distance of slices:
 // the pixel size is used for it, and a note tells the user.
-// Descriptions by ImageJ, OME and tifffile take precedence over the tags.
+// Descriptions by ImageJ, OME and tifffile take precedence over a log of SkyScan, and the log over the tags.
 #include "ingest/tiff/tiff_spacing.h"
 
 #include <fmt/format.h>
@@ -18,7 +18,7 @@
 namespace kiln {
 namespace {
 
-constexpr int kInch = 2, kCentimetre = 3;
+constexpr int kNoUnit = 1, kInch = 2, kCentimetre = 3;
 
 bool usable(double spacing) { return std::isfinite(spacing) && spacing > 1e-12 && spacing < 1e12; }
 
@@ -187,22 +187,41 @@ std::optional<StackNotes> omeNotes(std::string_view description) {
   return out;
 }
 
-// Returns the text of a key of tifffile's JSON between two marks; empty without the key.
-std::string_view jsonValueOf(std::string_view json, const std::string& key, char begin, char end) {
-  std::size_t at = json.find("\"" + key + "\":");
+// Returns the value of a key in JSON: a number, a text without its quotes, or a list without its brackets; empty if the
+// key is missing. Quotes within a text have a backslash, so no text contains a key with its quotes.
+std::string_view jsonValue(std::string_view json, std::string_view key) {
+  const std::string quoted = fmt::format("\"{}\":", key);
+  const std::size_t at = json.find(quoted);
   if (at == std::string_view::npos) return {};
-  at = json.find(begin, at + key.size() + 3);
-  if (at == std::string_view::npos) return {};
-  return json.substr(at + 1, json.find(end, at + 1) - at - 1);
+  json.remove_prefix(at + quoted.size());
+  json.remove_prefix(std::min(json.find_first_not_of(' '), json.size()));
+  const bool list = json.starts_with('['), text = json.starts_with('"');
+  if (list || text) json.remove_prefix(1);
+  return json.substr(0, json.find_first_of(list ? "]" : text ? "\"" : ",}"));
+}
+
+// Users of tifffile give "spacing": 2.0, "unit": "um" the meaning that both have in ImageJ; three spacings are of z, y
+// and x.
+void useTifffileLengths(StackNotes& out, std::string_view description) {
+  std::vector<double> spacings;
+  for (const std::string_view text : splitAt(jsonValue(description, "spacing"), ','))
+    spacings.push_back(std::abs(doubleOf(trimmed(text)).value_or(0)));
+  out.spacing = spacings.front();
+  if (spacings.size() == 3) out.pixel = {spacings[2], spacings[1]};
+  const std::string unit(jsonValue(description, "unit"));
+  if (unit.empty() || unit.starts_with("pixel")) return;
+  out.in_unit = out.tags_may_have_units = true;
+  out.unit = unitName(unit);
+  if (out.unit.empty()) out.remarks.push_back(unknownUnit(out.writer, unit));
 }
 
 // {"shape": [2, 5, 64, 64], "axes": "CZYX"}. Without axes all dimensions beyond the last three are channels.
 std::optional<StackNotes> tifffileNotes(std::string_view description) {
   if (!description.starts_with("{\"shape\": [")) return std::nullopt;
   std::vector<std::int64_t> dims;
-  for (const std::string_view dim : splitAt(jsonValueOf(description, "shape", '[', ']'), ','))
+  for (const std::string_view dim : splitAt(jsonValue(description, "shape"), ','))
     dims.push_back(std::clamp<std::int64_t>(integerOf(trimmed(dim)).value_or(1), 1, 1'000'000));
-  std::string axes(jsonValueOf(description, "axes", '"', '"'));
+  std::string axes(jsonValue(description, "axes"));
   if (axes.size() != dims.size()) {
     std::erase(dims, 1);
     axes = std::string(dims.size() > 3 ? dims.size() - 3 : 0, 'C') + "ZYX";
@@ -223,7 +242,18 @@ std::optional<StackNotes> tifffileNotes(std::string_view description) {
     order += kind;
   }
   useOrder(out, order);
+  useTifffileLengths(out, description);
   return out;
+}
+
+// The edges of a pixel by the tags, in the unit of the description; 0 if the tags have no usable size.
+glm::dvec2 pixelInUnit(const TiffPage& page, const StackNotes& stack) {
+  if (stack.tags_may_have_units && page.resolution_unit != kNoUnit) {
+    const std::optional<UnitRatio> from_mm = unitRatio("mm", stack.unit);
+    const glm::dvec2 tags = pixelByTags(page);
+    return from_mm ? glm::dvec2(from_mm->of(tags.x), from_mm->of(tags.y)) : glm::dvec2(0);
+  }
+  return glm::dvec2(1 / page.x_resolution, stack.y_scale / page.y_resolution);
 }
 
 }  // namespace
@@ -236,7 +266,8 @@ std::optional<StackNotes> stackNotes(std::string_view description) {
 }
 
 VolumeGeometry tiffGeometry(const Extent3& dims, const TiffPage& page, const std::optional<StackNotes>& stack,
-                            const SourceOptions& options, std::vector<std::string>& notes) {
+                            const std::optional<LoggedSpacing>& log, const SourceOptions& options,
+                            std::vector<std::string>& notes) {
   VolumeGeometry out;
   out.dims = dims;
   glm::dvec3 spacing(1);
@@ -251,8 +282,7 @@ VolumeGeometry tiffGeometry(const Extent3& dims, const TiffPage& page, const std
           who, spacing.x, out.unit.empty() ? "" : " " + out.unit);
   };
   if (stack && (usable(stack->spacing) || stack->in_unit || told)) {
-    const glm::dvec2 pixel =
-        told ? stack->pixel : glm::dvec2(1 / page.x_resolution, stack->y_scale / page.y_resolution);
+    const glm::dvec2 pixel = told ? stack->pixel : pixelInUnit(page, *stack);
     const bool sized = told || (stack->in_unit && usable(pixel.x) && usable(pixel.y));
     if (sized) spacing = glm::dvec3(pixel, pixel.x);
     if (sized) out.unit = stack->unit;
@@ -260,6 +290,11 @@ VolumeGeometry tiffGeometry(const Extent3& dims, const TiffPage& page, const std
       spacing.z = stack->spacing;
     else
       sameDistance(fmt::format("{}'s description has", stack->writer));
+  } else if (log) {
+    spacing = log->spacing_um;
+    out.unit = "um";
+    choice = fmt::format("the size of a voxel, {:.6g} x {:.6g} x {:.6g} um, is by the log {}", spacing.x, spacing.y,
+                         spacing.z, inQuotes(log->log.filename().string()));
   } else if (tags.x > 0) {
     spacing = glm::dvec3(tags, tags.x);
     out.unit = "mm";

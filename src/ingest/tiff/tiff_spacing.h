@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ingest/source/volume_source.h"
+#include "ingest/tiff/skyscan_log.h"
 #include "ingest/tiff/tiff_file.h"
 
 namespace kiln {
@@ -26,8 +27,9 @@ struct StackNotes {
   bool counts_all_files = false;
   /// The distance of slices in `unit`; 0 if the description has none.
   double spacing = 0;
-  /// True if the resolution tags count pixels per `unit`; `y_scale` converts from the unit of y to the unit of x.
-  bool in_unit = false;
+  /// True if the resolution tags count pixels per `unit`; `y_scale` converts from the unit of y to the unit of x. With
+  /// `tags_may_have_units`, only tags without a unit of their own do.
+  bool in_unit = false, tags_may_have_units = false;
   double y_scale = 1;
   /// The edges of a pixel in `unit`; 0 if the description has none.
   glm::dvec2 pixel{0};
@@ -43,12 +45,13 @@ struct StackNotes {
   std::string line;
 };
 
-/// Parses ImageJ's KEY=VALUE lines after "ImageJ=", OME's XML, or tifffile's shape; nothing for other descriptions.
+/// Parses ImageJ's KEY=VALUE lines after "ImageJ=", OME's XML, or tifffile's JSON; nothing for other descriptions.
 std::optional<StackNotes> stackNotes(std::string_view description);
 
-/// Returns spacing and unit of a volume of `dims`: `options.spacing`, else the stack's, else the resolution tags, else
-/// 1. `notes` lists the choices made.
+/// Returns spacing and unit of a volume of `dims`: `options.spacing`, else the stack's, else the log's, else by the
+/// resolution tags, else 1. `notes` lists the choices made.
 VolumeGeometry tiffGeometry(const Extent3& dims, const TiffPage& page, const std::optional<StackNotes>& stack,
-                            const SourceOptions& options, std::vector<std::string>& notes);
+                            const std::optional<LoggedSpacing>& log, const SourceOptions& options,
+                            std::vector<std::string>& notes);
 
 }  // namespace kiln
