@@ -180,7 +180,6 @@ TEST_F(Messages, VolumeInPlaceOfAStoreOrAPicture_IsNamedWithItsCommands) {
   for (const auto& [name, format] : volumes) {
     const std::string is = in(name) + ": is " + format + " volume, not ";
     refused({"compare", in(name), in("a.nii")}, 2, is + "a picture" + commandsFor(name));
-    refused({"tf", in(name)}, 2, is + "a transfer function" + commandsFor(name));
   }
   for (const std::vector<std::string>& command :
        std::vector<std::vector<std::string>>{{"verify", in("a.nrrd")},

@@ -10,18 +10,16 @@
 #include "base/file.h"
 #include "base/memory/memory.h"
 #include "commands.h"
-#include "convert/foreign_cache.h"
 #include "examples.h"
-#include "histogram_text.h"
+#include "foreign_store.h"
 #include "image/file/image_file.h"
 #include "ingest/open_source.h"
-#include "ingest/volume_format.h"
 #include "job/job_names.h"
 #include "say.h"
 #include "scene/transfer/label_styles.h"
-#include "source_arguments.h"
 #include "store/manifest/json_text.h"
 #include "store/store_reader.h"
+#include "volume_values.h"
 
 namespace kiln::tool {
 namespace fs = std::filesystem;
@@ -127,11 +125,8 @@ void printGeometry(const VolumeGeometry& g, VoxelType type) {
   say("patient      {}\n", frameName(g.frame));
 }
 
-void printForPeople(const StoreReader& store) {
-  const Manifest& m = store.manifest();
-  const Storage storage = storageOf(store);
-  say("store        {} (format {})\n", store.path().string(), m.format);
-  printGeometry(m.geometry(), m.type);
+void printValues(const VolumeValues& values) {
+  const Manifest& m = values.manifest;
   if (m.range.empty()) {
     say("values       none but NaN\n");
   } else {
@@ -139,11 +134,18 @@ void printForPeople(const StoreReader& store) {
         className(m.volume_class));
   }
   if (m.nan_count > 0) say("NaN          {} voxels\n", m.nan_count);
-  if (const auto labels = labelsOf(m)) {
+  if (const auto labels = labelsOf(m))
     printLabels(*labels);
-  } else if (const std::string histogram = histogramText(m.histogram, !isFloating(m.type), "             ");
-             !histogram.empty())
-    sayLines("histogram    length of a bar: logarithm of the count\n" + histogram);
+  else
+    sayHistogram(values);
+}
+
+void printForPeople(const StoreReader& store) {
+  const Manifest& m = store.manifest();
+  const Storage storage = storageOf(store);
+  say("store        {} (format {})\n", store.path().string(), m.format);
+  printGeometry(m.geometry(), m.type);
+  printValues({m, "", 0});
   printLevels(m, storage);
   say("codec        {}, blosc\n", m.container_version);
   // A directory of slices comes first, then its slices.
@@ -155,39 +157,34 @@ void printForPeople(const StoreReader& store) {
   if (!m.source.time.empty()) say("made at      {}\n", m.source.time);
 }
 
-// Prints the header of a volume file; the values are not read.
-void printSource(const std::string& path, const SourceInfo& info) {
+// Prints the header of a volume file.
+void printHeader(const std::string& path, const SourceInfo& info) {
   say("volume       {} ({}{})\n", path, info.format,
       info.files.size() > 1 ? fmt::format(", {} files", info.files.size()) : "");
   printGeometry(info.geometry, info.type);
-  if (info.volume_class != VolumeClass::kUnknown) say("class        {}\n", className(info.volume_class));
   for (const std::string& note : info.notes) say("note         {}\n", note);
-  say("             kiln render draws the file, kiln convert makes a store of it\n");
 }
 
-// Returns the header of a volume file for programs, with the keys of a manifest.
-std::string sourceForPrograms(const SourceInfo& info) {
+// Returns the header and the values of a volume file for programs, with the keys of a manifest.
+std::string sourceForPrograms(const SourceInfo& info, const VolumeValues& values) {
+  const Manifest& m = values.manifest;
   const VolumeGeometry& g = info.geometry;
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   for (const fs::path& file : info.files) files.push_back(utf8OfName(file.string()));
-  const nlohmann::ordered_json out = {{"dimensions", {g.dims.x, g.dims.y, g.dims.z}},
-                                      {"type", nameOf(info.type)},
-                                      {"class", wordOf(info.volume_class)},
-                                      {"affine", rowsOf(g.world_from_index)},
-                                      {"unit", g.unit},
-                                      {"frame", wordOf(g.frame)},
-                                      {"source", {{"format", info.format}, {"files", files}, {"notes", info.notes}}},
-                                      {"storage", {{"rawBytes", bytesOf(g, info.type)}}}};
+  const nlohmann::ordered_json out = {
+      {"dimensions", {g.dims.x, g.dims.y, g.dims.z}},
+      {"type", nameOf(info.type)},
+      {"range", {m.range.lo, m.range.hi}},
+      {"nanCount", m.nan_count},
+      {"histogram", {{"lo", m.histogram.lo}, {"hi", m.histogram.hi}, {"counts", m.histogram.counts}}},
+      {"sample", {{"voxels", values.sampled}, {"text", values.counted}}},
+      {"class", wordOf(m.volume_class)},
+      {"affine", rowsOf(g.world_from_index)},
+      {"unit", g.unit},
+      {"frame", wordOf(g.frame)},
+      {"source", {{"format", info.format}, {"files", files}, {"notes", info.notes}}},
+      {"storage", {{"rawBytes", bytesOf(g, info.type)}}}};
   return jsonText(out, 1) + "\n";
-}
-
-// Returns whether the path is a volume that is no store: a file, a folder of slices, or a phantom.
-bool isSource(const std::string& path, const SourceArguments& source) {
-  if (path.starts_with("phantom:") || !source.dims.empty()) return true;
-  std::error_code ignored;
-  if (fs::is_directory(path, ignored)) return !isForStoreReader(path);
-  const VolumeFormat format = volumeFormatOf(path);
-  return !format.name.empty() && format.read;
 }
 
 // Returns the pixel type of the colours, or of the first channel of a file without colours.
@@ -252,34 +249,37 @@ std::string jobOfPicture(const fs::path& path, std::uint64_t memory_bytes) {
   return out.dump(2) + "\n";
 }
 
+// Prints the header first, as the values of a damaged file are an error.
+void printSource(const ForeignVolume& volume, std::uint64_t memory_bytes, bool json, Context& context) {
+  SourceOptions options = volume.options;
+  options.memory_bytes = memory_bytes;
+  const std::unique_ptr<VolumeSource> source = openSource(volume.input, options);
+  const auto values = [&] { return valuesOf(volume, *source, memory_bytes, context.progress); };
+  if (json) return sayJson(sourceForPrograms(source->info(), values()));
+  printHeader(volume.input.string(), source->info());
+  printValues(values());
+  say("             kiln render draws the file, kiln convert makes a store of it\n");
+}
+
 }  // namespace
 
 void addInfo(CLI::App& app, Context& context) {
   auto path = std::make_shared<std::string>();
   auto json = std::make_shared<bool>(false);
   auto memory = std::make_shared<std::string>(kDefaultMemory);
-  auto source = std::make_shared<SourceArguments>();
+  auto source = std::make_shared<ForeignArguments>();
   CLI::App* command = app.add_subcommand("info", "show what a store or volume file holds, or how a picture was made");
   command->add_option("STORE", *path, "the store, a volume file, or a picture that Kiln drew")->required();
   command->add_flag("--json", *json,
-                    "for programs: a store's manifest, and what it takes on disk; the header of a volume file; a "
-                    "picture's job, which kiln render draws again");
+                    "for programs: a store's manifest, and what it takes on disk; the header of a volume file, and "
+                    "values of a sample; a picture's job, which kiln render draws again");
   addMemory(*command, *memory, "the index of a store, a volume file, or the texts of a picture")->capture_default_str();
-  addSourceArguments(*command, *source);
+  addForeignArguments(*command, *source);
   addExamples(*command, {"kiln info head.kiln", "kiln info scan.nrrd --json", "kiln info face.png"});
   command->callback([path, json, memory, source, &context] {
-    context.action = [path, json, memory, source] {
+    context.action = [path, json, memory, source, &context] {
       const std::uint64_t memory_bytes = parseBytes(*memory, "--memory");
-      if (isSource(*path, *source)) {
-        SourceOptions options = source->resolve();
-        options.memory_bytes = memory_bytes;
-        const SourceInfo info = openSource(*path, options)->info();
-        if (*json)
-          sayJson(sourceForPrograms(info));
-        else
-          printSource(*path, info);
-        return;
-      }
+      if (namesVolumeFile(*path, *source)) return printSource(source->volume(*path), memory_bytes, *json, context);
       refuseVolumeFile(*path, "a store or a picture");
       std::error_code ignored;
       if (fs::is_regular_file(*path, ignored)) {

@@ -1,31 +1,36 @@
 #include <fmt/format.h>
 
 #include "base/file.h"
+#include "base/memory/memory.h"
 #include "commands.h"
 #include "examples.h"
+#include "foreign_store.h"
 #include "frame/transfer_function_picture.h"
 #include "image/file/image_file.h"
 #include "image/srgb.h"
+#include "ingest/open_source.h"
 #include "job/transfer_function_json.h"
 #include "output_files.h"
 #include "say.h"
 #include "scene/transfer/presets.h"
 #include "scene_arguments.h"
 #include "store/manifest/read_manifest.h"
+#include "volume_values.h"
 
 namespace kiln::tool {
 namespace fs = std::filesystem;
 namespace {
 
 struct TfArguments {
-  std::string input, tf, window, output;
+  std::string input, tf, window, output, memory = kDefaultMemory;
   bool json = false;
+  ForeignArguments source;
 };
 
-// The volume for which a function is shown: a store's, or without a store typical values: Hounsfield units from air to
-// dense bone for CT, else 0 to 1, with voxels of 1.
+// The volume for which a function is shown: a store's or a file's, or without a volume typical values: Hounsfield units
+// from air to dense bone for CT, else 0 to 1, with voxels of 1.
 struct Subject {
-  Manifest manifest;
+  VolumeValues values;
   TransferFunctionChoice choice;
   bool volume = false;
 };
@@ -34,7 +39,7 @@ Manifest withoutVolume(const TransferFunctionChoice& choice) {
   const auto* name = std::get_if<std::string>(&choice);
   if (name != nullptr && (*name == "auto" || name->starts_with("mr-")))
     throw Error(ErrorCode::kUsage,
-                fmt::format("'{0}' is found in a volume's histogram: run kiln tf STORE --tf {0}", *name));
+                fmt::format("'{0}' is found in a volume's histogram: run kiln tf VOLUME --tf {0}", *name));
   Manifest out;
   out.type = VoxelType::f32;
   out.range = {0, 1};
@@ -46,15 +51,30 @@ Manifest withoutVolume(const TransferFunctionChoice& choice) {
   return out;
 }
 
-Subject subjectOf(const TfArguments& a) {
+VolumeValues valuesOfFile(const TfArguments& a, const OutputFiles& outputs, Context& context) {
+  const ForeignVolume volume = a.source.volume(a.input);
+  SourceOptions options = volume.options;
+  options.memory_bytes = parseBytes(a.memory, "--memory");
+  const std::unique_ptr<VolumeSource> source = openSource(volume.input, options);
+  outputs.requireNoneOf(source->info().files);
+  return valuesOf(volume, *source, options.memory_bytes, context.progress);
+}
+
+Subject subjectOf(const TfArguments& a, const OutputFiles& outputs, Context& context) {
+  const auto choice = [&] { return transferFunctionNamed(a.tf.empty() ? "auto" : a.tf, "--tf"); };
+  if (namesVolumeFile(a.input, a.source)) {
+    const TransferFunctionChoice function = choice();
+    return {valuesOfFile(a, outputs, context), function, true};
+  }
   std::error_code ignored;
   if (fs::is_directory(a.input, ignored)) {
-    const std::string tf = a.tf.empty() ? "auto" : a.tf;
-    return {readManifest(a.input), transferFunctionNamed(tf, "--tf"), true};
+    requireNoOptions(a.input, a.source.resolve());
+    return {{readManifest(a.input), "", 0}, choice(), true};
   }
-  if (!a.tf.empty()) throw Error(ErrorCode::kUsage, fmt::format("--tf goes with a store, and '{}' is none", a.input));
-  const TransferFunctionChoice choice = transferFunctionNamed(a.input, "kiln tf");
-  return {withoutVolume(choice), choice, false};
+  if (!a.tf.empty())
+    throw Error(ErrorCode::kUsage, fmt::format("--tf goes with a store or a volume file, and '{}' is none", a.input));
+  const TransferFunctionChoice function = transferFunctionNamed(a.input, "kiln tf");
+  return {{withoutVolume(function), "", 0}, function, false};
 }
 
 std::string hexOf(const glm::dvec3& linear) {
@@ -63,13 +83,15 @@ std::string hexOf(const glm::dvec3& linear) {
 }
 
 void print(const TransferFunction& f, const Subject& subject) {
-  const VolumeGeometry& geometry = subject.manifest.geometry();
-  const std::string unit = geometry.unit.empty() ? "world unit" : geometry.unit;
-  const ValueRange& range = subject.manifest.range;
-  if (subject.volume && range.empty())
+  const Manifest& manifest = subject.values.manifest;
+  const std::string unit = manifest.geometry().unit.empty() ? "world unit" : manifest.geometry().unit;
+  if (subject.volume && manifest.range.empty()) {
     say("volume       no value is a number\n");
-  else if (subject.volume)
-    say("volume       values {:.9g} to {:.9g}\n", range.lo, range.hi);
+  } else if (subject.volume) {
+    say("volume       values {:.9g} to {:.9g}\n", manifest.range.lo, manifest.range.hi);
+    sayHistogram(subject.values);
+    sayWindows(manifest);
+  }
   say("opacity      per {:.6g} {}, between points linear, outside of them as at the ends\n", f.unit, unit);
   say("{:>14}  {:>8}  {:>12}  {:>7}  {:<24}\n", "value", "opacity", "extinction", "sRGB",
       "red, green, blue (linear light)");
@@ -90,7 +112,7 @@ void printLabels(const TransferFunction& f) {
   say("{} labels; opacity is per {:.6g}\n", f.labels.size(), f.unit);
 }
 
-void run(const TfArguments& a) {
+void run(const TfArguments& a, Context& context) {
   if (!a.output.empty()) {
     requireImagePath(a.output);
     FileSystem::real().requirePlaceFor(a.output);
@@ -101,16 +123,17 @@ void run(const TfArguments& a) {
     outputs.requireNone(read);
     outputs.requireNone(fileOf(read));
   }
-  const Subject subject = subjectOf(a);
+  const Subject subject = subjectOf(a, outputs, context);
+  const Manifest& manifest = subject.values.manifest;
   std::optional<Window> window;
   if (!a.window.empty()) window = parseWindow(a.window, "--window");
-  const TransferFunction function = resolve(subject.choice, window, subject.manifest);
+  const TransferFunction function = resolve(subject.choice, window, manifest);
   if (!function.labels.empty() && !a.output.empty())
     throw Error(ErrorCode::kUsage, "-o: labels have no curve to draw; leave -o out");
-  if (!a.output.empty()) writeImage(transferFunctionPicture(function, subject.manifest.histogram), {}, {}, a.output);
+  if (!a.output.empty()) writeImage(transferFunctionPicture(function, manifest.histogram), {}, {}, a.output);
   if (a.json)
     // Without a volume, a unit that depends on the volume stays so.
-    sayJson(transferFunctionText(subject.volume ? function : functionFor(subject.choice, window, subject.manifest)));
+    sayJson(transferFunctionText(subject.volume ? function : functionFor(subject.choice, window, manifest)));
   else if (function.labels.empty())
     print(function, subject);
   else
@@ -123,20 +146,23 @@ void addTf(CLI::App& app, Context& context) {
   auto a = std::make_shared<TfArguments>();
   CLI::App* command = app.add_subcommand("tf", "show a transfer function as text, and as a picture over the histogram");
   command
-      ->add_option(
-          "INPUT", a->input,
-          fmt::format("a store, a transfer function file (FILE or FILE#NAME), points VALUE:OPACITY[:COLOR],..., or "
-                      "a preset: {}",
-                      presetList()))
+      ->add_option("INPUT", a->input,
+                   fmt::format("a store, a volume file (which is sampled), a transfer function file (FILE or "
+                               "FILE#NAME), points VALUE:OPACITY[:COLOR],..., or "
+                               "a preset: {}",
+                               presetList()))
       ->required();
-  command->add_option("--tf", a->tf, "of a store: the file, points or preset to show; auto if not given");
+  command->add_option("--tf", a->tf,
+                      "of a store or a volume file: the file, points or preset to show; auto if not given");
   command->add_option("--window", a->window, "stretch it so that it begins and ends with this window of values")
       ->type_name("CENTRE,WIDTH");
   command->add_flag("--json", a->json, "print it as a transfer function file: the object transferFunction of a job");
   command->add_option("-o,--output", a->output, "the picture, .png or .exr");
-  addExamples(*command, {"kiln tf ct-bone", "kiln tf head.kiln --tf viridis -o viridis.png",
+  addExamples(*command, {"kiln tf ct-bone", "kiln tf scan.nrrd", "kiln tf head.kiln --tf viridis -o viridis.png",
                          "kiln tf head.kiln --tf ct-bone --json > bone.json"});
-  command->callback([a, &context] { context.action = [a] { run(*a); }; });
+  addMemory(*command, a->memory, "the sample of a volume file")->capture_default_str();
+  addForeignArguments(*command, a->source);
+  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 
 }  // namespace kiln::tool

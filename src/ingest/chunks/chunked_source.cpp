@@ -43,6 +43,7 @@ class ChunkedSource : public VolumeSource {
   void finish() override;
   std::uint64_t decodeBytes() const override { return array_->decodeBytes(); }
   std::uint64_t heldBytes() const override { return array_->heldBytes(); }
+  Extent3 cheapBox() const override { return chunk_; }
   void keepDecoded(std::uint64_t bytes) override { array_->setCapacity(bytes); }
 
  private:

@@ -52,6 +52,7 @@ class ReversedSource : public VolumeSource {
   const SourceInfo& info() const override { return info_; }
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
+  Extent3 cheapBox() const override { return reversed(stored_->cheapBox()); }
 
  private:
   std::unique_ptr<VolumeSource> stored_;

@@ -62,6 +62,8 @@ class VolumeSource {
   /// Memory that the source holds while it is open, beside the cache of keepDecoded: a grid that is read whole. unit:
   /// bytes.
   virtual std::uint64_t heldBytes() const { return 0; }
+  /// Returns the shape of box that costs least for its voxels: a slice, unless the source stores blocks or other axes.
+  virtual Extent3 cheapBox() const { return {info().geometry.dims.x, info().geometry.dims.y, 1}; }
   /// Lets the source cache up to `bytes` of decoded data, which neighbouring boxes share; has no effect for kForward.
   /// requires: no read under way.
   virtual void keepDecoded(std::uint64_t /*bytes*/) {}
@@ -79,7 +81,7 @@ struct SourceOptions {
   std::optional<std::string> channel;    // of several channels: a name, or a number from 0
   std::optional<std::int64_t> time;      // of several times: a number from 0
   std::optional<std::int64_t> scale;     // of several resolutions: 0 is the finest
-  Placement placement;                   // how the volume lies in the world
+  Placement placement;                   // the place in the world by the user
   bool allow_irregular = false;          // DICOM, TIFF: accept slices unequally spaced, tilted, different or missing
   /// Upper bound for VolumeSource::heldBytes. unit: bytes.
   std::uint64_t memory_bytes = UINT64_MAX;

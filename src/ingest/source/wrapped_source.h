@@ -21,6 +21,7 @@ class WrappedSource : public VolumeSource {
   }
   std::uint64_t decodeBytes() const override { return source_->decodeBytes(); }
   std::uint64_t heldBytes() const override { return source_->heldBytes(); }
+  Extent3 cheapBox() const override { return source_->cheapBox(); }
   void keepDecoded(std::uint64_t bytes) override { source_->keepDecoded(bytes); }
 
  protected:
