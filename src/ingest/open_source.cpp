@@ -398,9 +398,9 @@ class PlacedSource : public WrappedSource {
     info_.geometry = placed(info_.geometry, placement, input.string());
     if (!info_.vdb) return;
     const VoxelCoord& at = info_.vdb->index_origin;
-    info_.vdb->world_from_grid = glm::translate(
-        info_.geometry.world_from_index,
-        -glm::dvec3(static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z)));
+    info_.vdb->world_from_grid =
+        glm::translate(info_.geometry.world_from_index,
+                       -glm::dvec3(static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z)));
   }
 };
 

@@ -215,6 +215,17 @@ bool naturallyBefore(std::string_view a, std::string_view b) {
   return a.empty() != b.empty() ? a.empty() : whole_a < whole_b;
 }
 
+FolderFiles filesIn(const fs::path& directory) {
+  SortedEntries entries;
+  entries.add(directory);
+  const bool listed = std::erase_if(entries.dicom, isDicomDirectory) > 0;
+  const FolderFiles own = {entries.tiff, entries.dicom, entries.other};
+  if (!listed && !(own.tiff.empty() && own.dicom.empty())) return own;
+  entries.addBelow(directory);
+  std::erase_if(entries.dicom, isDicomDirectory);
+  return {own.tiff, entries.dicom, own.other};
+}
+
 SliceFiles slicesIn(const fs::path& directory) {
   SortedEntries entries;
   auto& [tiff, dicom, other, no_files, png, jpeg, unread] = entries;

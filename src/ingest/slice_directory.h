@@ -15,6 +15,14 @@ SliceFormat sliceFormatOf(std::string_view first_bytes);
 /// ordered by their bytes.
 bool naturallyBefore(std::string_view a, std::string_view b);
 
+/// The files of a folder, each list in natural order; files that cannot be read and names that begin with a dot are
+/// left out.
+struct FolderFiles {
+  std::vector<std::filesystem::path> tiff, dicom, other;
+};
+/// Searches subfolders for DICOM as slicesIn. throws: Error kIo if the folder cannot be read.
+FolderFiles filesIn(const std::filesystem::path& directory);
+
 /// Returns the slices in `directory`, found by file content; names that begin with a dot are ignored. Subfolders are
 /// searched for DICOM only, if `directory` has a DICOMDIR or no slices of its own. An unreadable file is passed over
 /// if no slice has its ending.

@@ -201,6 +201,30 @@ void chooseByName(SliceFiles& slices, const SourceOptions& options) {
 
 }  // namespace
 
+std::vector<std::vector<std::filesystem::path>> stacksByName(const std::vector<std::filesystem::path>& files) {
+  // Files whose names have equal texts between their numbers are compared number by number.
+  std::map<std::vector<std::string>, std::vector<NumberedName>> alike;
+  for (const std::filesystem::path& file : files) {
+    const NumberedName name = numberedName(file);
+    alike[name.texts].push_back(name);
+  }
+  std::map<std::string, std::size_t> running;  // by pattern of all numbers
+  for (const auto& [texts, names] : alike) {
+    const std::vector<std::set<std::string>> values = valuesOf(names);
+    const auto fewer = [](const auto& a, const auto& b) { return a.size() < b.size(); };
+    running[patternOf(names.front(), SIZE_MAX)] =
+        static_cast<std::size_t>(std::max_element(values.begin(), values.end(), fewer) - values.begin());
+  }
+  std::map<std::string, std::vector<std::filesystem::path>> stacks;
+  for (const std::filesystem::path& file : files) {
+    const NumberedName name = numberedName(file);
+    stacks[patternOf(name, running.at(patternOf(name, SIZE_MAX)))].push_back(file);
+  }
+  std::vector<std::vector<std::filesystem::path>> out;
+  for (auto& [pattern, members] : stacks) out.push_back(std::move(members));
+  return out;
+}
+
 void requireOneStack(SliceFiles& slices, const SourceOptions& options) {
   if (slices.files.size() < 2) return;
   chooseByName(slices, options);

@@ -14,4 +14,8 @@ namespace kiln {
 /// the chosen one is not there; kFormat naming the two slices around the first gap, or the groups that the names form.
 void requireOneStack(SliceFiles& slices, const SourceOptions& options);
 
+/// Groups files whose names differ in one number only: the number that has the most values. A file of another name is a
+/// group of its own.
+std::vector<std::vector<std::filesystem::path>> stacksByName(const std::vector<std::filesystem::path>& files);
+
 }  // namespace kiln

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "base/byte_record.h"
@@ -14,6 +15,7 @@
 #include "convert/stream/half_source.h"
 #include "examples.h"
 #include "ingest/open_source.h"
+#include "ingest/volume_list.h"
 #include "say.h"
 #include "scene/transfer/label_styles.h"
 #include "source_arguments.h"
@@ -27,7 +29,7 @@ struct ConvertArguments {
   std::string input, output, memory = kDefaultMemory;
   unsigned threads = 0;
   std::int64_t brick_size = kDefaultBrickSize;
-  bool overwrite = false, resume = false, half = false, labels = false, dry_run = false;
+  bool overwrite = false, resume = false, half = false, labels = false, dry_run = false, list = false, json = false;
   int levels = 0;
   SourceArguments source;
 };
@@ -110,7 +112,52 @@ void warnOfLabels(const std::string& store, Context& context) {
         store, range.lo, range.hi, kLargestLabel));
 }
 
+std::string sizeText(const ListedVolume& volume) {
+  const std::string type =
+      volume.type ? fmt::format(" of {} ({})", nameOf(*volume.type), formatBytes(volume.bytes())) : "";
+  if (!volume.dims) return "size unknown before it is read";
+  return fmt::format("{} x {} x {}{}", volume.dims->x, volume.dims->y, volume.dims->z, type);
+}
+
+std::string listForPrograms(const std::string& input, const std::vector<ListedVolume>& volumes) {
+  using Json = nlohmann::ordered_json;
+  Json list = Json::array();
+  for (const ListedVolume& volume : volumes) {
+    const auto& dims = volume.dims;
+    list.push_back({{"name", volume.name},
+                    {"kind", volume.kind},
+                    {"dimensions", dims ? Json({dims->x, dims->y, dims->z}) : Json(nullptr)},
+                    {"type", volume.type ? Json(nameOf(*volume.type)) : Json(nullptr)},
+                    {"rawBytes", volume.bytes()},
+                    {"option", volume.option},
+                    {"refusal", volume.refusal}});
+  }
+  return Json({{"input", input}, {"volumes", list}}).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void list(const ConvertArguments& a, Context& context) {
+  if (!context.ranks->first()) return;
+  SourceOptions options = a.source.resolve();
+  options.memory_bytes = parseBytes(a.memory, "--memory");
+  const std::vector<ListedVolume> volumes = volumesIn(a.input, options);
+  if (a.json) return sayJson(listForPrograms(a.input, volumes));
+  say("{}: {} {}\n", a.input, volumes.size(), volumes.size() == 1 ? "volume" : "volumes");
+  std::size_t name_width = 0, kind_width = 0, size_width = 0;
+  for (const ListedVolume& volume : volumes) {
+    name_width = std::max(name_width, volume.name.size());
+    kind_width = std::max(kind_width, volume.kind.size());
+    size_width = std::max(size_width, sizeText(volume).size());
+  }
+  for (const ListedVolume& volume : volumes) {
+    const std::string line =
+        fmt::format("  {:<{}}  {:<{}}  {:<{}}  {}", volume.name, name_width, volume.kind, kind_width, sizeText(volume),
+                    size_width, volume.refusal.empty() ? volume.option : "not read: " + volume.refusal);
+    say("{}\n", line.substr(0, line.find_last_not_of(' ') + 1));
+  }
+}
+
 void run(const ConvertArguments& a, Context& context) {
+  if (a.list) return list(a, context);
   if (a.output.empty() && !a.dry_run) throw Error(ErrorCode::kUsage, "OUT: name the store to write, NAME.kiln");
   // A folder of slices may hold a file of that name, too.
   if (std::error_code ignored; isStore(a.input) && std::filesystem::exists(a.input + "/index.bin", ignored))
@@ -189,6 +236,9 @@ void addConvert(CLI::App& app, Context& context) {
       ->excludes("--half");
   command->add_flag("--dry-run", a->dry_run,
                     "write nothing; say how it would be read, what memory, disk and time it takes");
+  CLI::Option* const list = command->add_flag(
+      "--list", a->list, "convert nothing; list the volumes in the file or folder, their sizes, and how to choose one");
+  command->add_flag("--json", a->json, "print the list for programs")->needs(list);
   auto* overwrite =
       command->add_flag("--overwrite", a->overwrite, "replace a store that is there, once the new one is whole");
   command

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"
 
 namespace kiln {
@@ -27,6 +28,17 @@ std::string listOf(const std::map<std::string, Series>& series) {
     if (listed++ == kMost) return out + fmt::format(", and {} more", series.size() - kMost);
     out += fmt::format("{}{} ({} {}, {} {})", listed == 1 ? "" : ", ", uid.empty() ? "none" : uid, s.first->modality,
                        inQuotes(s.first->description), s.slices, s.slices == 1 ? "slice" : "slices");
+  }
+  return out;
+}
+
+std::map<std::string, Series> seriesOf(const std::vector<DicomHeader>& all) {
+  std::map<std::string, Series> out;
+  for (const DicomHeader& header : all) {
+    if (!header.has_pixels) continue;
+    Series& entry = out[header.series];
+    if (entry.first == nullptr) entry.first = &header;
+    entry.slices += header.pixels.frames;
   }
   return out;
 }
@@ -188,13 +200,7 @@ std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions
   std::vector<DicomHeader> all;
   all.reserve(input.files.size());
   for (const fs::path& path : input.files) all.push_back(readDicomHeader(path));
-  std::map<std::string, Series> series;
-  for (const DicomHeader& header : all) {
-    if (!header.has_pixels) continue;
-    Series& entry = series[header.series];
-    if (entry.first == nullptr) entry.first = &header;
-    entry.slices += header.pixels.frames;
-  }
+  const std::map<std::string, Series> series = seriesOf(all);
   if (series.empty()) {
     throw Error(ErrorCode::kUnsupported, all.front().path, "",
                 "has no pixel data; it is a DICOM file of another kind than an image");
@@ -221,6 +227,24 @@ std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions
   requireAlike(out);
   requireScaledAlike(out, options, notes);
   if (series.size() > 1) notes.push_back(fmt::format("passed over {} other series", series.size() - 1));
+  return out;
+}
+
+std::vector<ListedVolume> listDicom(const std::vector<fs::path>& files) {
+  std::vector<DicomHeader> all;
+  for (const fs::path& path : files) all.push_back(readDicomHeader(path));
+  const std::map<std::string, Series> series = seriesOf(all);
+  std::vector<ListedVolume> out;
+  for (const auto& [uid, entry] : series) {
+    const DicomHeader& first = *entry.first;
+    ListedVolume& volume = out.emplace_back();
+    volume.name = uid.empty() ? "none" : uid;
+    volume.kind = fmt::format("{} {}", first.modality, inQuotes(first.description));
+    volume.dims = Extent3{first.pixels.columns, first.pixels.rows, entry.slices};
+    volume.refusal = first.refusal;
+    if (first.refusal.empty()) volume.type = first.pixels.storedType();
+    if (series.size() > 1 && !uid.empty()) volume.option = "--series " + uid;
+  }
   return out;
 }
 

@@ -1,6 +1,7 @@
 // The formats behind `openSource`, one opener per file. Each opener throws the errors of `openSource`.
 #pragma once
 
+#include "ingest/source/listed_volume.h"
 #include "ingest/source/slice_files.h"
 #include "ingest/source/volume_source.h"
 
@@ -25,6 +26,13 @@ std::unique_ptr<VolumeSource> openZarr(const std::filesystem::path& input, const
 /// `path` names a data set; empty for the only one.
 std::unique_ptr<VolumeSource> openHdf5(const std::filesystem::path& file, const std::string& path,
                                        const SourceOptions& options);
+
+/// Lists grids of a file, series of files, pages of a file, and slices of files that form one stack.
+std::vector<ListedVolume> listVdb(const std::filesystem::path& input, const SourceOptions& options);
+/// The scales of a folder of Zarr or N5.
+std::vector<ListedVolume> listZarr(const std::filesystem::path& folder, const SourceOptions& options);
+std::vector<ListedVolume> listDicom(const std::vector<std::filesystem::path>& files);
+std::vector<ListedVolume> listTiff(const std::vector<std::filesystem::path>& stack);
 
 /// True if `input` names a computed volume, "phantom:NAME:XxYxZ", instead of a file.
 bool namesPhantom(const std::filesystem::path& input);

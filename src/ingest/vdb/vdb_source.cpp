@@ -67,6 +67,17 @@ class GridFile : public openvdb::io::Archive {
   /// Memory of the grids read so far. unit: bytes.
   std::uint64_t heldBytes() const { return held_bytes_; }
 
+  /// Reads the metadata of all grids, without voxels.
+  void readMetadata() {
+    if (!inputHasGridOffsets()) return;  // read already
+    for (const GridEntry& entry : entries_) {
+      entry.descriptor.seekToGrid(in_);
+      lengths_.gridHead(position());
+      readGridCompression(in_);
+      entry.grid->readMeta(in_);
+    }
+  }
+
   openvdb::GridBase::Ptr load(const GridEntry& entry) {
     if (!inputHasGridOffsets() && !entry.descriptor.isInstance()) return entry.grid;
     NamedGridMap named;
@@ -305,9 +316,13 @@ std::unique_ptr<VolumeSource> openChecked(const fs::path& path, const SourceOpti
 
 }  // namespace
 
-std::unique_ptr<VolumeSource> openVdb(const fs::path& input, const SourceOptions& options) {
+namespace {
+
+// Calls open(), and turns OpenVDB's exceptions to Error.
+template <class Open>
+auto withErrorsOf(const fs::path& input, const Open& open) {
   try {
-    return openChecked(input, options);
+    return open();
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
@@ -315,6 +330,49 @@ std::unique_ptr<VolumeSource> openVdb(const fs::path& input, const SourceOptions
     throw Error(ErrorCode::kFormat, input, "OpenVDB",
                 std::string(error.what()) + "; the file is damaged, or newer than this OpenVDB reads");
   }
+}
+
+// The extent of the active voxels, which most writers put into the metadata.
+std::optional<Extent3> extentOf(const openvdb::GridBase& grid) {
+  const auto lo = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MIN),
+             hi = grid.getMetadata<openvdb::Vec3IMetadata>(openvdb::GridBase::META_FILE_BBOX_MAX);
+  if (!lo || !hi) return std::nullopt;
+  const auto edge = [&](int axis) { return std::int64_t{hi->value()[axis]} - lo->value()[axis] + 1; };
+  const Extent3 out = {edge(0), edge(1), edge(2)};
+  return std::min({out.x, out.y, out.z}) > 0 ? std::optional(out) : std::nullopt;
+}
+
+ListedVolume listed(const GridEntry& entry, bool one_of_several) {
+  const openvdb::GridBase& grid = *entry.grid;
+  ListedVolume out;
+  out.name = entry.name();
+  out.kind = grid.getGridClass() == openvdb::GRID_LEVEL_SET ? "level set" : grid.valueType();
+  out.dims = extentOf(grid);
+  if (grid.isType<openvdb::FloatGrid>()) out.type = VoxelType::f32;
+  if (grid.isType<openvdb::DoubleGrid>()) out.type = VoxelType::f64;
+  if (grid.isType<openvdb::Int32Grid>()) out.type = VoxelType::i32;
+  if (!scalarOf(grid))
+    out.refusal = reasonAgainst(grid);
+  else if (one_of_several)
+    out.option = "--grid " + out.name;
+  return out;
+}
+
+}  // namespace
+
+std::vector<ListedVolume> listVdb(const fs::path& input, const SourceOptions& options) {
+  return withErrorsOf(input, [&] {
+    initializeOpenVdb();
+    GridFile file(input, options.memory_bytes);
+    file.readMetadata();
+    std::vector<ListedVolume> out;
+    for (const GridEntry& entry : file.entries()) out.push_back(listed(entry, file.entries().size() > 1));
+    return out;
+  });
+}
+
+std::unique_ptr<VolumeSource> openVdb(const fs::path& input, const SourceOptions& options) {
+  return withErrorsOf(input, [&] { return openChecked(input, options); });
 }
 
 }  // namespace kiln

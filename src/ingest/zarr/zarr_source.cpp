@@ -1,8 +1,12 @@
+#include <fmt/format.h>
+
+#include "base/error.h"
 #include "base/folder.h"
 #include "base/path_status.h"
 #include "base/text.h"
 #include "ingest/chunks/chunked_source.h"
 #include "ingest/source/formats.h"
+#include "ingest/zarr/ome_image.h"
 #include "ingest/zarr/zarr_chunks.h"
 #include "ingest/zarr/zarr_image.h"
 
@@ -41,6 +45,29 @@ std::unique_ptr<VolumeSource> openZarr(const fs::path& input, const SourceOption
   info.files.insert(info.files.end(), image.headers.begin(), image.headers.end());
   info.trees = {image.array.folder};
   return openChunked(std::move(info), image.volume, std::make_unique<ZarrChunks>(std::move(image.array)));
+}
+
+std::vector<ListedVolume> listZarr(const fs::path& folder, const SourceOptions& options) {
+  const std::optional<OmeImage> image = readOmeImage(folder);
+  const std::size_t scales = image ? image->scales() : 1;
+  std::vector<ListedVolume> out;
+  for (std::size_t scale = 0; scale < scales; ++scale) {
+    ListedVolume& volume = out.emplace_back();
+    volume.name = scales > 1 ? fmt::format("scale {}", scale) : folder.filename().string();
+    volume.kind = "Zarr";
+    SourceOptions chosen = options;
+    if (scales > 1) chosen.scale = static_cast<std::int64_t>(scale);
+    try {
+      const ZarrImage opened = openZarrImage(folder, chosen);
+      volume.kind = opened.array.format;
+      volume.dims = opened.volume.geometry.dims;
+      volume.type = opened.array.number.voxelType();
+      if (scales > 1) volume.option = fmt::format("--scale {}", scale);
+    } catch (const Error& error) {
+      volume.refusal = error.what();  // lists channels and times that are to be chosen
+    }
+  }
+  return out;
 }
 
 }  // namespace kiln

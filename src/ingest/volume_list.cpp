@@ -1,0 +1,82 @@
+#include "ingest/volume_list.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "ingest/open_source.h"
+#include "ingest/slice_directory.h"
+#include "ingest/slice_names.h"
+#include "ingest/source/formats.h"
+#include "ingest/source/header_text.h"
+#include "ingest/volume_format.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+using Volumes = std::vector<ListedVolume>;
+
+void append(Volumes& out, Volumes more) {
+  out.insert(out.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+Volumes ofOneVolume(const fs::path& input, const SourceOptions& options) {
+  const SourceInfo info = openSource(input, options)->info();
+  ListedVolume out;
+  out.name = input.filename().string();
+  out.kind = info.format;
+  out.dims = info.geometry.dims;
+  out.type = info.type;
+  return {out};
+}
+
+Volumes ofFile(const fs::path& file, const SourceOptions& options) {
+  const std::string format = options.dims ? "" : volumeFormatOf(file).name;
+  if (format == "an OpenVDB") return listVdb(file, options);
+  if (format == "a TIFF") return listTiff({file});
+  if (format == "a DICOM") return listDicom({file});
+  return ofOneVolume(file, options);
+}
+
+// Returns a file's volumes; a file that cannot be opened is listed with the reason.
+Volumes ofFileInFolder(const fs::path& file, const SourceOptions& options) {
+  try {
+    Volumes out = ofFile(file, options);
+    for (ListedVolume& volume : out) {
+      if (volume.name != file.filename()) volume.kind += " in " + inQuotes(file.filename().string());
+      if (volume.refusal.empty()) volume.option = file.string() + (volume.option.empty() ? "" : " " + volume.option);
+    }
+    return out;
+  } catch (const Error& error) {
+    ListedVolume out;
+    out.name = file.filename().string();
+    out.kind = "file";
+    out.refusal = error.what();
+    return {out};
+  }
+}
+
+Volumes ofFolder(const fs::path& folder, const SourceOptions& options) {
+  const FolderFiles files = filesIn(folder);
+  Volumes out;
+  if (!files.dicom.empty()) append(out, listDicom(files.dicom));
+  for (const std::vector<fs::path>& stack : stacksByName(files.tiff)) append(out, listTiff(stack));
+  for (const fs::path& file : files.other) {
+    if (volumeFormatOf(file).read) append(out, ofFileInFolder(file, options));
+  }
+  if (out.empty()) throw Error(ErrorCode::kUnsupported, folder, "", "a directory without a volume; name another");
+  return out;
+}
+
+}  // namespace
+
+std::vector<ListedVolume> volumesIn(const fs::path& input, const SourceOptions& options) {
+  std::error_code ignored;
+  if (namesPhantom(input)) return ofOneVolume(input, options);
+  if (!fs::is_directory(input, ignored)) return ofFile(input, options);
+  return isZarrFolder(input) ? listZarr(input, options) : ofFolder(input, options);
+}
+
+}  // namespace kiln
