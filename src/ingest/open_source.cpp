@@ -293,7 +293,8 @@ void requireNoOptions(const fs::path& store, const SourceOptions& options) {
   requireOptionsApply(store, kStore, options);
 }
 
-VolumeFormat volumeFormatOf(const fs::path& path) {
+VolumeFormat volumeFormatOf(const fs::path& input) {
+  const fs::path path = containerOf(input);
   constexpr std::string_view kVolumes[] = {"NetCDF", "gzip-compressed"};
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored)) return {};

@@ -37,6 +37,7 @@ Volumes ofFile(const fs::path& file, const SourceOptions& options) {
   if (format == "an OpenVDB") return listVdb(file, options);
   if (format == "a TIFF") return listTiff({file});
   if (format == "a DICOM") return listDicom({file});
+  if (format == "an HDF5") return listHdf5(file);
   return ofOneVolume(file, options);
 }
 
@@ -75,6 +76,7 @@ Volumes ofFolder(const fs::path& folder, const SourceOptions& options) {
 std::vector<ListedVolume> volumesIn(const fs::path& input, const SourceOptions& options) {
   std::error_code ignored;
   if (namesPhantom(input)) return ofOneVolume(input, options);
+  if (containerOf(input) != input) return ofOneVolume(input, options);
   if (!fs::is_directory(input, ignored)) return ofFile(input, options);
   return isZarrFolder(input) ? listZarr(input, options) : ofFolder(input, options);
 }

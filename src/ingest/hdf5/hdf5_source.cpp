@@ -1,4 +1,6 @@
 // HDF5 files. The library describes a file in a process of its own; Kiln reads the voxels itself where it can.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "base/error.h"
@@ -63,12 +65,33 @@ ArrayVolume placed(const fs::path& file, const Hdf5Image& image, const Hdf5Layou
   return out;
 }
 
+Hdf5Objects objectsOf(Hdf5Reader& reader, const fs::path& file) {
+  const std::vector<std::byte> description = reader.answer(hdf5::Request::kDescribe, "", kMostDescriptionBytes);
+  return Hdf5Objects(file, std::string(reinterpret_cast<const char*>(description.data()), description.size()));
+}
+
 }  // namespace
+
+std::vector<ListedVolume> listHdf5(const fs::path& file) {
+  Hdf5Reader reader(file, kDescribeMemoryBytes);
+  const Hdf5Objects objects = objectsOf(reader, file);
+  std::vector<ListedVolume> out;
+  for (const std::string& path : objects.volumes()) {
+    const Hdf5Object& dataset = *objects.find(path);
+    ListedVolume& volume = out.emplace_back();
+    volume.name = path;
+    volume.kind = dataset.shape.size() == 3 ? "HDF5" : fmt::format("HDF5 of {} axes", dataset.shape.size());
+    const auto axes = dataset.shape.rbegin();
+    volume.dims = Extent3{axes[0], axes[1], axes[2]};
+    if (const std::optional<StoredNumber> number = storedNumberNamed(dataset.type)) volume.type = number->voxelType();
+    volume.option = file.string() + ":" + path;
+  }
+  return out;
+}
 
 std::unique_ptr<VolumeSource> openHdf5(const fs::path& file, const std::string& path, const SourceOptions& options) {
   Hdf5Reader reader(file, kDescribeMemoryBytes);
-  const std::vector<std::byte> description = reader.answer(hdf5::Request::kDescribe, "", kMostDescriptionBytes);
-  const Hdf5Objects objects(file, std::string(reinterpret_cast<const char*>(description.data()), description.size()));
+  const Hdf5Objects objects = objectsOf(reader, file);
   const Hdf5Image image = findHdf5Image(file, path, objects, options);
   Hdf5Layout layout = readHdf5Layout(reader, file, image.path, options.memory_bytes);
   if (image.is_unsigned && layout.number.kind == NumberKind::kSigned) layout.number.kind = NumberKind::kUnsigned;
