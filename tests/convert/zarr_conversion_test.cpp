@@ -156,7 +156,7 @@ TEST_F(ZarrConversion, ChunkChangedLater_MakesTheStoreAnew) {
     Progress silent;
     ConvertOptions options = zarrOptions();
     options.command = "kiln render x";
-    return storeFor(input, {}, options, silent);
+    return storeFor(kiln::ForeignVolume{input, {}, {}}, options, silent);
   };
   const fs::path store = stored(folder());
   EXPECT_EQ(store, folder().string() + ".kiln");
