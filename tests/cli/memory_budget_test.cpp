@@ -138,7 +138,7 @@ std::vector<BudgetRow> pictureRows() {
       rendered("sequence", 16, {"--size", "250x250", "--turntable", "3", "--samples", "1"}, "IN/o_#.png"),
       rendered("checkpoint", 32, {"--size", "900x900", "--samples", "1", "--checkpoint"}),
       {"projected values", 16, {"render", "IN/head.kiln", "-o", "IN/o.exr", "--mode", "mip", "--size", "500x500"}},
-      {"table of 16384 points",
+      {"table of 4096 points",
        48,
        {"render", "IN/head.kiln", "-o", "IN/o.exr", "--size", "100x100", "--tf", "IN/points.json"}},
       {"slice", 16, {"slice", "IN/head.kiln", "-o", "IN/o.png"}},
@@ -264,7 +264,7 @@ class BudgetTable : public ::testing::Test {
     piped[kVdbHasPlaces] = 0;
     writeText(in("piped.vdb"), piped);
     std::string points;
-    for (int i = 0; i < 16384; ++i)
+    for (int i = 0; i < 4096; ++i)
       points += fmt::format(R"({}{{"value": {}, "color": [0.1, 0.2, 0.3], "opacity": 0.5}})", i > 0 ? "," : "", i);
     writeText(in("points.json"), "{\"points\": [" + points + "]}");
     makeForeignFiles();

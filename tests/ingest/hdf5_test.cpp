@@ -260,7 +260,7 @@ TEST(IngestHdf5, SeveralVolumesAreListed) {
   expectReadsBack(volume, part(file, "/two/deep"), 472);
   expectRefused(part(file, "/three"), ErrorCode::kNotFound, "/three: there is no data set of this name");
   expectRefused(part(file, "/two"), ErrorCode::kNotFound, "/two: is no data set of numbers");
-  expectRefused(part(file, "/list"), ErrorCode::kUnsupported, "one axis");
+  expectRefused(part(file, "/list"), ErrorCode::kUnsupported, "fewer than two axes");
   SourceOptions options;
   options.scale = 1;
   expectRefused(part(file, "/one"), ErrorCode::kUsage, "--scale", options);
@@ -278,7 +278,7 @@ TEST(IngestHdf5, AxesInFrontAreChannelsAndTimes) {
   }
   for (const char* const path : {"/chunked", "/contiguous"}) {
     SCOPED_TRACE(path);
-    expectRefused(part(file, path), ErrorCode::kUsage, "--channel: there are 2 channels");
+    expectRefused(part(file, path), ErrorCode::kUsage, "holds 2 channels; choose one with --channel");
     for (const std::int64_t i : {0, 1}) {
       SourceOptions by_channel, by_time;
       by_channel.channel = std::to_string(i);
@@ -319,7 +319,7 @@ TEST(IngestHdf5, ImarisHasExtentsAndPaddedData) {
     out.setLetters("/DataSetInfo/Channel 0", "Name", "DAPI");
     out.setLetters("/DataSetInfo/Channel 1", "Name", "GFP");
   }
-  expectRefused(file, ErrorCode::kUsage, "there are 2 channels");
+  expectRefused(file, ErrorCode::kUsage, "holds 2 channels");
   SourceOptions options;
   options.channel = "GFP";
   const auto source = openSource(file, options);

@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "base/error.h"
+#include "image/file/exr_complete.h"
 #include "image/file/exr_deep_row.h"
 #include "image/file/exr_parts.h"
 
@@ -73,6 +74,7 @@ void writeDeepRows(Imf::DeepScanLineOutputFile& file, const DeepSamples& samples
     fillRow<T>(samples, y, row, pixel);
     file.writePixels(1);
   }
+  requireAllRows(file);
 }
 
 Imf::Compression deepCompression(const std::string& name) {

@@ -23,6 +23,7 @@
 #include "base/error.h"
 #include "base/refusal.h"
 #include "base/thread/parallel.h"
+#include "image/file/exr_complete.h"
 #include "image/file/exr_cost.h"
 #include "image/file/exr_deep_check.h"
 #include "image/file/exr_head.h"
@@ -117,6 +118,7 @@ void writeRowsAs(File& file, ImageRows& picture, Imf::PixelType type, int most, 
     file.writePixels(rows);
     y += rows;
   }
+  requireAllRows(file);
 }
 
 // `most`: upper bound of rows converted at a time.

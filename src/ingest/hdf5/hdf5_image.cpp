@@ -10,6 +10,7 @@
 #include "base/path_status.h"
 #include "base/text.h"
 #include "ingest/hdf5/bdv_xml.h"
+#include "ingest/source/chosen_part.h"
 #include "ingest/source/header_text.h"
 
 namespace kiln {
@@ -20,14 +21,11 @@ namespace {
   throw Error(ErrorCode::kUsage, file, option, what);
 }
 
-/// One of several parts that paths number, such as "TimePoint 0".
-std::int64_t chosen(const fs::path& file, const char* option, std::optional<std::int64_t> number, std::int64_t count,
-                    const char* parts) {
-  if (!number && count > 1)
-    failOption(file, option, fmt::format("there are {} {}; choose one, as {} 0", count, parts, option));
-  if (number && (*number < 0 || *number >= count))
-    failOption(file, option, fmt::format("must be a number from 0 to {} (found {})", count - 1, *number));
-  return number.value_or(0);
+std::int64_t chosenScale(const fs::path& file, const SourceOptions& options, std::int64_t count) {
+  const std::int64_t scale = options.scale.value_or(0);
+  if (scale < 0 || scale >= count)
+    failOption(file, "--scale", fmt::format("must be a number from 0 to {} (found {})", count - 1, scale));
+  return scale;
 }
 
 // The number of paths `pattern` with 0, 1, 2, … that exist.
@@ -38,33 +36,19 @@ std::int64_t countOf(const Hdf5Objects& objects, Path path) {
   return n;
 }
 
-std::int64_t channelOf(const fs::path& file, const SourceOptions& options, const std::vector<std::string>& names) {
-  const auto count = static_cast<std::int64_t>(names.size());
-  if (!options.channel) return chosen(file, "--channel", std::nullopt, count, "channels");
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i] == *options.channel) return static_cast<std::int64_t>(i);
-  const std::optional<std::int64_t> number = decimalOf<std::int64_t>(*options.channel);
-  if (!number)
-    failOption(
-        file, "--channel",
-        fmt::format("no channel has the name {}; there are {}", inQuotes(*options.channel), fmt::join(names, ", ")));
-  return chosen(file, "--channel", number, count, "channels");
-}
-
 // Imaris: /DataSet/ResolutionLevel R/TimePoint T/Channel C/Data. Source: the description of Imaris 5.5 files.
 Hdf5Image ofImaris(const fs::path& file, const Hdf5Objects& objects, const SourceOptions& options) {
   const auto level = [](std::int64_t r) { return fmt::format("/DataSet/ResolutionLevel {}", r); };
-  const std::int64_t scale =
-      chosen(file, "--scale", options.scale.value_or(0), std::max<std::int64_t>(countOf(objects, level), 1), "scales");
+  const std::int64_t scale = chosenScale(file, options, std::max<std::int64_t>(countOf(objects, level), 1));
   const auto time_path = [&](std::int64_t t) { return fmt::format("{}/TimePoint {}", level(scale), t); };
-  const std::int64_t times = countOf(objects, time_path), time = chosen(file, "--time", options.time, times, "times");
+  const std::int64_t time = chosenTime(options, countOf(objects, time_path), file);
   const auto channel_path = [&](std::int64_t c) { return fmt::format("{}/Channel {}", time_path(time), c); };
   std::vector<std::string> names;
   for (std::int64_t c = 0; c < countOf(objects, channel_path); ++c) {
     const Hdf5Object* const info = objects.find(fmt::format("/DataSetInfo/Channel {}", c));
     names.push_back(info ? info->text("Name").value_or("") : "");
   }
-  const std::int64_t channel = channelOf(file, options, names);
+  const std::int64_t channel = chosenChannel(options, names, file);
   const std::string group = channel_path(channel);
   Hdf5Image out;
   out.path = group + "/Data";
@@ -102,17 +86,16 @@ Hdf5Image ofImaris(const fs::path& file, const Hdf5Objects& objects, const Sourc
 // BigDataViewer data format".
 Hdf5Image ofBigDataViewer(const fs::path& file, const Hdf5Objects& objects, const SourceOptions& options) {
   const auto time_path = [](std::int64_t t) { return fmt::format("/t{:05}", t); };
-  const std::int64_t time = chosen(file, "--time", options.time, countOf(objects, time_path), "times");
+  const std::int64_t time = chosenTime(options, countOf(objects, time_path), file);
   const auto setup_path = [](std::int64_t s) { return fmt::format("/s{:02}", s); };
   const std::int64_t setups = countOf(objects, setup_path);
   const std::optional<BdvDescription> xml = readBdvXml(fs::path(file).replace_extension(".xml"));
   std::vector<std::string> names;
   for (std::int64_t s = 0; s < setups; ++s) names.push_back(xml ? xml->setupName(s) : "");
-  const std::int64_t setup = channelOf(file, options, names);
+  const std::int64_t setup = chosenChannel(options, names, file);
   const std::string group = time_path(time) + setup_path(setup);
   const auto level_path = [&](std::int64_t l) { return fmt::format("{}/{}", group, l); };
-  const std::int64_t levels = std::max<std::int64_t>(countOf(objects, level_path), 1),
-                     scale = chosen(file, "--scale", options.scale.value_or(0), levels, "scales");
+  const std::int64_t scale = chosenScale(file, options, std::max<std::int64_t>(countOf(objects, level_path), 1));
   Hdf5Image out;
   out.path = level_path(scale) + "/cells";
   out.path_chooses = true;

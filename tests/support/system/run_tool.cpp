@@ -102,7 +102,8 @@ std::vector<std::string> ToolResult::errorLines() const {
 }
 
 ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions& options) {
-  std::vector<std::string> words = {"env"};
+  std::vector<std::string> words;
+  if (!options.environment.empty()) words.emplace_back("/usr/bin/env");
   words.insert(words.end(), options.environment.begin(), options.environment.end());
   for (const std::string& word : launcherOf(options.ranks)) words.push_back(word);
   words.emplace_back(KILN_TOOL);
