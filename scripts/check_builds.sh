@@ -43,28 +43,31 @@ check_configure() {
   }
   has() { ninja -C "$scratch/$1" -t inputs "$2" | grep "$3" >/dev/null; }
 
-  configure all ', MPI, GTest '
+  configure all ', MPI, HDF5, GTest '
   has all kiln_tool libkiln_gdcm.so || fail "kiln_tool does not build the module for GDCM"
   has all kiln_tool libkiln_mpi.so || fail "kiln_tool does not build the module for MPI"
   configure without_mpi 'MPI was not found \(Debian: libopenmpi-dev\)' -D CMAKE_DISABLE_FIND_PACKAGE_MPI=ON
   ! has without_mpi kiln_tool libkiln_mpi.so || fail "without MPI its module is built"
   configure without_gtest 'GTest was not found \(Debian: libgtest-dev\)' -D CMAKE_DISABLE_FIND_PACKAGE_GTest=ON
-  configure without_both 'GDCM -- Configuring done' -D KILN_MPI=OFF -D KILN_TESTS=OFF
+  has all kiln_tool kiln_hdf5_reader || fail "kiln_tool does not build the reader of HDF5"
+  configure without_hdf5 'HDF5 was not found \(Debian: libhdf5-dev\)' -D HDF5_READER_LIBRARY=
+  ! has without_hdf5 kiln_tool kiln_hdf5_reader || fail "without HDF5 its reader is built"
+  configure without_any 'GDCM -- Configuring done' -D KILN_MPI=OFF -D KILN_TESTS=OFF -D KILN_HDF5=OFF
   configure shared 'Packages: ' -D BUILD_SHARED_LIBS=ON
   # A compiler wrapper of MPI whose headers are absent is no MPI, until they are installed.
   printf '#!/bin/sh\necho "mpi.h: No such file" >&2\nexit 1\n' >"$scratch/mpicxx"
   chmod +x "$scratch/mpicxx"
   configure headers 'MPI was not found' -D MPI_CXX_COMPILER="$scratch/mpicxx"
   ln -sf "$(command -v mpicxx)" "$scratch/mpicxx"
-  configure headers ', MPI, GTest '
+  configure headers ', MPI, HDF5, GTest '
   # Missing packages are named together, each with Debian's name.
-  local required=(TBB Boost OpenEXR Imath glm fmt nlohmann_json PNG TIFF ZLIB CLI11 MPI GTest benchmark) disabled=() pattern='not found: '
+  local required=(TBB Boost OpenEXR Imath glm fmt nlohmann_json PNG TIFF ZLIB JPEG BZip2 LibLZMA EXPAT CLI11 MPI GTest benchmark) disabled=() pattern='not found: '
   for package in "${required[@]}"; do
     disabled+=(-D "CMAKE_DISABLE_FIND_PACKAGE_$package=ON")
   done
-  for library in XXHASH HIGHWAY BLOSC LZ4; do disabled+=(-D "${library}_LIBRARY="); done
-  configure missing_all 'not found: TBB, Boost, OpenEXR, Imath, glm, fmt, nlohmann_json, PNG, TIFF, ZLIB, xxHash, Highway, Blosc, LZ4, CLI11, GDCM, MPI, GTest, benchmark; install them \(Debian: apt-get install libtbb-dev .* libcli11-dev libgdcm-dev libopenmpi-dev libgtest-dev libbenchmark-dev\)' \
-    "${disabled[@]}" -D GDCM_INCLUDE_DIR= -D KILN_MPI=ON -D KILN_TESTS=ON -D KILN_BENCH=ON
+  for library in XXHASH HIGHWAY BLOSC LZ4 ZSTD HDF5_READER; do disabled+=(-D "${library}_LIBRARY="); done
+  configure missing_all 'not found: TBB, Boost, OpenEXR, Imath, glm, fmt, nlohmann_json, PNG, TIFF, ZLIB, JPEG, BZip2, LibLZMA, EXPAT, xxHash, Highway, Blosc, LZ4, Zstd, CLI11, GDCM, MPI, HDF5, GTest, benchmark; install them \(Debian: apt-get install libtbb-dev .* libcli11-dev libgdcm-dev libopenmpi-dev libhdf5-dev libgtest-dev libbenchmark-dev\)' \
+    "${disabled[@]}" -D GDCM_INCLUDE_DIR= -D KILN_MPI=ON -D KILN_HDF5=ON -D KILN_TESTS=ON -D KILN_BENCH=ON
   configure missing_openvdb 'not found: OpenVDB; install them \(Debian: apt-get install libopenvdb-dev\)' \
     -D CMAKE_DISABLE_FIND_PACKAGE_OpenVDB=ON
 }

@@ -377,8 +377,11 @@ void answer(bool ok, const std::string& text) {
 
 // Memory and time that a hostile file can take.
 void limitProcess(std::uint64_t memory_bytes) {
-  const rlimit memory{memory_bytes, memory_bytes}, time{kProcessorSeconds, kProcessorSeconds}, none{0, 0};
+  [[maybe_unused]] const rlimit memory{memory_bytes, memory_bytes};
+  const rlimit time{kProcessorSeconds, kProcessorSeconds}, none{0, 0};
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which reserve terabytes of addresses
   ::setrlimit(RLIMIT_AS, &memory);
+#endif
   ::setrlimit(RLIMIT_CPU, &time);
   ::setrlimit(RLIMIT_CORE, &none);
 }

@@ -19,11 +19,11 @@ namespace kiln {
 namespace {
 
 // Little-endian.
-struct FrameHead {
+struct BloscHead {
   std::uint8_t version, codec_version, flags, number_bytes;
   std::uint32_t bytes, block_bytes, frame_bytes;
 };
-static_assert(sizeof(FrameHead) == 16);
+static_assert(sizeof(BloscHead) == 16);
 
 constexpr unsigned kBytePlanes = 1, kKept = 1 << 1, kBitPlanes = 1 << 2, kNotSplit = 1 << 4;
 // Numbers beyond this size, and blocks of fewer numbers, are not split into byte planes.
@@ -47,7 +47,7 @@ std::optional<std::size_t> unpackPiece(Codec codec, std::span<const std::byte> p
 }
 
 // Restores the order of the bytes of one block.
-void joinPlanes(const FrameHead& head, std::span<const std::byte> block, std::byte* out) noexcept {
+void joinPlanes(const BloscHead& head, std::span<const std::byte> block, std::byte* out) noexcept {
   const std::size_t size = head.number_bytes;
   if ((head.flags & kBytePlanes) != 0 && size > 1) return joinBytePlanes(block, size, out);
   // A block whose numbers are no multiple of eight stays as it is; bytes behind the last number always do.
@@ -58,7 +58,7 @@ void joinPlanes(const FrameHead& head, std::span<const std::byte> block, std::by
 
 class FrameReader {
  public:
-  FrameReader(const FrameHead& head, std::span<const std::byte> frame)
+  FrameReader(const BloscHead& head, std::span<const std::byte> frame)
       : head_(head), frame_(frame), codec_(static_cast<Codec>(head.flags >> 5)) {
     const bool shuffles = (head.flags & kBytePlanes) != 0 && head.number_bytes > 1;
     planes_ = shuffles || ((head.flags & kBitPlanes) != 0 && head.block_bytes >= head.number_bytes);
@@ -86,7 +86,7 @@ class FrameReader {
   }
 
   bool unpackBlock(std::size_t block, std::span<std::byte> out) {
-    ByteTaker offset{frame_.subspan(sizeof(FrameHead) + block * sizeof(std::uint32_t))};
+    ByteTaker offset{frame_.subspan(sizeof(BloscHead) + block * sizeof(std::uint32_t))};
     const auto begin = offset.take<std::uint32_t>();
     if (!offset.ok || begin > frame_.size()) return false;
     const std::span<std::byte> raw = planes_ ? std::span(shuffled_).first(out.size()) : out;
@@ -106,7 +106,7 @@ class FrameReader {
     return true;
   }
 
-  FrameHead head_;
+  BloscHead head_;
   std::span<const std::byte> frame_;
   Codec codec_;
   bool planes_ = false;
@@ -116,7 +116,7 @@ class FrameReader {
 }  // namespace
 
 std::string unpackBlosc(std::span<const std::byte> frame, std::span<std::byte> out, std::size_t& written) {
-  FrameHead head;
+  BloscHead head;
   if (frame.size() < sizeof head) return fmt::format("a Blosc frame of {} bytes is cut", frame.size());
   std::memcpy(&head, frame.data(), sizeof head);
   if (head.version != 1 && head.version != 2) return fmt::format("version {} of Blosc is unknown", head.version);

@@ -17,8 +17,8 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kMostBytes = 64 << 20;
-constexpr std::size_t kMostDepth = 64;
+constexpr std::uint64_t kMostXmlBytes = 64 << 20;
+constexpr std::size_t kMostXmlDepth = 64;
 
 std::vector<double> numbersIn(const std::string& text) {
   std::vector<double> out;
@@ -32,7 +32,7 @@ class BdvReader {
   explicit BdvReader(BdvDescription& out) : out_(out) {}
 
   void begin(const char* name, const char** attributes) {
-    if (path_.size() < kMostDepth) path_.emplace_back(name);
+    if (path_.size() < kMostXmlDepth) path_.emplace_back(name);
     text_.clear();
     if (isAt("ViewSetup")) setup_ = {};
     if (isAt("ViewRegistration")) {
@@ -112,7 +112,7 @@ std::optional<glm::dmat4> BdvDescription::worldFromIndex(std::int64_t time, std:
 
 std::optional<BdvDescription> readBdvXml(const fs::path& xml) {
   if (!isThere(xml)) return std::nullopt;
-  const std::string text = readTextFile(xml, kMostBytes);
+  const std::string text = readTextFile(xml, kMostXmlBytes);
   BdvDescription out;
   BdvReader reader(out);
   const std::unique_ptr<std::remove_pointer_t<XML_Parser>, FreeParser> parser(XML_ParserCreate(nullptr));

@@ -21,7 +21,7 @@ constexpr int kDeflate = 1, kShuffle = 2, kFletcher32 = 3, kLzf = 32000, kBlosc 
               kBitshuffle = 32008, kZstd = 32015;
 
 // Null for a filter that Kiln leaves to the library.
-std::unique_ptr<ByteCodec> codecOf(const Hdf5Filter& filter, std::size_t number_bytes) {
+std::unique_ptr<ByteCodec> filterCodec(const Hdf5Filter& filter, std::size_t number_bytes) {
   const auto value = [&](std::size_t i) { return i < filter.values.size() ? filter.values[i] : 0; };
   switch (filter.id) {
     case kDeflate:
@@ -91,7 +91,7 @@ std::optional<CodecChain> codecsOf(const std::vector<Hdf5Filter>& filters, std::
                                    std::size_t number_bytes) {
   CodecChain out;
   for (std::size_t i = 0; i < filters.size(); ++i) {
-    std::unique_ptr<ByteCodec> codec = codecOf(filters[i], number_bytes);
+    std::unique_ptr<ByteCodec> codec = filterCodec(filters[i], number_bytes);
     if (!codec) return std::nullopt;
     if ((left_out >> i & 1) == 0) out.add(std::move(codec));
   }

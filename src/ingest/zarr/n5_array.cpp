@@ -11,7 +11,7 @@ namespace kiln {
 namespace {
 
 // Null for raw blocks. "compressionType" is the spelling of the first version.
-std::unique_ptr<ByteCodec> codecOf(const JsonNode& header) {
+std::unique_ptr<ByteCodec> n5Codec(const JsonNode& header) {
   const std::optional<JsonNode> compression = header.find("compression");
   const JsonNode type = compression ? compression->at("type") : header.at("compressionType");
   const std::string name = type.text();
@@ -49,7 +49,7 @@ std::optional<ZarrArray> readN5(const JsonNode& header) {
   out.stored_axes.resize(out.shape.size());
   std::iota(out.stored_axes.begin(), out.stored_axes.end(), 0);
   out.names = {"", '/', true};
-  if (std::unique_ptr<ByteCodec> codec = codecOf(header)) out.codecs.add(std::move(codec));
+  if (std::unique_ptr<ByteCodec> codec = n5Codec(header)) out.codecs.add(std::move(codec));
   out.has_block_headers = true;
   out.attributes = header;
   return out;
