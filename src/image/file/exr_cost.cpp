@@ -8,7 +8,7 @@
 namespace kiln {
 namespace {
 
-constexpr int kMostThreads = 16;
+constexpr int kMostExrThreads = 16;
 
 // Measured cost of a compression, with noise, 100 to 8000 pixels a row, 1 to 8 threads; rounded up.
 struct Cost {
@@ -57,7 +57,7 @@ std::uint64_t exrBytes(const ExrShape& shape, const ExrWork& work) {
 }
 
 ExrWork exrWorkWithin(const ExrShape& shape, std::uint64_t memory_bytes) {
-  for (int threads = std::min(static_cast<int>(ThreadLimit::active()), kMostThreads); threads > 1; --threads) {
+  for (int threads = std::min(static_cast<int>(ThreadLimit::active()), kMostExrThreads); threads > 1; --threads) {
     const ExrWork work = exrWork(shape, threads);
     if (exrBytes(shape, work) <= memory_bytes) return work;
   }
