@@ -30,7 +30,7 @@ bool sameBits(Value a, Value b) {
 }
 
 // Maps the voxels of a level to grid coordinates.
-struct Placement {
+struct GridPlacement {
   std::string name = "density";
   VoxelCoord origin;
   glm::dmat4 world_from_grid{1.0};
@@ -38,8 +38,8 @@ struct Placement {
   openvdb::Coord of(const VoxelCoord& v) const { return coordOf({v.x + origin.x, v.y + origin.y, v.z + origin.z}); }
 };
 
-Placement placementOf(const StoreReader& store, int level, const fs::path& out) {
-  Placement place;
+GridPlacement placementOf(const StoreReader& store, int level, const fs::path& out) {
+  GridPlacement place;
   const VolumeGeometry& geometry = store.level(level).geometry;
   if (store.manifest().volume_class == VolumeClass::kLabels) place.name = "labels";
   place.world_from_grid = geometry.world_from_index;
@@ -72,7 +72,7 @@ class GridFiller {
  public:
   using Value = typename Grid::ValueType;
 
-  GridFiller(const Manifest& manifest, const Placement& place, std::uint64_t memory_bytes)
+  GridFiller(const Manifest& manifest, const GridPlacement& place, std::uint64_t memory_bytes)
       : memory_bytes_(memory_bytes),
         level_set_(manifest.volume_class == VolumeClass::kLevelSet),
         background_(static_cast<Value>(manifest.background)),
@@ -151,7 +151,7 @@ class GridFiller {
   std::uint64_t memory_bytes_;
   bool level_set_;
   Value background_;
-  const Placement& place_;
+  const GridPlacement& place_;
   typename Grid::Ptr grid_;
   std::uint64_t held_bytes_ = 0;
   bool half_ = true, signed_zero_ = false;
@@ -172,7 +172,7 @@ std::uint64_t sufficientBytes(const StoreReader& store, int level) {
 }
 
 template <class T, class Grid>
-openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const Placement& place, const fs::path& out,
+openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const GridPlacement& place, const fs::path& out,
                               std::uint64_t memory_bytes, Progress& progress) {
   GridFiller<T, Grid> filler(store.manifest(), place, memory_bytes);
   const Extent3 lattice = store.level(level).bricks;
@@ -241,7 +241,7 @@ ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out,
     throw Error(ErrorCode::kUnsupported, out, "", "labels beyond 2147483647 have no OpenVDB grid that others read");
   disk.requirePlaceToRename(out);
   initializeOpenVdb();
-  const Placement place = placementOf(store, level, out);
+  const GridPlacement place = placementOf(store, level, out);
   memory_bytes -= std::min(memory_bytes, store.index().bytes());
   const openvdb::GridBase::Ptr grid =
       withVoxelType(store.manifest().type, [&]<class T>(std::type_identity<T>) -> openvdb::GridBase::Ptr {

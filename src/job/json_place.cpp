@@ -10,9 +10,9 @@
 namespace kiln {
 namespace {
 
-class Walk {
+class PlaceWalk {
  public:
-  Walk(std::string_view text, std::string_view place) : text_(text), target_(place) {}
+  PlaceWalk(std::string_view text, std::string_view place) : text_(text), target_(place) {}
 
   std::size_t line() {
     skipSpace();
@@ -106,6 +106,6 @@ class Walk {
 
 }  // namespace
 
-std::size_t lineOfPlace(std::string_view text, std::string_view place) { return Walk(text, place).line(); }
+std::size_t lineOfPlace(std::string_view text, std::string_view place) { return PlaceWalk(text, place).line(); }
 
 }  // namespace kiln

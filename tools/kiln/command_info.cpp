@@ -237,7 +237,7 @@ void addLayout(const PixelLayout& layout, nlohmann::ordered_json& job) {
 }
 
 // Returns the job of a picture as JSON, which `kiln render` reads from a file.
-std::string jobOfPicture(const fs::path& path, std::uint64_t memory_bytes) {
+std::string jobTextOfPicture(const fs::path& path, std::uint64_t memory_bytes) {
   const std::map<std::string, std::string> texts = readImageText(path, memory_bytes);
   const auto job = texts.find(ImageMetadata::kJob);
   if (job == texts.end())
@@ -285,7 +285,7 @@ void addInfo(CLI::App& app, Context& context) {
       if (fs::is_regular_file(*path, ignored)) {
         if (!isPicture(*path)) openSource(*path, {});  // throws: the file is no volume either
         if (*json)
-          sayJson(jobOfPicture(*path, memory_bytes));
+          sayJson(jobTextOfPicture(*path, memory_bytes));
         else
           printPicture(*path, memory_bytes);
         return;
