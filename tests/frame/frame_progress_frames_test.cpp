@@ -8,6 +8,7 @@
 #include "sequence/frame_checkpoint.h"
 #include "sequence/opened_job.h"
 #include "support/reference/drawing.h"
+#include "support/reference/function_bytes.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {
@@ -86,7 +87,7 @@ TEST_F(FrameProgressOf, PartsAreOneCount) {
   RenderJob job = parseJob(R"({"kiln": 2, "image": {"width": 12, "height": 300}, "volume": "volume.kiln", "samples": 16,
                                "camera": {"zoom": 20}})",
                            folder_ / "job.json");
-  job.speed.memory_bytes = frameMemory(StoreReader(job.volume), job).smallest();
+  job.speed.memory_bytes = frameMemory(StoreReader(job.volume), job).smallest() + functionBytesOf(job);
   Listening listening;
   OpenedJob(job, listening).draw(7, listening);
   expectOneCount(listening.told, "frame 7", "bricks");

@@ -7,6 +7,7 @@
 #include "frame/frame_memory.h"
 #include "sequence/render_job_run.h"
 #include "support/reference/drawing.h"
+#include "support/reference/function_bytes.h"
 #include "support/reference/lattices.h"
 #include "support/volumes/random_scene.h"
 #include "support/volumes/test_store.h"
@@ -125,6 +126,7 @@ TEST_P(Samples, AreDrawnInBandsThatFitTheMemory) {
   EXPECT_EQ(least.smallest(), ample.smallest());
   EXPECT_LE(least.besideBricks() + least.brick, job.speed.memory_bytes);
   Progress silent;
+  job.speed.memory_bytes += functionBytesOf(job);
   const RenderResult small = runRenderJob(job, 2, silent);
   EXPECT_LE(small.statistics.peak_cache_bytes + small.statistics.peak_slabs_bytes + least.image + least.band +
                 least.visibility + least.index,

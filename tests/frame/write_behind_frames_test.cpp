@@ -7,6 +7,7 @@
 #include "base/thread/parallel.h"
 #include "sequence/opened_job.h"
 #include "sequence/sequence.h"
+#include "support/reference/function_bytes.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
 
@@ -60,7 +61,7 @@ TEST_F(FramesBehind, AreTheSame) {
   EXPECT_TRUE(opened()->writesBehind());
   const StoreReader store(job_.volume);
   const FrameMemory memory = frameMemory(store, job_);
-  job_.speed.memory_bytes = memory.smallest();
+  job_.speed.memory_bytes = memory.smallest() + functionBytesOf(job_);
   EXPECT_FALSE(opened()->writesBehind());
   EXPECT_EQ(drawn("small"), ample);
   EXPECT_FALSE(second_began_first_);
