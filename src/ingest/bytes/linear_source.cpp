@@ -196,11 +196,12 @@ void StreamSource::readRun(std::uint64_t voxels, std::byte* out) {
     return;
   }
   std::vector<std::byte> stored(std::min(voxels * size, kChunkBytes));
+  const std::filesystem::path file = info_.files.empty() ? std::filesystem::path() : info_.files.back();
   for (std::size_t done = 0; done < voxels;) {
     const std::size_t now = std::min(voxels - done, stored.size() / size);
     stream_->read(std::span(stored).first(now * size), where);
     map_.order(stored.data(), now);
-    requireFits(map_, stored.data(), now, info_.files.back(), slice);
+    requireFits(map_, stored.data(), now, file, slice);
     map_.apply(stored.data(), now, out + done * sizeOf(map_.to));
     done += now;
   }
