@@ -47,6 +47,13 @@ struct ByteTaker {
     left = left.subspan(sizeof value);
     return value;
   }
+  /// Reads an unsigned number that was written with its highest byte first.
+  template <class T>
+  T takeBigEndian() {
+    T value = 0;
+    for (const std::byte byte : takeBytes(sizeof value)) value = static_cast<T>(value << 8 | std::to_integer<T>(byte));
+    return value;
+  }
   std::span<const std::byte> takeBytes(std::uint64_t count) {
     if (left.size() < count) return ok = false, std::span<const std::byte>();
     const std::span<const std::byte> out = left.first(count);

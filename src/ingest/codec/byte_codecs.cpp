@@ -10,40 +10,13 @@
 #include "ingest/codec/blosc_frame.h"
 #include "ingest/codec/byte_codec.h"
 #include "ingest/codec/byte_shuffle.h"
+#include "ingest/codec/unpack_codec.h"
 
 namespace kiln {
 namespace {
 
-// Bound for the growth of data that do not compress, for all compressors here, with headers and checksums.
-std::uint64_t grown(std::uint64_t bytes) { return bytes + bytes / 8 + (64 << 10); }
-
-std::string roomText(std::span<const std::byte> out) { return fmt::format("(room for {} bytes)", out.size()); }
-
-/// A compressor given by its function of block_codecs.h.
-template <class Unpack>
-class Compressor : public ByteCodec {
- public:
-  Compressor(const char* name, Unpack unpack) : name_(name), unpack_(std::move(unpack)) {}
-  std::size_t decode(std::span<const std::byte> packed, std::span<std::byte> out,
-                     const ChunkPlace& place) const override {
-    const std::optional<std::size_t> bytes = unpack_(packed, out);
-    if (!bytes) place.fail(fmt::format("the {} data are damaged or too long {}", name_, roomText(out)));
-    return *bytes;
-  }
-  std::uint64_t packedBytes(std::uint64_t bytes) const override { return grown(bytes); }
-
- private:
-  const char* name_;
-  Unpack unpack_;
-};
-
-template <class Unpack>
-std::unique_ptr<ByteCodec> compressor(const char* name, Unpack unpack) {
-  return std::make_unique<Compressor<Unpack>>(name, std::move(unpack));
-}
-
 std::unique_ptr<ByteCodec> deflateCodec(const char* name, DeflateWrapper wrapper) {
-  return compressor(name, [wrapper](std::span<const std::byte> packed, std::span<std::byte> out) {
+  return unpackCodec(name, [wrapper](std::span<const std::byte> packed, std::span<std::byte> out) {
     return unpackDeflate(packed, wrapper, out);
   });
 }
@@ -93,7 +66,7 @@ class BloscCodec : public ByteCodec {
     if (!fault.empty()) place.fail(fault);
     return bytes;
   }
-  std::uint64_t packedBytes(std::uint64_t bytes) const override { return grown(bytes); }
+  std::uint64_t packedBytes(std::uint64_t bytes) const override { return grownBytes(bytes); }
   // A block before its planes are joined, at most the whole frame.
   std::uint64_t scratchBytes(std::uint64_t bytes) const override { return bytes; }
 };
@@ -114,36 +87,23 @@ class ShuffleCodec : public ByteCodec {
   std::size_t number_bytes_;
 };
 
-class Crc32cCodec : public ByteCodec {
- public:
-  std::size_t decode(std::span<const std::byte> packed, std::span<std::byte> out,
-                     const ChunkPlace& place) const override {
-    constexpr std::size_t kBytes = sizeof(std::uint32_t);
-    if (packed.size() < kBytes || packed.size() - kBytes > out.size())
-      place.fail(fmt::format("{} bytes with their checksum have a wrong length {}", packed.size(), roomText(out)));
-    const std::span<const std::byte> data = packed.first(packed.size() - kBytes);
-    std::uint32_t expected;
-    std::memcpy(&expected, packed.data() + data.size(), kBytes);
-    boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true> crc;
-    crc.process_bytes(data.data(), data.size());
-    if (crc.checksum() != expected) place.fail("the checksum (CRC-32C) differs: the chunk is damaged");
-    if (!data.empty()) std::memcpy(out.data(), data.data(), data.size());
-    return data.size();
-  }
-  std::uint64_t packedBytes(std::uint64_t bytes) const override { return bytes + sizeof(std::uint32_t); }
-};
+bool matchesCrc32c(std::span<const std::byte> data, std::uint32_t checksum) {
+  boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true> crc;
+  crc.process_bytes(data.data(), data.size());
+  return crc.checksum() == checksum;
+}
 
 }  // namespace
 
 std::unique_ptr<ByteCodec> gzipCodec() { return deflateCodec("gzip", DeflateWrapper::kGzip); }
 std::unique_ptr<ByteCodec> zlibCodec() { return deflateCodec("zlib", DeflateWrapper::kZlib); }
-std::unique_ptr<ByteCodec> zstdCodec() { return compressor("Zstandard", &unpackZstd); }
-std::unique_ptr<ByteCodec> lz4Codec() { return compressor("LZ4", &unpackSizedLz4); }
-std::unique_ptr<ByteCodec> lz4StreamCodec() { return compressor("LZ4", &unpackLz4Stream); }
+std::unique_ptr<ByteCodec> zstdCodec() { return unpackCodec("Zstandard", &unpackZstd); }
+std::unique_ptr<ByteCodec> lz4Codec() { return unpackCodec("LZ4", &unpackSizedLz4); }
+std::unique_ptr<ByteCodec> lz4StreamCodec() { return unpackCodec("LZ4", &unpackLz4Stream); }
 std::unique_ptr<ByteCodec> bloscCodec() { return std::make_unique<BloscCodec>(); }
 std::unique_ptr<ByteCodec> shuffleCodec(std::size_t number_bytes) {
   return std::make_unique<ShuffleCodec>(number_bytes);
 }
-std::unique_ptr<ByteCodec> crc32cCodec() { return std::make_unique<Crc32cCodec>(); }
+std::unique_ptr<ByteCodec> crc32cCodec() { return checksumCodec("CRC-32C", &matchesCrc32c); }
 
 }  // namespace kiln

@@ -2,40 +2,18 @@
 // bshuf_h5filter.c.
 #include "ingest/codec/hdf5_codecs.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <optional>
+#include <vector>
 
+#include "base/byte_record.h"
 #include "ingest/codec/block_codecs.h"
 #include "ingest/codec/byte_shuffle.h"
+#include "ingest/codec/unpack_codec.h"
 
 namespace kiln {
 namespace {
-
-std::uint64_t grownByBlocks(std::uint64_t bytes) { return bytes + bytes / 8 + (64 << 10); }
-
-/// Takes big-endian numbers and bytes from the front of a sequence.
-struct Taker {
-  std::span<const std::byte> left;
-
-  template <class T>
-  std::optional<T> number() {
-    if (left.size() < sizeof(T)) return std::nullopt;
-    T out = 0;
-    for (std::size_t i = 0; i < sizeof(T); ++i) out = static_cast<T>(out << 8 | std::to_integer<T>(left[i]));
-    left = left.subspan(sizeof(T));
-    return out;
-  }
-  std::optional<std::span<const std::byte>> bytes(std::uint64_t count) {
-    if (left.size() < count) return std::nullopt;
-    const std::span<const std::byte> out = left.first(count);
-    left = left.subspan(count);
-    return out;
-  }
-};
 
 // Sums 16-bit words, the first byte high; a last odd byte is the high byte of a word.
 std::uint32_t fletcher32(std::span<const std::byte> data) {
@@ -61,26 +39,12 @@ std::uint32_t fletcher32(std::span<const std::byte> data) {
   return folded(second) << 16 | folded(first);
 }
 
-class Fletcher32Codec : public ByteCodec {
- public:
-  std::size_t decode(std::span<const std::byte> packed, std::span<std::byte> out,
-                     const ChunkPlace& place) const override {
-    constexpr std::size_t kBytes = sizeof(std::uint32_t);
-    if (packed.size() < kBytes || packed.size() - kBytes > out.size())
-      place.fail(fmt::format("{} bytes with their checksum are too many or too few", packed.size()));
-    const std::span<const std::byte> data = packed.first(packed.size() - kBytes);
-    std::uint32_t expected;
-    std::memcpy(&expected, packed.data() + data.size(), kBytes);
-    const std::uint32_t found = fletcher32(data);
-    // Early versions of the library swapped the bytes of each half.
-    const std::uint32_t swapped = (found & 0x00ff00ff) << 8 | (found >> 8 & 0x00ff00ff);
-    if (found != expected && swapped != expected)
-      place.fail("the checksum (Fletcher-32) differs: the chunk is damaged");
-    if (!data.empty()) std::memcpy(out.data(), data.data(), data.size());
-    return data.size();
-  }
-  std::uint64_t packedBytes(std::uint64_t bytes) const override { return bytes + sizeof(std::uint32_t); }
-};
+bool matchesFletcher32(std::span<const std::byte> data, std::uint32_t checksum) {
+  const std::uint32_t found = fletcher32(data);
+  // Early versions of the library swapped the bytes of each half.
+  const std::uint32_t swapped = (found & 0x00ff00ff) << 8 | (found >> 8 & 0x00ff00ff);
+  return found == checksum || swapped == checksum;
+}
 
 // A control byte below 32 precedes that many literal bytes and one; any other begins a copy of earlier bytes: three
 // bits of length, 13 bits of distance.
@@ -112,19 +76,18 @@ std::optional<std::size_t> unpackLzf(std::span<const std::byte> in, std::span<st
 }
 
 std::optional<std::size_t> unpackHdf5Lz4(std::span<const std::byte> packed, std::span<std::byte> out) {
-  Taker taker{packed};
-  const auto total = taker.number<std::uint64_t>();
-  const auto block_bytes = taker.number<std::uint32_t>();
-  if (!block_bytes || *total > out.size() || (*block_bytes == 0 && *total > 0)) return std::nullopt;
+  ByteTaker taker{packed};
+  const auto total = taker.takeBigEndian<std::uint64_t>();
+  const auto block_bytes = taker.takeBigEndian<std::uint32_t>();
+  if (!taker.ok || total > out.size() || (block_bytes == 0 && total > 0)) return std::nullopt;
   std::size_t done = 0;
-  while (done < *total) {
-    const std::size_t bytes = std::min<std::uint64_t>(*block_bytes, *total - done);
-    const auto size = taker.number<std::uint32_t>();
-    const auto block = size ? taker.bytes(*size) : std::nullopt;
-    if (!block) return std::nullopt;
-    if (block->size() == bytes)
-      std::memcpy(&out[done], block->data(), bytes);
-    else if (unpackLz4(*block, out.subspan(done, bytes)) != bytes)
+  while (done < total) {
+    const std::size_t bytes = std::min<std::uint64_t>(block_bytes, total - done);
+    const std::span<const std::byte> block = taker.takeBytes(taker.takeBigEndian<std::uint32_t>());
+    if (!taker.ok) return std::nullopt;
+    if (block.size() == bytes)
+      std::memcpy(&out[done], block.data(), bytes);
+    else if (unpackLz4(block, out.subspan(done, bytes)) != bytes)
       return std::nullopt;
     done += bytes;
   }
@@ -139,16 +102,14 @@ class Bitshuffle {
         inner_(inner) {}
 
   std::optional<std::size_t> operator()(std::span<const std::byte> packed, std::span<std::byte> out) const {
-    Taker taker{packed};
+    ByteTaker taker{packed};
     std::uint64_t total = packed.size();
     std::size_t block = block_;
     if (inner_ != BitshuffleInner::kNone) {
-      const auto bytes = taker.number<std::uint64_t>();
-      const auto block_bytes = taker.number<std::uint32_t>();
-      if (!block_bytes) return std::nullopt;
-      total = *bytes;
-      if (*block_bytes != 0) block = *block_bytes / size_;
-      if (block == 0 || block % 8 != 0) return std::nullopt;
+      total = taker.takeBigEndian<std::uint64_t>();
+      const auto block_bytes = taker.takeBigEndian<std::uint32_t>();
+      if (block_bytes != 0) block = block_bytes / size_;
+      if (!taker.ok || block == 0 || block % 8 != 0) return std::nullopt;
     }
     if (total > out.size() || total % size_ != 0) return std::nullopt;
     std::vector<std::byte> planes(std::min<std::uint64_t>(block * size_, total));
@@ -162,59 +123,42 @@ class Bitshuffle {
       joinBitPlanes(to, size_, &out[done]);
       done += bytes;
     }
-    const auto rest = taker.bytes(total - done);
-    if (!rest) return std::nullopt;
-    if (!rest->empty()) std::memcpy(&out[done], rest->data(), rest->size());
+    const std::span<const std::byte> rest = taker.takeBytes(total - done);
+    if (!taker.ok) return std::nullopt;
+    if (!rest.empty()) std::memcpy(&out[done], rest.data(), rest.size());
     return total;
   }
 
  private:
-  bool unpackPlanes(Taker& taker, std::span<std::byte> to) const {
-    if (inner_ == BitshuffleInner::kNone) {
-      const auto kept = taker.bytes(to.size());
-      if (kept) std::copy(kept->begin(), kept->end(), to.begin());
-      return kept.has_value();
+  bool unpackPlanes(ByteTaker& taker, std::span<std::byte> to) const {
+    const bool kept = inner_ == BitshuffleInner::kNone;
+    const std::span<const std::byte> packed = taker.takeBytes(kept ? to.size() : taker.takeBigEndian<std::uint32_t>());
+    if (!taker.ok) return false;
+    if (kept) {
+      std::copy(packed.begin(), packed.end(), to.begin());
+      return true;
     }
-    const auto size = taker.number<std::uint32_t>();
-    const auto packed = size ? taker.bytes(*size) : std::nullopt;
-    if (!packed) return false;
-    return (inner_ == BitshuffleInner::kLz4 ? unpackLz4(*packed, to) : unpackZstd(*packed, to)) == to.size();
+    return (inner_ == BitshuffleInner::kLz4 ? unpackLz4(packed, to) : unpackZstd(packed, to)) == to.size();
   }
 
   std::size_t size_, block_;
   BitshuffleInner inner_;
 };
 
-/// A filter given by its function.
-template <class Unpack>
-class UnpackCodec : public ByteCodec {
+class BitshuffleCodec : public UnpackCodec<Bitshuffle> {
  public:
-  UnpackCodec(const char* name, Unpack unpack) : name_(name), unpack_(unpack) {}
-  std::size_t decode(std::span<const std::byte> packed, std::span<std::byte> out,
-                     const ChunkPlace& place) const override {
-    const std::optional<std::size_t> bytes = unpack_(packed, out);
-    if (!bytes) place.fail(fmt::format("the {} data are damaged or too long (room for {} bytes)", name_, out.size()));
-    return *bytes;
-  }
-  std::uint64_t packedBytes(std::uint64_t bytes) const override { return grownByBlocks(bytes); }
-
- private:
-  const char* name_;
-  Unpack unpack_;
+  using UnpackCodec::UnpackCodec;
+  // A block before its planes are joined, at most the whole chunk.
+  std::uint64_t scratchBytes(std::uint64_t bytes) const override { return bytes; }
 };
-
-template <class Unpack>
-std::unique_ptr<ByteCodec> unpackCodec(const char* name, Unpack unpack) {
-  return std::make_unique<UnpackCodec<Unpack>>(name, unpack);
-}
 
 }  // namespace
 
-std::unique_ptr<ByteCodec> fletcher32Codec() { return std::make_unique<Fletcher32Codec>(); }
+std::unique_ptr<ByteCodec> fletcher32Codec() { return checksumCodec("Fletcher-32", &matchesFletcher32); }
 std::unique_ptr<ByteCodec> lzfCodec() { return unpackCodec("LZF", &unpackLzf); }
 std::unique_ptr<ByteCodec> hdf5Lz4Codec() { return unpackCodec("LZ4", &unpackHdf5Lz4); }
 std::unique_ptr<ByteCodec> bitshuffleCodec(std::size_t number_bytes, std::size_t block, BitshuffleInner inner) {
-  return unpackCodec("bitshuffle", Bitshuffle(number_bytes, block, inner));
+  return std::make_unique<BitshuffleCodec>("bitshuffle", Bitshuffle(number_bytes, block, inner));
 }
 
 }  // namespace kiln
