@@ -387,6 +387,27 @@ TEST(IngestHdf5, NexusNamesItsSignalAndAxes) {
   EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(0.5, 6, 2));
 }
 
+// Known: the axes of the data set are x, y, z, so that the library gives what a raw file could not.
+TEST(IngestHdf5, ContiguousDataOfOtherAxesOrTypesReadBack) {
+  const ForeignFiles files;
+  const ForeignVolume stored = randomVolume({5, 3, 4}, VoxelType::u16, 516);
+  const fs::path file = files.directory() / "a.nxs";
+  {
+    Hdf5File out(file);
+    out.add("/entry/data", stored, {.big_endian = true});
+    out.setText("/", "default", "entry");
+    out.setText("/entry", "signal", "data");
+    out.setTexts("/entry", "axes", {"x", "y", "z"});
+  }
+  ForeignVolume turned = {{4, 3, 5}, VoxelType::u16, std::vector<std::byte>(stored.voxels.size())};
+  for (std::int64_t z = 0; z < 5; ++z)
+    for (std::int64_t y = 0; y < 3; ++y)
+      for (std::int64_t x = 0; x < 4; ++x)
+        std::copy_n(stored.voxels.begin() + ((x * 3 + y) * 5 + z) * 2, 2,
+                    turned.voxels.begin() + ((z * 3 + y) * 4 + x) * 2);
+  expectReadsBack(turned, file, 517);
+}
+
 TEST(IngestHdf5, MincHasDirectionCosines) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume({4, 3, 5}, VoxelType::f32, 521);

@@ -263,44 +263,42 @@ std::string tableOf(hid_t dataset, const std::vector<hsize_t>& dims, const std::
   return out;
 }
 
+json filtersOf(hid_t plist) {
+  json out = json::array();
+  const int count = H5Pget_nfilters(plist);
+  for (int i = 0; i < count; ++i) {
+    unsigned flags = 0, values[32] = {}, settings = 0;
+    std::size_t n = std::size(values);
+    const H5Z_filter_t id = H5Pget_filter2(plist, static_cast<unsigned>(i), &flags, &n, values, 0, nullptr, &settings);
+    out.push_back({{"id", id}, {"values", std::vector<unsigned>(values, values + std::min(n, std::size(values)))}});
+  }
+  return out;
+}
+
 std::string layoutOf(hid_t file, const std::string& path) {
   const Id dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "the data set");
   const Id type(H5Dget_type(dataset), H5Tclose, "its type"), space(H5Dget_space(dataset), H5Sclose, "its shape");
   const Id plist(H5Dget_create_plist(dataset), H5Pclose, "its layout"),
       file_plist(H5Fget_create_plist(file), H5Pclose, "the file");
   const std::vector<hsize_t> dims = dimsOf(space);
-  const hid_t native = nativeOf(type);
   hsize_t user_block = 0;
   H5Pget_userblock(file_plist, &user_block);
-  json out = {{"shape", dims},         {"type", typeOf(type)},     {"native", shownNative(native)},
-              {"fill", fillOf(plist)}, {"user_block", user_block}, {"attributes", attributesOf(dataset)}};
+  json out = {{"shape", dims},
+              {"type", typeOf(type)},
+              {"native", shownNative(nativeOf(type))},
+              {"fill", fillOf(plist)},
+              {"user_block", user_block}};
   const H5D_layout_t layout = H5Pget_layout(plist);
   std::string table;
   if (layout == H5D_CONTIGUOUS) {
-    out["layout"] = "contiguous";
     const haddr_t offset = H5Dget_offset(dataset);
     if (offset != HADDR_UNDEF && H5Pget_external_count(plist) <= 0) out["offset"] = offset;
   } else if (layout == H5D_CHUNKED) {
-    out["layout"] = "chunked";
     std::vector<hsize_t> chunk(dims.size());
     require(H5Pget_chunk(plist, static_cast<int>(chunk.size()), chunk.data()) >= 0, "the shape of chunks");
     out["chunk"] = chunk;
-    json filters = json::array();
-    const int count = H5Pget_nfilters(plist);
-    for (int i = 0; i < count; ++i) {
-      unsigned flags = 0, values[32] = {}, settings = 0;
-      std::size_t n = std::size(values);
-      char name[64] = {};
-      const H5Z_filter_t id =
-          H5Pget_filter2(plist, static_cast<unsigned>(i), &flags, &n, values, sizeof name, name, &settings);
-      filters.push_back({{"id", id},
-                         {"name", std::string(name, strnlen(name, sizeof name))},
-                         {"values", std::vector<unsigned>(values, values + std::min(n, std::size(values)))}});
-    }
-    out["filters"] = filters;
+    out["filters"] = filtersOf(plist);
     table = tableOf(dataset, dims, chunk);
-  } else {
-    out["layout"] = layout == H5D_COMPACT ? "compact" : "virtual";
   }
   return out.dump(-1, ' ', true, json::error_handler_t::replace) + "\n" + table;
 }

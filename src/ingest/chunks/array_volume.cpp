@@ -172,4 +172,12 @@ ArrayVolume volumeOf(const ArrayName& array, std::vector<ArrayAxis> axes, bool h
   return out;
 }
 
+void describe(const ArrayVolume& volume, VoxelType type, SourceInfo& info) {
+  info.type = type;
+  info.geometry = volume.geometry;
+  info.volume_class = volume.volume_class;
+  info.format += volume.choice;
+  info.notes.insert(info.notes.end(), volume.notes.begin(), volume.notes.end());
+}
+
 }  // namespace kiln

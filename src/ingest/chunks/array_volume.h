@@ -46,6 +46,9 @@ struct ArrayName {
   AxisNumbers shape;
 };
 
+/// Enters the volume's description behind what `info` has: its files, and the begin of the format's name.
+void describe(const ArrayVolume& volume, VoxelType type, SourceInfo& info);
+
 /// Places a volume by its axes. `has_scale` is false if no metadata gave a length; a note then says so.
 /// throws: Error kUnsupported if there is no volume in these axes; kUsage for a channel or time that does not exist or
 /// is not chosen.

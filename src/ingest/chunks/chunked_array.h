@@ -16,6 +16,8 @@ namespace kiln {
 /// Lengths or indices along the axes of an array, the slowest axis first.
 using AxisNumbers = std::vector<std::int64_t>;
 
+/// The number of voxels or chunks in a box of these lengths. requires: the product fits.
+std::uint64_t productOf(const AxisNumbers& lengths);
 /// The place of `index` in a grid, the last axis fastest.
 std::int64_t placeIn(const AxisNumbers& grid, const AxisNumbers& index);
 
@@ -30,6 +32,9 @@ struct ChunkLayout {
   /// The reason why no voxel has the declared fill value, which matters once a chunk is missing; empty if one has it.
   std::string fill_fault;
 };
+
+/// The number of chunks along each axis.
+AxisNumbers gridOf(const ChunkLayout& layout);
 
 class ChunkedArray {
  public:

@@ -135,11 +135,7 @@ void ChunkedSource::finish() {
 
 std::unique_ptr<VolumeSource> openChunked(SourceInfo info, const ArrayVolume& volume,
                                           std::unique_ptr<ChunkedArray> array) {
-  info.type = array->layout().number.voxelType();
-  info.geometry = volume.geometry;
-  info.volume_class = volume.volume_class;
-  info.format += volume.choice;
-  info.notes.insert(info.notes.end(), volume.notes.begin(), volume.notes.end());
+  describe(volume, array->layout().number.voxelType(), info);
   checkedBytes(info.geometry.dims, info.type, info.files.front());
   return std::make_unique<ChunkedSource>(std::move(info), volume, std::move(array));
 }

@@ -59,28 +59,21 @@ std::optional<StoredNumber> storedNumberNamed(std::string_view name) {
   return std::nullopt;
 }
 
-bool isStoredAsVoxels(const StoredNumber& number) {
-  const bool ordered = number.bytes == 1 || number.big_endian == (std::endian::native == std::endian::big);
-  return ordered && sizeOf(number.voxelType()) == number.bytes;
-}
-
-void toVoxels(const StoredNumber& number, std::span<const std::byte> in, std::span<std::byte> out,
-              const ChunkPlace& place) {
-  std::vector<std::byte> ordered;
-  if (number.bytes > 1 && number.big_endian != (std::endian::native == std::endian::big)) {
-    ordered.assign(in.begin(), in.end());
-    swapBytes(ordered.data(), ordered.size() / number.bytes, number.bytes);
-    in = ordered;
-  }
-  if (sizeOf(number.voxelType()) == number.bytes) {
-    std::memcpy(out.data(), in.data(), in.size());
-  } else if (number.kind == NumberKind::kFloat) {
-    convertAll<Half, float>(in, out, [](Half half) { return static_cast<float>(static_cast<double>(half)); });
-  } else if (number.kind == NumberKind::kSigned) {
-    narrow<std::int64_t, std::int32_t>(in, out, place);
-  } else {
-    narrow<std::uint64_t, std::uint32_t>(in, out, place);
-  }
+void readVoxels(const StoredNumber& number, std::span<std::byte> voxels, const ChunkPlace& place,
+                const std::function<void(std::span<std::byte> stored)>& read) {
+  const std::size_t size = sizeOf(number.voxelType());
+  std::vector<std::byte> wider_or_narrower(number.bytes == size ? 0 : voxels.size() / size * number.bytes);
+  const std::span<std::byte> stored = number.bytes == size ? voxels : std::span(wider_or_narrower);
+  read(stored);
+  if (number.bytes > 1 && number.big_endian != (std::endian::native == std::endian::big))
+    swapBytes(stored.data(), stored.size() / number.bytes, number.bytes);
+  if (number.bytes == size) return;
+  if (number.kind == NumberKind::kFloat)
+    convertAll<Half, float>(stored, voxels, [](Half half) { return static_cast<float>(static_cast<double>(half)); });
+  else if (number.kind == NumberKind::kSigned)
+    narrow<std::int64_t, std::int32_t>(stored, voxels, place);
+  else
+    narrow<std::uint64_t, std::uint32_t>(stored, voxels, place);
 }
 
 }  // namespace kiln

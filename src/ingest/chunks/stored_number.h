@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,11 +30,10 @@ struct StoredNumber {
 /// Returns the number named as in NumPy, Zarr 3 and N5: "uint16", "float64", "bool"; nothing for any other name.
 std::optional<StoredNumber> storedNumberNamed(std::string_view name);
 
-/// Converts `in` to voxels of `number.voxelType()` in the machine's byte order. requires: equal counts.
-/// throws: Error kFormat at `place` if a whole number of 64 bits does not fit into 32.
-void toVoxels(const StoredNumber& number, std::span<const std::byte> in, std::span<std::byte> out,
-              const ChunkPlace& place);
-/// True if stored bytes and voxels are equal.
-bool isStoredAsVoxels(const StoredNumber& number);
+/// Calls `read(stored)` with memory for the stored numbers, and converts these to voxels of `number.voxelType()` in the
+/// machine's byte order. cost: further memory only if stored numbers and voxels differ in size.
+/// throws: exceptions of `read`; Error kFormat at `place` if a whole number of 64 bits does not fit into 32.
+void readVoxels(const StoredNumber& number, std::span<std::byte> voxels, const ChunkPlace& place,
+                const std::function<void(std::span<std::byte> stored)>& read);
 
 }  // namespace kiln

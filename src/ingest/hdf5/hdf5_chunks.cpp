@@ -6,29 +6,20 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "ingest/chunks/chunk_voxels.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-std::uint64_t voxelsOf(const AxisNumbers& shape) {
-  std::uint64_t out = 1;
-  for (const std::int64_t length : shape) out *= static_cast<std::uint64_t>(length);
-  return out;
-}
-
-AxisNumbers gridOf(const ChunkLayout& layout) {
-  AxisNumbers out;
-  for (std::size_t axis = 0; axis < layout.shape.size(); ++axis)
-    out.push_back((layout.shape[axis] - 1) / layout.chunk_shape[axis] + 1);
-  return out;
-}
-
 /// What both ways of reading share: the cache, and the counts.
 class Hdf5Chunks : public ChunkedArray {
  public:
   Hdf5Chunks(const fs::path& file, Hdf5Layout layout)
-      : path_(file), layout_(std::move(layout)), grid_(gridOf(layout_)), chunk_voxels_(voxelsOf(layout_.chunk_shape)) {}
+      : path_(file),
+        layout_(std::move(layout)),
+        grid_(gridOf(layout_)),
+        chunk_voxels_(productOf(layout_.chunk_shape)) {}
 
   const ChunkLayout& layout() const override { return layout_; }
   std::shared_ptr<const BlockCache::Bytes> chunk(const AxisNumbers& index) override {
@@ -67,11 +58,7 @@ class PlacedChunks : public Hdf5Chunks {
     codecsWithout(0);
   }
 
-  std::uint64_t decodeBytes() const override {
-    const CodecChain& codecs = codecs_.at(0);
-    const std::uint64_t converted = isStoredAsVoxels(layout_.number) ? 0 : 2 * storedBytes();
-    return codecs.packedBytes(storedBytes()) + codecs.scratchBytes(storedBytes()) + converted + voxelBytes();
-  }
+  std::uint64_t decodeBytes() const override { return decodeVoxelsBytes(codecs_.at(0), layout_.number, chunk_voxels_); }
 
  private:
   BlockCache::Bytes decode(const AxisNumbers&, std::int64_t place) override {
@@ -92,18 +79,13 @@ class PlacedChunks : public Hdf5Chunks {
     std::vector<std::byte> packed(entry.bytes);
     file_.readAt(entry.address, packed);
     BlockCache::Bytes out(voxelBytes());
-    if (isStoredAsVoxels(layout_.number)) {
-      codecs.decode(packed, out, at);
-      return out;
-    }
-    std::vector<std::byte> stored(storedBytes());
-    codecs.decode(packed, stored, at);
-    toVoxels(layout_.number, stored, out, at);
+    decodeVoxels(codecs, layout_.number, packed, out, at);
     return out;
   }
 
   // Writers leave out a filter that saves nothing, chunk by chunk.
   const CodecChain& codecsWithout(std::uint64_t left_out) {
+    left_out &= (std::uint64_t{1} << layout_.filters.size()) - 1;
     const std::scoped_lock lock(mutex_);
     const auto found = codecs_.find(left_out);
     if (found != codecs_.end()) return found->second;
@@ -135,31 +117,13 @@ class ServedChunks : public Hdf5Chunks {
       for (const std::int64_t number : {first, end})
         payload.append(reinterpret_cast<const char*>(&number), sizeof number);
     }
-    std::vector<std::byte> stored(voxelsOf(n) * layout_.number.bytes);
-    {
+    BlockCache::Bytes part(productOf(n) * sizeOf(layout_.number.voxelType()));
+    readVoxels(layout_.number, part, at, [&](std::span<std::byte> stored) {
       const auto reader = readers_.take(
           0, [&] { return std::make_unique<Hdf5Reader>(path_, kDescribeMemoryBytes + 8 * storedBytes()); });
       reader->answerInto(hdf5::Request::kRead, payload, stored);
-    }
-    const std::uint64_t size = sizeOf(layout_.number.voxelType());
-    std::vector<std::byte> part(voxelsOf(n) * size);
-    toVoxels(layout_.number, stored, part, at);
-    return n == layout_.chunk_shape ? part : wholeChunk(part, n, size);
-  }
-
-  // Spreads a part that the border of the array cuts over a chunk.
-  BlockCache::Bytes wholeChunk(const std::vector<std::byte>& part, const AxisNumbers& n, std::uint64_t size) const {
-    BlockCache::Bytes out(chunk_voxels_ * size);
-    const std::uint64_t row = static_cast<std::uint64_t>(n.back()) * size;
-    AxisNumbers index(n.size(), 0);
-    for (std::uint64_t from = 0; from < part.size(); from += row) {
-      std::memcpy(&out[static_cast<std::uint64_t>(placeIn(layout_.chunk_shape, index)) * size], &part[from], row);
-      for (std::size_t axis = n.size() - 1; axis-- > 0;) {
-        if (++index[axis] < n[axis]) break;
-        index[axis] = 0;
-      }
-    }
-    return out;
+    });
+    return n == layout_.chunk_shape ? part : wholeChunk(layout_, part, n);
   }
 
   HandlePool<Hdf5Reader> readers_;
@@ -169,6 +133,7 @@ class ServedChunks : public Hdf5Chunks {
 
 std::unique_ptr<ChunkedArray> openHdf5Chunks(const fs::path& file, Hdf5Layout layout) {
   if (!layout.table.empty()) return std::make_unique<PlacedChunks>(file, std::move(layout));
+  layout.number = layout.served;
   return std::make_unique<ServedChunks>(file, std::move(layout));
 }
 

@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <numeric>
 
 #include "base/error.h"
-#include "base/memory/memory.h"
 #include "ingest/chunks/fill_value.h"
 #include "ingest/codec/hdf5_codecs.h"
 
@@ -76,13 +74,24 @@ AxisNumbers slabs(const AxisNumbers& shape, std::size_t bytes) {
   return out;
 }
 
-void requireTable(const std::vector<hdf5::ChunkEntry>& table, const Hdf5Layout& layout, const fs::path& file) {
-  std::uint64_t chunks = 1;
-  for (std::size_t axis = 0; axis < layout.shape.size(); ++axis)
-    chunks *= static_cast<std::uint64_t>((layout.shape[axis] - 1) / layout.chunk_shape[axis] + 1);
-  if (table.size() != chunks)
+std::vector<hdf5::ChunkEntry> tableOf(std::span<const std::byte> bytes, const Hdf5Layout& layout,
+                                      const fs::path& file) {
+  const std::uint64_t chunks = productOf(gridOf(layout)), found = bytes.size() / sizeof(hdf5::ChunkEntry);
+  if (found != chunks)
     throw Error(ErrorCode::kFormat, file, layout.path,
-                fmt::format("the HDF5 library lists {} chunks of {}", table.size(), chunks));
+                fmt::format("the HDF5 library lists {} chunks of {}", found, chunks));
+  std::vector<hdf5::ChunkEntry> out(chunks);
+  std::memcpy(out.data(), bytes.data(), out.size() * sizeof(hdf5::ChunkEntry));
+  return out;
+}
+
+std::vector<Hdf5Filter> filtersOf(const JsonNode& header) {
+  std::vector<Hdf5Filter> out;
+  const std::optional<JsonNode> filters = header.find("filters");
+  if (!filters) return out;
+  for (const JsonNode& filter : filters->items(32))
+    out.push_back({static_cast<int>(filter.at("id").whole()), filter.at("values").wholes()});
+  return out;
 }
 
 }  // namespace
@@ -101,51 +110,37 @@ std::optional<CodecChain> codecsOf(const std::vector<Hdf5Filter>& filters, std::
 Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const fs::path& file, const std::string& path,
                           std::uint64_t memory_bytes) {
   constexpr std::uint64_t kMostHeaderBytes = 16 << 20;
-  const std::uint64_t most =
-      std::min<std::uint64_t>(std::numeric_limits<std::uint64_t>::max() - kMostHeaderBytes, memory_bytes) +
-      kMostHeaderBytes;
+  const std::uint64_t most = kMostHeaderBytes + std::min(memory_bytes, UINT64_MAX - kMostHeaderBytes);
   const std::vector<std::byte> answer = reader.answer(hdf5::Request::kLayout, path, most);
   const auto end = std::find(answer.begin(), answer.end(), std::byte{'\n'});
-  const std::string_view text(reinterpret_cast<const char*>(answer.data()),
-                              static_cast<std::size_t>(end - answer.begin()));
-  const JsonNode header(file, std::string(text));
-  Hdf5Layout out;
-  out.path = path;
-  out.attributes = header.find("attributes");
-  const std::optional<JsonNode> type = header.find("type");
+  if (end == answer.end()) throw Error(ErrorCode::kFormat, file, path, "the HDF5 library gives no layout");
+  const auto text_bytes = static_cast<std::size_t>(end - answer.begin());
+  const JsonNode header(file, std::string(reinterpret_cast<const char*>(answer.data()), text_bytes));
+  const std::optional<JsonNode> type = header.find("type"), chunk = header.find("chunk"),
+                                offset = header.find("offset");
   if (!type)
     throw Error(ErrorCode::kUnsupported, file, path, "holds no whole numbers or floats, so that it is no volume");
-  out.shape = lengths(header.at("shape"));
   const std::optional<StoredNumber> stored = storedNumberNamed(type->at("name").text());
   const std::optional<StoredNumber> native = storedNumberNamed(header.at("native").text());
-  const std::string layout = header.at("layout").text();
-  const bool here = header.at("user_block").whole() == 0 && stored && type->at("plain").truth();
+  if (!native) throw Error(ErrorCode::kUnsupported, file, path, "has numbers of a type that is not read");
+  Hdf5Layout out;
+  out.path = path;
+  out.number = out.served = *native;
+  out.shape = lengths(header.at("shape"));
   out.stored_axes.resize(out.shape.size());
   std::iota(out.stored_axes.begin(), out.stored_axes.end(), 0);
-  if (const std::optional<JsonNode> filters = header.find("filters")) {
-    for (const JsonNode& filter : filters->items(64))
-      out.filters.push_back(
-          {static_cast<int>(filter.at("id").whole()), filter.at("name").text(), filter.at("values").wholes()});
-  }
-  const bool known = here && codecsOf(out.filters, 0, stored->bytes).has_value();
-  if (!native) throw Error(ErrorCode::kUnsupported, file, path, "has numbers of a type that is not read");
-  out.number =
-      here && ((layout == "contiguous" && header.find("offset")) || (layout == "chunked" && known)) ? *stored : *native;
-  if (here && layout == "contiguous" && header.find("offset")) {
+  out.chunk_shape = chunk ? lengths(*chunk) : slabs(out.shape, native->bytes);
+  if (out.chunk_shape.size() != out.shape.size()) header.fail("chunks must have the axes of the data set");
+  out.filters = filtersOf(header);
+  // A block of the user's own bytes in front moves all places by an amount that versions of the library count or not.
+  const bool here = stored && type->at("plain").truth() && header.at("user_block").whole() == 0;
+  const bool known = here && chunk && codecsOf(out.filters, 0, stored->bytes);
+  if (here && (offset || known)) {
+    out.number = *stored;
     out.number.big_endian = type->at("big").truth();
-    out.offset = static_cast<std::uint64_t>(header.at("offset").whole());
-    out.chunk_shape = slabs(out.shape, out.number.bytes);
-  } else if (layout == "chunked" && known) {
-    out.number.big_endian = type->at("big").truth();
-    out.chunk_shape = lengths(header.at("chunk"));
-    if (out.chunk_shape.size() != out.shape.size()) header.fail("chunks must have the axes of the data set");
-    const auto table_bytes = static_cast<std::size_t>(answer.end() - end) - 1;
-    out.table.resize(table_bytes / sizeof(hdf5::ChunkEntry));
-    std::memcpy(out.table.data(), answer.data() + text.size() + 1, out.table.size() * sizeof(hdf5::ChunkEntry));
-    requireTable(out.table, out, file);
-  } else {
-    out.chunk_shape = layout == "chunked" ? lengths(header.at("chunk")) : slabs(out.shape, out.number.bytes);
   }
+  if (here && offset) out.offset = static_cast<std::uint64_t>(offset->whole());
+  if (known) out.table = tableOf(std::span(answer).subspan(text_bytes + 1), out, file);
   readFill(header.find("fill"), out);
   return out;
 }

@@ -15,20 +15,19 @@ namespace kiln {
 
 struct Hdf5Filter {
   int id = 0;
-  std::string name;
   std::vector<std::int64_t> values;
 };
 
 struct Hdf5Layout : ChunkLayout {
   std::string path;
+  /// The numbers that the library gives, in the machine's byte order; `number` are those of the file.
+  StoredNumber served;
   /// Begin of a contiguous data set in this file; nothing otherwise. unit: bytes.
   std::optional<std::uint64_t> offset;
   /// Filters of a chunk in the order of encoding.
   std::vector<Hdf5Filter> filters;
   /// The chunks in the order of the grid, the last axis fastest; empty unless Kiln reads the chunks itself.
   std::vector<hdf5::ChunkEntry> table;
-  /// Attributes of the data set.
-  std::optional<JsonNode> attributes;
 };
 
 /// Returns the layout of the data set at `path`. Kiln reads contiguous data sets and chunks with known filters itself;

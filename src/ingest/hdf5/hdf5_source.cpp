@@ -42,11 +42,7 @@ std::unique_ptr<VolumeSource> openContiguous(SourceInfo& info, const Hdf5Layout&
       *layout.offset + static_cast<std::uint64_t>(before * volume.geometry.dims.count()) * sizeOf(*type);
   data.stored_type = *type;
   data.big_endian = layout.number.big_endian;
-  info.type = type->voxel();
-  info.geometry = volume.geometry;
-  info.format += volume.choice;
-  info.notes.insert(info.notes.end(), volume.notes.begin(), volume.notes.end());
-  checkedBytes(info.geometry.dims, info.type, file);
+  describe(volume, type->voxel(), info);
   return openDescribed(file, info, data);
 }
 
@@ -94,7 +90,8 @@ std::unique_ptr<VolumeSource> openHdf5(const fs::path& file, const std::string& 
   const Hdf5Objects objects = objectsOf(reader, file);
   const Hdf5Image image = findHdf5Image(file, path, objects, options);
   Hdf5Layout layout = readHdf5Layout(reader, file, image.path, options.memory_bytes);
-  if (image.is_unsigned && layout.number.kind == NumberKind::kSigned) layout.number.kind = NumberKind::kUnsigned;
+  for (StoredNumber* const number : {&layout.number, &layout.served})
+    if (image.is_unsigned && number->kind == NumberKind::kSigned) number->kind = NumberKind::kUnsigned;
   const ArrayVolume volume = placed(file, image, layout, options);
   SourceInfo info;
   info.format = "HDF5";

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/path_status.h"
 #include "ingest/bytes/value_map.h"
+#include "ingest/chunks/chunk_voxels.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -25,14 +26,6 @@ std::vector<std::byte> readPart(const File& file, std::uint64_t offset, std::uin
   std::vector<std::byte> out(bytes);
   file.readAt(offset, out);
   return out;
-}
-
-template <class T>
-T takeBigEndian(ByteTaker& taker) {
-  auto value = taker.take<T>();
-  if constexpr (std::endian::native == std::endian::little)
-    swapBytes(reinterpret_cast<std::byte*>(&value), 1, sizeof value);
-  return value;
 }
 
 }  // namespace
@@ -49,14 +42,11 @@ ZarrChunks::ZarrChunks(ZarrArray array) : array_(std::move(array)) {
 std::uint64_t ZarrChunks::tableBytes() const { return array_.sharding ? array_.chunksInFile() * kEntryBytes : 0; }
 
 std::uint64_t ZarrChunks::decodeBytes() const {
-  const std::uint64_t stored = array_.chunkBytes(), voxels = stored / array_.number.bytes * voxelBytes();
-  // As read, as decoded in the file's type and order, and as voxels.
-  const std::uint64_t converted = isStoredAsVoxels(array_.number) ? 0 : 2 * stored;
-  const std::uint64_t whole_block = array_.has_block_headers ? voxels : 0;
+  const std::uint64_t voxels = productOf(array_.chunk_shape);
+  // A cut block of N5 is decoded beside the whole chunk.
+  const std::uint64_t cut = array_.has_block_headers ? voxels * voxelBytes() : 0;
   // A shard's table as read and as decoded.
-  const std::uint64_t tables = 2 * tableBytes();
-  return array_.codecs.packedBytes(stored) + array_.codecs.scratchBytes(stored) + converted + whole_block + voxels +
-         tables;
+  return decodeVoxelsBytes(array_.codecs, array_.number, voxels) + cut + 2 * tableBytes();
 }
 
 std::uint64_t ZarrChunks::heldBytes() const {
@@ -87,8 +77,8 @@ BlockCache::Bytes ZarrChunks::decode(const AxisNumbers& file_index, std::int64_t
     return {};
   }
   if (array_.has_block_headers) return unpackBlock(packed, at);
-  BlockCache::Bytes out(array_.chunkBytes() / array_.number.bytes * voxelBytes());
-  unpack(packed, out, at);
+  BlockCache::Bytes out(productOf(array_.chunk_shape) * voxelBytes());
+  decodeVoxels(array_.codecs, array_.number, packed, out, at);
   return out;
 }
 
@@ -153,49 +143,23 @@ BlockCache::Bytes ZarrChunks::shardIndex(const File& shard) const {
   return out;
 }
 
-void ZarrChunks::unpack(std::span<const std::byte> packed, std::span<std::byte> voxels, const ChunkPlace& at) const {
-  if (isStoredAsVoxels(array_.number)) return array_.codecs.decode(packed, voxels, at);
-  std::vector<std::byte> stored(voxels.size() / voxelBytes() * array_.number.bytes);
-  array_.codecs.decode(packed, stored, at);
-  toVoxels(array_.number, stored, voxels, at);
-}
-
 // Unpacks a block of N5, which may be cut at the border of the array, to a whole chunk.
 BlockCache::Bytes ZarrChunks::unpackBlock(std::span<const std::byte> packed, const ChunkPlace& at) const {
   ByteTaker header{packed};
-  const auto mode = takeBigEndian<std::uint16_t>(header), axes = takeBigEndian<std::uint16_t>(header);
+  const auto mode = header.takeBigEndian<std::uint16_t>(), axes = header.takeBigEndian<std::uint16_t>();
   if (!header.ok || mode > 1) at.fail("is no block of numbers with N5's header");
   if (axes != array_.shape.size()) at.fail(fmt::format("has {} axes, but the array {}", axes, array_.shape.size()));
   AxisNumbers n(axes);
-  for (std::size_t i = axes; i-- > 0;) n[i] = takeBigEndian<std::uint32_t>(header);
-  if (mode == 1) takeBigEndian<std::uint32_t>(header);
+  for (std::size_t i = axes; i-- > 0;) n[i] = header.takeBigEndian<std::uint32_t>();
+  if (mode == 1) header.takeBigEndian<std::uint32_t>();
   if (!header.ok) at.fail("ends in N5's header");
-  std::int64_t count = 1, whole = 1;
-  for (std::size_t axis = 0; axis < axes; ++axis) {
+  for (std::size_t axis = 0; axis < axes; ++axis)
     if (n[axis] < 1 || n[axis] > array_.chunk_shape[axis])
       at.fail(
           fmt::format("has {} voxels along axis {}, but a block has 1 to {}", n[axis], axis, array_.chunk_shape[axis]));
-    count *= n[axis];
-    whole *= array_.chunk_shape[axis];
-  }
-  const std::size_t size = voxelBytes();
-  BlockCache::Bytes voxels(static_cast<std::size_t>(count) * size);
-  unpack(header.left, voxels, at);
-  if (count == whole) return voxels;
-  BlockCache::Bytes out(static_cast<std::size_t>(whole) * size);
-  for (std::size_t at_voxel = 0; at_voxel < out.size(); at_voxel += size)
-    std::memcpy(&out[at_voxel], array_.fill.data(), size);
-  // Row by row: the index of a row is counted along all axes but the fastest.
-  const std::size_t row = static_cast<std::size_t>(n.back()) * size;
-  AxisNumbers index(axes, 0);
-  for (std::size_t from = 0; from < voxels.size(); from += row) {
-    std::memcpy(&out[static_cast<std::size_t>(placeIn(array_.chunk_shape, index)) * size], &voxels[from], row);
-    for (std::size_t axis = axes - 1; axis-- > 0;) {
-      if (++index[axis] < n[axis]) break;
-      index[axis] = 0;
-    }
-  }
-  return out;
+  BlockCache::Bytes voxels(productOf(n) * voxelBytes());
+  decodeVoxels(array_.codecs, array_.number, header.left, voxels, at);
+  return n == array_.chunk_shape ? voxels : wholeChunk(array_, voxels, n);
 }
 
 }  // namespace kiln

@@ -33,7 +33,6 @@ class ZarrChunks : public ChunkedArray {
                                      ChunkPlace& at);
   std::optional<Part> partOf(const File& shard, std::int64_t file, std::int64_t place);
   BlockCache::Bytes shardIndex(const File& shard) const;
-  void unpack(std::span<const std::byte> packed, std::span<std::byte> voxels, const ChunkPlace& at) const;
   BlockCache::Bytes unpackBlock(std::span<const std::byte> packed, const ChunkPlace& at) const;
   void requireArray() const;
   /// Size of a shard's table. unit: bytes.
