@@ -10,8 +10,9 @@ void decodeVoxels(const CodecChain& codecs, const StoredNumber& number, std::spa
 }
 
 std::uint64_t decodeVoxelsBytes(const CodecChain& codecs, const StoredNumber& number, std::uint64_t count) {
-  const std::uint64_t stored = count * number.bytes, size = sizeOf(number.voxelType());
-  return codecs.packedBytes(stored) + codecs.scratchBytes(stored) + (number.bytes == size ? 0 : stored) + count * size;
+  const std::uint64_t stored = count * number.bytes(), size = sizeOf(number.voxelType());
+  return codecs.packedBytes(stored) + codecs.scratchBytes(stored) + (number.bytes() == size ? 0 : stored) +
+         count * size;
 }
 
 BlockCache::Bytes wholeChunk(const ChunkLayout& layout, std::span<const std::byte> part, const AxisNumbers& n) {

@@ -14,6 +14,16 @@ std::int64_t placeIn(const AxisNumbers& grid, const AxisNumbers& index) {
   return out;
 }
 
+std::shared_ptr<const BlockCache::Bytes> ChunkedArray::chunk(const AxisNumbers& index) {
+  const std::int64_t place = placeIn(grid_, index);
+  return cache_.get({place, 0}, [&] {
+    BlockCache::Bytes voxels = decode(index, place);
+    ++decoded_;
+    if (voxels.empty()) ++absent_;
+    return voxels;
+  });
+}
+
 AxisNumbers gridOf(const ChunkLayout& layout) {
   AxisNumbers out;
   for (std::size_t axis = 0; axis < layout.shape.size(); ++axis)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -38,22 +39,34 @@ AxisNumbers gridOf(const ChunkLayout& layout);
 
 class ChunkedArray {
  public:
+  explicit ChunkedArray(const ChunkLayout& layout) : grid_(gridOf(layout)) {}
   virtual ~ChunkedArray() = default;
+  ChunkedArray(const ChunkedArray&) = delete;
+  ChunkedArray& operator=(const ChunkedArray&) = delete;
+
   virtual const ChunkLayout& layout() const = 0;
-  /// Returns the voxels of a chunk in its stored order, in the machine's byte order; no bytes for a chunk that does not
-  /// exist and holds the fill value. shape: a whole chunk, also at the border of the array. `index` counts chunks along
-  /// each axis.
-  /// thread: any. throws: Error kFormat (damaged, with the file), kIo, kNotFound if the whole array has gone.
-  virtual std::shared_ptr<const BlockCache::Bytes> chunk(const AxisNumbers& index) = 0;
+  /// Returns the voxels of a chunk in its stored order, in the machine's byte order, decoded or from the cache; no
+  /// bytes for a chunk that does not exist and holds the fill value. shape: a whole chunk, also at the border of the
+  /// array. `index` counts chunks along each axis. thread: any. throws: Error kFormat (damaged, with the file), kIo,
+  /// kNotFound if the whole array has gone.
+  std::shared_ptr<const BlockCache::Bytes> chunk(const AxisNumbers& index);
   /// Capacity for decoded chunks. unit: bytes.
-  virtual void setCapacity(std::uint64_t bytes) = 0;
+  void setCapacity(std::uint64_t bytes) { cache_.setCapacity(bytes); }
+  /// True if chunks were read and none of them exists.
+  bool isAllAbsent() const { return decoded_ > 0 && absent_ == decoded_; }
   /// Memory of one decoding, with the decoded chunk. unit: bytes.
   virtual std::uint64_t decodeBytes() const = 0;
   /// Memory for tables. unit: bytes.
   virtual std::uint64_t heldBytes() const = 0;
-  /// Chunks that were decoded, each time counted, and the chunks among them that did not exist.
-  virtual std::uint64_t decoded() const = 0;
-  virtual std::uint64_t absent() const = 0;
+
+ protected:
+  /// Returns and throws as `chunk`. `place` is the chunk's place in the grid.
+  virtual BlockCache::Bytes decode(const AxisNumbers& index, std::int64_t place) = 0;
+
+ private:
+  AxisNumbers grid_;
+  BlockCache cache_;
+  std::atomic<std::uint64_t> decoded_ = 0, absent_ = 0;
 };
 
 }  // namespace kiln

@@ -122,7 +122,7 @@ void ChunkedSource::copy(const BlockCache::Bytes& chunk, const VoxelBox& whole, 
 }
 
 void ChunkedSource::finish() {
-  if (array_->absent() == 0 || array_->absent() != array_->decoded()) return;
+  if (!array_->isAllAbsent()) return;
   withVoxelType(info_.type, [&]<class T>(std::type_identity<T>) {
     T fill;
     std::memcpy(&fill, array_->layout().fill.data(), sizeof fill);

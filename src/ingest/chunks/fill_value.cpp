@@ -17,14 +17,14 @@ namespace {
 
 // Zarr 3 writes bits of floats as hexadecimal digits, the highest first, for numbers such as a signalling NaN.
 std::optional<double> ofBits(const JsonNode& value, const StoredNumber& number) {
-  if (!value.isText() || number.kind != NumberKind::kFloat) return std::nullopt;
+  if (!value.isText() || !isFloating(number.voxelType())) return std::nullopt;
   const std::string text = value.text();
-  if (!text.starts_with("0x") || text.size() != 2 + 2 * number.bytes) return std::nullopt;
+  if (!text.starts_with("0x") || text.size() != 2 + 2 * number.bytes()) return std::nullopt;
   std::uint64_t bits = 0;
   const char* const end = text.data() + text.size();
   if (std::from_chars(text.data() + 2, end, bits, 16).ptr != end) return std::nullopt;
-  if (number.bytes == 8) return std::bit_cast<double>(bits);
-  if (number.bytes == 4) return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
+  if (number.bytes() == 8) return std::bit_cast<double>(bits);
+  if (number.bytes() == 4) return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
   return static_cast<double>(Half{static_cast<std::uint16_t>(bits)});
 }
 

@@ -9,22 +9,22 @@
 #include <string_view>
 
 #include "grid/voxel_type.h"
+#include "ingest/bytes/stored_type.h"
 #include "ingest/codec/byte_codec.h"
 
 namespace kiln {
 
-enum class NumberKind { kUnsigned, kSigned, kFloat };
-
 struct StoredNumber {
-  NumberKind kind = NumberKind::kUnsigned;
-  /// 1, 2, 4 or 8; floats have 2 at least.
-  std::size_t bytes = 1;
+  StoredType type = VoxelType::u8;
   bool big_endian = false;
 
-  /// Half floats become f32; whole numbers of 64 bits become 32 bits, and must fit.
-  VoxelType voxelType() const;
+  /// unit: bytes.
+  std::size_t bytes() const { return sizeOf(type); }
+  VoxelType voxelType() const { return type.voxel(); }
   /// "uint16", "float32".
   std::string name() const;
+  /// The same bytes as a whole number without a sign; floats stay.
+  StoredNumber withoutSign() const;
 };
 
 /// Returns the number named as in NumPy, Zarr 3 and N5: "uint16", "float64", "bool"; nothing for any other name.

@@ -12,43 +12,22 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-/// What both ways of reading share: the cache, and the counts.
+/// The layout that both ways of reading share.
 class Hdf5Chunks : public ChunkedArray {
  public:
   Hdf5Chunks(const fs::path& file, Hdf5Layout layout)
-      : path_(file),
-        layout_(std::move(layout)),
-        grid_(gridOf(layout_)),
-        chunk_voxels_(productOf(layout_.chunk_shape)) {}
+      : ChunkedArray(layout), path_(file), layout_(std::move(layout)), chunk_voxels_(productOf(layout_.chunk_shape)) {}
 
   const ChunkLayout& layout() const override { return layout_; }
-  std::shared_ptr<const BlockCache::Bytes> chunk(const AxisNumbers& index) override {
-    const std::int64_t place = placeIn(grid_, index);
-    return cache_.get({place, 0}, [&] {
-      ++decoded_;
-      BlockCache::Bytes voxels = decode(index, place);
-      if (voxels.empty()) ++absent_;
-      return voxels;
-    });
-  }
-  void setCapacity(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
   std::uint64_t heldBytes() const override { return layout_.table.size() * sizeof(hdf5::ChunkEntry); }
-  std::uint64_t decoded() const override { return decoded_; }
-  std::uint64_t absent() const override { return absent_; }
 
  protected:
-  virtual BlockCache::Bytes decode(const AxisNumbers& index, std::int64_t place) = 0;
-  std::uint64_t storedBytes() const { return chunk_voxels_ * layout_.number.bytes; }
+  std::uint64_t storedBytes() const { return chunk_voxels_ * layout_.number.bytes(); }
   std::uint64_t voxelBytes() const { return chunk_voxels_ * sizeOf(layout_.number.voxelType()); }
 
   fs::path path_;
   Hdf5Layout layout_;
-  AxisNumbers grid_;
   std::uint64_t chunk_voxels_;
-
- private:
-  BlockCache cache_;
-  std::atomic<std::uint64_t> decoded_ = 0, absent_ = 0;
 };
 
 /// Chunks whose places and codecs are known.
@@ -89,7 +68,7 @@ class PlacedChunks : public Hdf5Chunks {
     const std::scoped_lock lock(mutex_);
     const auto found = codecs_.find(left_out);
     if (found != codecs_.end()) return found->second;
-    return codecs_.emplace(left_out, *codecsOf(layout_.filters, left_out, layout_.number.bytes)).first->second;
+    return codecs_.emplace(left_out, *codecsOf(layout_.filters, left_out, layout_.number.bytes())).first->second;
   }
 
   File file_;

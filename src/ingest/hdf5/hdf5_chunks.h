@@ -1,7 +1,6 @@
 // The chunks of an HDF5 data set: read and decoded by Kiln on all threads, or by processes of the HDF5 library.
 #pragma once
 
-#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>

@@ -19,18 +19,11 @@ namespace {
 
 constexpr std::uint64_t kMostDescriptionBytes = 256 << 20;
 
-std::optional<StoredType> linearType(const StoredNumber& number) {
-  if (number.kind == NumberKind::kFloat && number.bytes == 2) return StoredType::half();
-  if (sizeOf(number.voxelType()) != number.bytes) return std::nullopt;
-  return StoredType(number.voxelType());
-}
-
 // A contiguous data set whose last axes are z, y, x is a raw file at an offset. Returns null for any other.
 std::unique_ptr<VolumeSource> openContiguous(SourceInfo& info, const Hdf5Layout& layout, const ArrayVolume& volume,
                                              const Hdf5Image& image, const fs::path& file) {
   const auto axes = static_cast<int>(layout.shape.size());
-  const std::optional<StoredType> type = linearType(layout.number);
-  if (!layout.offset || !type || axes < 3 || !image.used_shape.empty() ||
+  if (!layout.offset || axes < 3 || !image.used_shape.empty() ||
       volume.axis_of != std::array{axes - 1, axes - 2, axes - 3})
     return nullptr;
   std::int64_t before = 0;
@@ -39,10 +32,10 @@ std::unique_ptr<VolumeSource> openContiguous(SourceInfo& info, const Hdf5Layout&
   LinearData data;
   data.file = file;
   data.offset_bytes =
-      *layout.offset + static_cast<std::uint64_t>(before * volume.geometry.dims.count()) * sizeOf(*type);
-  data.stored_type = *type;
+      *layout.offset + static_cast<std::uint64_t>(before * volume.geometry.dims.count()) * layout.number.bytes();
+  data.stored_type = layout.number.type;
   data.big_endian = layout.number.big_endian;
-  describe(volume, type->voxel(), info);
+  describe(volume, layout.number.voxelType(), info);
   return openDescribed(file, info, data);
 }
 
@@ -90,8 +83,10 @@ std::unique_ptr<VolumeSource> openHdf5(const fs::path& file, const std::string& 
   const Hdf5Objects objects = objectsOf(reader, file);
   const Hdf5Image image = findHdf5Image(file, path, objects, options);
   Hdf5Layout layout = readHdf5Layout(reader, file, image.path, options.memory_bytes);
-  for (StoredNumber* const number : {&layout.number, &layout.served})
-    if (image.is_unsigned && number->kind == NumberKind::kSigned) number->kind = NumberKind::kUnsigned;
+  if (image.is_unsigned) {
+    layout.number = layout.number.withoutSign();
+    layout.served = layout.served.withoutSign();
+  }
   const ArrayVolume volume = placed(file, image, layout, options);
   SourceInfo info;
   info.format = "HDF5";

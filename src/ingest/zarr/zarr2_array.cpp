@@ -14,18 +14,18 @@ StoredNumber numberOf(const JsonNode& dtype) {
   if (!dtype.isText()) dtype.unsupported("arrays of records are not read; write each field as an array of its own");
   const std::string text = dtype.text();
   const std::size_t at = text.find_first_not_of("<>|=");
-  const std::string kind = at == std::string::npos ? "" : text.substr(at);
-  const bool known = kind.size() == 2 && at <= 1;
-  const char letter = known ? kind[0] : '\0';
-  const std::size_t bytes = known ? static_cast<std::size_t>(kind[1] - '0') : 0;
-  const bool size_is_power = bytes == 1 || bytes == 2 || bytes == 4 || bytes == 8;
-  const bool truth = letter == 'b' && bytes == 1;
-  const bool whole = letter == 'u' || letter == 'i', floating = letter == 'f' && bytes > 1;
-  if (!truth && !(size_is_power && (whole || floating)))
+  const std::string kind = at <= 1 ? text.substr(at) : "";
+  const char* const name = kind.starts_with('u') ? "uint" : kind.starts_with('i') ? "int" : "float";
+  std::optional<StoredNumber> out;
+  if (kind == "b1")
+    out = storedNumberNamed("bool");
+  else if (kind.size() == 2 && std::string_view("uif").find(kind[0]) != std::string_view::npos)
+    out = storedNumberNamed(name + std::to_string(8 * (kind[1] - '0')));
+  if (!out)
     dtype.unsupported(
         fmt::format("numbers of type {} are not read; write u1 to u8, i1 to i8, f2, f4 or f8", dtype.shown()));
-  const NumberKind number = floating ? NumberKind::kFloat : letter == 'i' ? NumberKind::kSigned : NumberKind::kUnsigned;
-  return {number, bytes, text[0] == '>'};
+  out->big_endian = text[0] == '>';
+  return *out;
 }
 
 // A compressor or filter of numcodecs; null for a filter that needs no reverse.

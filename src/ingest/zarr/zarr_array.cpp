@@ -50,9 +50,9 @@ void requireConsistent(const ZarrArray& array) {
   requireLengths(array, "shape", array.shape);
   requireLengths(array, "chunk shape", array.chunk_shape);
   requireLengths(array, "shard shape", array.file_shape);
-  if (!product(array.shape, array.number.bytes, kMostArrayBytes))
+  if (!product(array.shape, array.number.bytes(), kMostArrayBytes))
     fail(array, "shape", "the array has more than 2^63 bytes");
-  if (!product(array.chunk_shape, std::max<std::uint64_t>(array.number.bytes, 4), kMostChunkBytes))
+  if (!product(array.chunk_shape, std::max<std::uint64_t>(array.number.bytes(), 4), kMostChunkBytes))
     fail(array, "chunk shape", "a chunk has 2 GiB or more, which is not read; write smaller chunks");
   for (std::size_t axis = 0; axis < array.shape.size(); ++axis)
     if (array.file_shape[axis] % array.chunk_shape[axis] != 0)
@@ -80,7 +80,7 @@ fs::path ChunkNames::of(const AxisNumbers& index) const {
   return out;
 }
 
-std::uint64_t ZarrArray::chunkBytes() const { return *product(chunk_shape, number.bytes, kMostChunkBytes); }
+std::uint64_t ZarrArray::chunkBytes() const { return *product(chunk_shape, number.bytes(), kMostChunkBytes); }
 
 std::uint64_t ZarrArray::chunksInFile() const {
   std::uint64_t out = 1;

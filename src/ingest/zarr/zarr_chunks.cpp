@@ -21,6 +21,8 @@ namespace {
 constexpr std::uint64_t kIndexCacheBytes = 16 << 20;
 // Offset and length of a chunk in a shard; both have all bits set for a chunk that does not exist.
 constexpr std::uint64_t kEntryBytes = 2 * sizeof(std::uint64_t);
+// Mode, number of axes, 32 lengths at most, number of values.
+constexpr std::uint64_t kMostN5HeaderBytes = 4 + 32 * 4 + 4;
 
 std::vector<std::byte> readPart(const File& file, std::uint64_t offset, std::uint64_t bytes) {
   std::vector<std::byte> out(bytes);
@@ -30,7 +32,7 @@ std::vector<std::byte> readPart(const File& file, std::uint64_t offset, std::uin
 
 }  // namespace
 
-ZarrChunks::ZarrChunks(ZarrArray array) : array_(std::move(array)) {
+ZarrChunks::ZarrChunks(ZarrArray array) : ChunkedArray(array), array_(std::move(array)) {
   for (std::size_t axis = 0; axis < array_.shape.size(); ++axis) {
     const std::int64_t length = array_.file_shape[axis];
     files_.push_back((array_.shape[axis] - 1) / length + 1);
@@ -51,28 +53,20 @@ std::uint64_t ZarrChunks::decodeBytes() const {
 
 std::uint64_t ZarrChunks::heldBytes() const {
   if (!array_.sharding) return 0;
-  std::uint64_t shards = 1;
-  for (const std::int64_t count : files_) shards *= static_cast<std::uint64_t>(count);
+  const std::uint64_t shards = productOf(files_);
   const std::uint64_t entry = tableBytes() + BlockCache::kOwnBytes, most = std::max(kIndexCacheBytes, entry);
   return shards > most / entry ? most : shards * entry;
 }
 
-std::shared_ptr<const BlockCache::Bytes> ZarrChunks::chunk(const AxisNumbers& index) {
+BlockCache::Bytes ZarrChunks::decode(const AxisNumbers& index, std::int64_t) {
   AxisNumbers file(index.size()), inner(index.size());
   for (std::size_t axis = 0; axis < index.size(); ++axis) {
     file[axis] = index[axis] / in_file_[axis];
     inner[axis] = index[axis] % in_file_[axis];
   }
-  const std::int64_t file_place = placeIn(files_, file), place = placeIn(in_file_, inner);
-  return chunks_.get({file_place, place}, [&] { return decode(file, file_place, place); });
-}
-
-BlockCache::Bytes ZarrChunks::decode(const AxisNumbers& file_index, std::int64_t file, std::int64_t place) {
-  ++decoded_;
-  ChunkPlace at{array_.folder / array_.names.of(file_index), ""};
-  const std::vector<std::byte> packed = packedChunk(at.file, file, place, at);
+  ChunkPlace at{array_.folder / array_.names.of(file), ""};
+  const std::vector<std::byte> packed = packedChunk(placeIn(files_, file), placeIn(in_file_, inner), at);
   if (packed.empty()) {
-    ++absent_;
     if (!array_.fill_fault.empty()) throw Error(ErrorCode::kFormat, array_.header, "fill_value", array_.fill_fault);
     return {};
   }
@@ -83,19 +77,19 @@ BlockCache::Bytes ZarrChunks::decode(const AxisNumbers& file_index, std::int64_t
 }
 
 // Returns no bytes for a chunk that does not exist.
-std::vector<std::byte> ZarrChunks::packedChunk(const fs::path& path, std::int64_t file, std::int64_t place,
-                                               ChunkPlace& at) {
+std::vector<std::byte> ZarrChunks::packedChunk(std::int64_t file, std::int64_t place, ChunkPlace& at) {
   try {
     if (!array_.sharding) {
-      const File whole(path);
-      const std::uint64_t most = array_.codecs.packedBytes(array_.chunkBytes()) + (array_.has_block_headers ? 4096 : 0);
+      const File whole(at.file);
+      const std::uint64_t most =
+          array_.codecs.packedBytes(array_.chunkBytes()) + (array_.has_block_headers ? kMostN5HeaderBytes : 0);
       if (whole.size() == 0) at.fail("is empty");
       if (whole.size() > most)
         at.fail(fmt::format("has {} bytes, and a chunk of {} bytes has at most {} packed", whole.size(),
                             array_.chunkBytes(), most));
       return readPart(whole, 0, whole.size());
     }
-    const auto shard = open_.take(static_cast<std::size_t>(file), [&] { return std::make_unique<File>(path); });
+    const auto shard = open_.take(static_cast<std::size_t>(file), [&] { return std::make_unique<File>(at.file); });
     at.where = fmt::format("chunk {}", place);
     const std::optional<Part> part = partOf(*shard, file, place);
     return part ? readPart(*shard, part->offset, part->bytes) : std::vector<std::byte>();

@@ -1,7 +1,6 @@
-// Reads the chunks of a Zarr array: finds a chunk's bytes in a file or in a shard, decodes the bytes, caches voxels.
+// Reads the chunks of a Zarr array: finds a chunk's bytes in a file or in a shard, decodes the bytes.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 
@@ -17,20 +16,15 @@ class ZarrChunks : public ChunkedArray {
   explicit ZarrChunks(ZarrArray array);
 
   const ChunkLayout& layout() const override { return array_; }
-  std::shared_ptr<const BlockCache::Bytes> chunk(const AxisNumbers& index) override;
-  void setCapacity(std::uint64_t bytes) override { chunks_.setCapacity(bytes); }
   std::uint64_t decodeBytes() const override;
   std::uint64_t heldBytes() const override;
-  std::uint64_t decoded() const override { return decoded_; }
-  std::uint64_t absent() const override { return absent_; }
 
  private:
   struct Part {
     std::uint64_t offset = 0, bytes = 0;
   };
-  BlockCache::Bytes decode(const AxisNumbers& file_index, std::int64_t file, std::int64_t place);
-  std::vector<std::byte> packedChunk(const std::filesystem::path& path, std::int64_t file, std::int64_t place,
-                                     ChunkPlace& at);
+  BlockCache::Bytes decode(const AxisNumbers& index, std::int64_t place) override;
+  std::vector<std::byte> packedChunk(std::int64_t file, std::int64_t place, ChunkPlace& at);
   std::optional<Part> partOf(const File& shard, std::int64_t file, std::int64_t place);
   BlockCache::Bytes shardIndex(const File& shard) const;
   BlockCache::Bytes unpackBlock(std::span<const std::byte> packed, const ChunkPlace& at) const;
@@ -42,9 +36,8 @@ class ZarrChunks : public ChunkedArray {
   ZarrArray array_;
   AxisNumbers files_;    // along each axis
   AxisNumbers in_file_;  // chunks of a file, along each axis
-  BlockCache chunks_, indexes_;
+  BlockCache indexes_;
   HandlePool<File> open_;
-  std::atomic<std::uint64_t> decoded_ = 0, absent_ = 0;
 };
 
 }  // namespace kiln
