@@ -20,6 +20,7 @@ set(kiln_modules kiln_gdcm)
 if(HDF5_READER_FOUND)
   add_executable(kiln_hdf5_reader tools/hdf5_reader/main.cpp)
   target_compile_features(kiln_hdf5_reader PRIVATE cxx_std_20)
+  target_compile_definitions(kiln_hdf5_reader PRIVATE H5_USE_110_API)  # newer libraries have it, too
   target_compile_options(kiln_hdf5_reader PRIVATE ${kiln_module_options})
   target_include_directories(kiln_hdf5_reader PRIVATE src)
   target_include_directories(kiln_hdf5_reader SYSTEM PRIVATE ${HDF5_READER_INCLUDE_DIR})

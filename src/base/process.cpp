@@ -85,6 +85,7 @@ void ChildProcess::closeSocket() {
 }
 
 bool ChildProcess::hasEnded(std::string& how) {
+  if (process_ < 0) return true;
   int status = 0;
   const pid_t ended = ::waitpid(process_, &status, WNOHANG);
   if (ended == 0) return false;

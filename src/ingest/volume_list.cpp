@@ -47,7 +47,9 @@ Volumes ofFileInFolder(const fs::path& file, const SourceOptions& options) {
     Volumes out = ofFile(file, options);
     for (ListedVolume& volume : out) {
       if (volume.name != file.filename()) volume.kind += " in " + inQuotes(file.filename().string());
-      if (volume.refusal.empty()) volume.option = file.string() + (volume.option.empty() ? "" : " " + volume.option);
+      // A data set of HDF5 is named by its file already.
+      if (volume.refusal.empty() && (volume.option.empty() || volume.option.starts_with("--")))
+        volume.option = file.string() + (volume.option.empty() ? "" : " " + volume.option);
     }
     return out;
   } catch (const Error& error) {

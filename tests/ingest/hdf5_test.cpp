@@ -4,8 +4,8 @@
 #include <lz4.h>
 #include <zstd.h>
 
-#include <array>
-#include <fstream>
+#include <cstring>
+#include <limits>
 #include <random>
 
 #include "ingest/open_source.h"
@@ -406,6 +406,104 @@ TEST(IngestHdf5, ContiguousDataOfOtherAxesOrTypesReadBack) {
         std::copy_n(stored.voxels.begin() + ((x * 3 + y) * 5 + z) * 2, 2,
                     turned.voxels.begin() + ((z * 3 + y) * 4 + x) * 2);
   expectReadsBack(turned, file, 517);
+}
+
+// Known: the names of the axes are "time" and those of space, in any order and in capital letters.
+TEST(IngestHdf5, AxisNamedTime_isATime) {
+  const ForeignFiles files;
+  const ForeignVolume both = randomVolume({5, 4, 6}, VoxelType::u16, 518);
+  const fs::path file = files.directory() / "a.nxs";
+  {
+    Hdf5File out(file);
+    out.add("/entry/data", both, {.shape = {2, 3, 4, 5}});
+    out.setText("/", "default", "entry");
+    out.setText("/entry", "signal", "data");
+    out.setTexts("/entry", "axes", {"Time", "Z", "Y", "X"});
+  }
+  SourceOptions options;
+  options.time = 1;
+  EXPECT_TRUE(readWhole(*openSource(file, options)) == both.box({{0, 0, 3}, {5, 4, 6}}));
+}
+
+TEST(IngestHdf5, SoftLinksLeadToDataSets) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 519);
+  const fs::path file = files.directory() / "a.nxs";
+  {
+    Hdf5File out(file);
+    out.add("/raw/counts", volume, {.chunk = kChunk, .deflate = 1});
+    out.addGroup("/entry");
+    out.link("/entry/data", "/raw/counts");
+    out.link("/entry/nowhere", "/raw/none");
+  }
+  expectReadsBack(volume, file, 520);
+  expectReadsBack(volume, part(file, "/entry/data"), 521);
+  expectRefused(part(file, "/entry/nowhere"), ErrorCode::kNotFound, "no data set of this name");
+}
+
+// Known: more chunks than are listed, so that the library reads each chunk.
+TEST(IngestHdf5, ManySmallChunksReadBack) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({160, 126, 1}, VoxelType::u8, 522);
+  const fs::path file = files.directory() / "a.h5";
+  Hdf5File(file).add("/v", volume, {.chunk = {1, 1, 1}});
+  EXPECT_TRUE(readWhole(*openSource(part(file, "/v"))) == volume.voxels);
+}
+
+TEST(IngestHdf5, InfiniteFillValue_isKept) {
+  const ForeignFiles files;
+  const fs::path file = files.directory() / "a.h5";
+  const ForeignVolume volume = randomVolume({4, 3, 2}, VoxelType::f32, 523);
+  Hdf5File(file).add("/v", volume,
+                     {.chunk = {2, 3, 4}, .fill = std::numeric_limits<double>::infinity(), .written = false});
+  const std::vector<std::byte> voxels = readWhole(*openSource(file));
+  for (std::size_t at = 0; at < voxels.size(); at += sizeof(float)) {
+    float value;
+    std::memcpy(&value, &voxels[at], sizeof value);
+    EXPECT_EQ(value, std::numeric_limits<float>::infinity());
+  }
+}
+
+// Known: the data set lies in the file with other objects behind.
+TEST(IngestHdf5, ContiguousData_haveNoNoteOfBytesBehind) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 524);
+  const fs::path file = files.directory() / "a.h5";
+  {
+    Hdf5File out(file);
+    out.add("/v", volume);
+    out.addNumbers("/behind", std::vector<double>(1000, 1));
+  }
+  const auto source = openSource(file);
+  EXPECT_TRUE(readWhole(*source) == volume.voxels);
+  source->finish();
+  for (const std::string& note : source->info().notes) EXPECT_EQ(note.find("behind"), std::string::npos) << note;
+}
+
+TEST(IngestHdf5, BigDataViewerWithADamagedXml_isAnError) {
+  const ForeignFiles files;
+  const fs::path file = files.directory() / "a.h5";
+  {
+    Hdf5File out(file);
+    out.addNumbers("/s00/resolutions", {1, 1, 1}, {1, 3});
+    out.add("/t00000/s00/0/cells", randomVolume({6, 5, 4}, VoxelType::i16, 525));
+  }
+  const auto refused = [&](const std::string& affine, const std::string& more, const std::string& text) {
+    files.write(
+        "a.xml",
+        "<?xml version=\"1.0\"?>" + more +
+            "<SpimData><ViewRegistrations><ViewRegistration timepoint=\"0\" setup=\"0\">\n<ViewTransform><affine>" +
+            affine + "</affine></ViewTransform></ViewRegistration></ViewRegistrations></SpimData>");
+    expectRefused(file, ErrorCode::kFormat, text);
+  };
+  refused("1 0 0 0 0 1 0 0 0 0 x 0", "", "line 2: affine must hold 12 numbers");
+  refused("1 0 0 0 0 1 0 0 0 0 1", "", "affine must hold 12 numbers");
+  refused("1 0 0 0 0 1 0 0 0 0 1 0", "<!DOCTYPE a>", "document type");
+  refused("1 0 0 0 0 1 0 0 0 0 1 0</b>", "", "is no XML");
+  files.write("a.xml",
+              "<SpimData><ViewRegistrations><ViewRegistration timepoint=\"0\" setup=\"0\"><ViewTransform><affine>2 0 0 "
+              "0\n0 2 0 0\n0 0 2 0</affine></ViewTransform></ViewRegistration></ViewRegistrations></SpimData>");
+  EXPECT_EQ(at(*openSource(file), {1, 1, 1}), glm::dvec3(2));
 }
 
 TEST(IngestHdf5, MincHasDirectionCosines) {

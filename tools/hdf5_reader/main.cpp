@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -25,8 +26,7 @@ using kiln::hdf5::RequestHead;
 using nlohmann::json;
 
 // Few enough for Kiln to read the description within its limits of JSON.
-constexpr std::size_t kMostObjects = 10'000, kMostValues = 4096, kMostCoordinates = 100'000;
-constexpr std::uint64_t kMostChunks = std::uint64_t{1} << 27;
+constexpr std::size_t kMostObjects = 20'000, kMostValues = 4096, kMostCoordinates = 60'000;
 constexpr rlim_t kProcessorSeconds = 24 * 3600;
 
 struct Failure : std::runtime_error {
@@ -106,6 +106,19 @@ std::vector<hsize_t> dimsOf(hid_t space) {
   return out;
 }
 
+// JSON has no NaN and no infinity.
+json numberOf(double number) {
+  if (number != number) return "NaN";
+  if (number - number != 0) return number > 0 ? "Infinity" : "-Infinity";
+  return number;
+}
+
+json numbersOf(const std::vector<double>& numbers) {
+  json out = json::array();
+  for (const double number : numbers) out.push_back(numberOf(number));
+  return out;
+}
+
 json textsOf(hid_t attribute, hid_t type, std::size_t count) {
   json out = json::array();
   if (H5Tis_variable_str(type) > 0) {
@@ -125,6 +138,8 @@ json textsOf(hid_t attribute, hid_t type, std::size_t count) {
   std::vector<char> texts(count * size);
   const Id memory(H5Tcopy(type), H5Tclose, "a text");
   if (H5Aread(attribute, memory, texts.data()) < 0) return nullptr;
+  // Imaris writes a text as a list of letters.
+  if (size == 1 && count > 1) return {{"letters", std::string(texts.data(), strnlen(texts.data(), count))}};
   for (std::size_t i = 0; i < count; ++i) out.push_back(std::string(&texts[i * size], strnlen(&texts[i * size], size)));
   return out;
 }
@@ -143,14 +158,7 @@ json valueOf(hid_t attribute) {
   } else if (kind == H5T_INTEGER || kind == H5T_FLOAT) {
     std::vector<double> numbers(n);
     if (H5Aread(attribute, H5T_NATIVE_DOUBLE, numbers.data()) < 0) return nullptr;
-    out = json::array();
-    for (const double number : numbers) {
-      // JSON has no NaN.
-      if (number != number || number - number != 0)
-        out.push_back(number != number ? "NaN" : number > 0 ? "Infinity" : "-Infinity");
-      else
-        out.push_back(number);
-    }
+    out = numbersOf(numbers);
   } else {
     return nullptr;
   }
@@ -189,39 +197,75 @@ json describedDataset(hid_t dataset) {
       H5Sget_simple_extent_ndims(space) <= 2 && (kind == H5T_INTEGER || kind == H5T_FLOAT)) {
     std::vector<double> values(static_cast<std::size_t>(count));
     if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) >= 0) {
-      out["values"] = values;
+      out["values"] = numbersOf(values);
       left -= values.size();
     }
   }
   return out;
 }
 
-json describe(hid_t file) {
-  json out = json::object();
-  struct Walk {
-    json& all;
-  } walk{out};
-  const herr_t verdict = H5Ovisit(
-      file, H5_INDEX_NAME, H5_ITER_NATIVE,
-      [](hid_t root, const char* name, const H5O_info_t* info, void* data) -> herr_t {
-        json& all = static_cast<Walk*>(data)->all;
-        if (all.size() >= kMostObjects) return 1;
-        const std::string path = std::string(name) == "." ? "/" : std::string("/") + name;
-        const hid_t object = H5Oopen(root, name, H5P_DEFAULT);
-        if (object < 0) return 0;
-        try {
-          json described = info->type == H5O_TYPE_DATASET ? describedDataset(object) : json{{"kind", "group"}};
-          described["attributes"] = attributesOf(object);
-          all[path] = std::move(described);
-        } catch (const std::exception& error) {
-          all[path] = {{"kind", "damaged"}, {"why", error.what()}};
-        }
-        H5Oclose(object);
-        return 0;
-      },
-      &walk);
-  require(verdict >= 0, "the objects of the file");
+// Returns null for an object that the library cannot open, such as a link that leads nowhere.
+json describedObject(hid_t root, const char* name) {
+  const hid_t object = H5Oopen(root, name, H5P_DEFAULT);
+  if (object < 0) return nullptr;
+  json out;
+  try {
+    const H5I_type_t kind = H5Iget_type(object);
+    if (kind == H5I_DATASET || kind == H5I_GROUP) {
+      out = kind == H5I_DATASET ? describedDataset(object) : json{{"kind", "group"}};
+      out["attributes"] = attributesOf(object);
+    }
+  } catch (const std::exception&) {
+    out = nullptr;
+  }
+  H5Oclose(object);
   return out;
+}
+
+struct Description {
+  json objects = json::object();
+  bool is_cut = false;
+
+  // Returns what goes on with a walk of the library: 0, or 1 for its end.
+  herr_t add(hid_t root, const char* name, bool by_link) {
+    if (objects.size() >= kMostObjects) {
+      is_cut = true;
+      return 1;
+    }
+    const std::string path = std::string(name) == "." ? "/" : std::string("/") + name;
+    if (objects.contains(path)) return 0;
+    json described = describedObject(root, name);
+    if (described.is_null()) return 0;
+    if (by_link) described["link"] = true;
+    objects[path] = std::move(described);
+    return 0;
+  }
+};
+
+// Objects by their first names, then soft links, then the path that the user named.
+json describe(hid_t file, const std::string& path) {
+  Description out;
+  const herr_t objects = H5Ovisit(
+      file, H5_INDEX_NAME, H5_ITER_NATIVE,
+      [](hid_t root, const char* name, const H5O_info_t*, void* data) -> herr_t {
+        return static_cast<Description*>(data)->add(root, name, false);
+      },
+      &out);
+  require(objects >= 0, "the objects of the file");
+  H5Lvisit(
+      file, H5_INDEX_NAME, H5_ITER_NATIVE,
+      [](hid_t root, const char* name, const H5L_info_t* info, void* data) -> herr_t {
+        return info->type == H5L_TYPE_SOFT ? static_cast<Description*>(data)->add(root, name, true) : 0;
+      },
+      &out);
+  if (path.empty() && out.is_cut)
+    throw Failure("the file has more than " + std::to_string(kMostObjects) +
+                  " objects; name a data set, as FILE:/PATH");
+  if (path.size() > 1 && !out.objects.contains(path)) {
+    json named = describedObject(file, path.c_str());
+    if (!named.is_null()) out.objects[path] = std::move(named);
+  }
+  return out.objects;
 }
 
 json fillOf(hid_t plist) {
@@ -229,18 +273,22 @@ json fillOf(hid_t plist) {
   if (H5Pfill_value_defined(plist, &defined) < 0 || defined == H5D_FILL_VALUE_UNDEFINED) return nullptr;
   double value = 0;
   if (H5Pget_fill_value(plist, H5T_NATIVE_DOUBLE, &value) < 0) return nullptr;
-  if (value != value) return "NaN";
-  return value;
+  return numberOf(value);
 }
 
-// A table of all chunks in the order of the grid, the last axis fastest.
-std::string tableOf(hid_t dataset, const std::vector<hsize_t>& dims, const std::vector<hsize_t>& chunk) {
-  std::vector<hsize_t> grid;
+// A table of all chunks in the order of the grid, the last axis fastest; nothing for too many chunks.
+std::string tableOf(hid_t file, const std::string& path) {
+  const Id dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "the data set");
+  const Id space(H5Dget_space(dataset), H5Sclose, "its shape"),
+      plist(H5Dget_create_plist(dataset), H5Pclose, "its layout");
+  const std::vector<hsize_t> dims = dimsOf(space);
+  std::vector<hsize_t> chunk(dims.size()), grid;
+  require(H5Pget_chunk(plist, static_cast<int>(chunk.size()), chunk.data()) >= 0, "the shape of chunks");
   std::uint64_t count = 1;
   for (std::size_t axis = 0; axis < dims.size(); ++axis) {
     grid.push_back((dims[axis] + chunk[axis] - 1) / chunk[axis]);
     count *= grid.back();
-    if (count > kMostChunks) throw Failure("the data set has more than 134 million chunks");
+    if (count > kiln::hdf5::kMostListedChunks) return {};
   }
   std::string out;
   out.reserve(count * sizeof(ChunkEntry));
@@ -275,6 +323,25 @@ json filtersOf(hid_t plist) {
   return out;
 }
 
+// The files that hold the voxels of a virtual or external data set, as this file names them.
+json filesOf(hid_t plist, H5D_layout_t layout) {
+  std::set<std::string> names;
+  char name[4096] = {};
+  if (layout == H5D_VIRTUAL) {
+    std::size_t count = 0;
+    H5Pget_virtual_count(plist, &count);
+    for (std::size_t i = 0; i < std::min(count, kMostValues); ++i)
+      if (H5Pget_virtual_filename(plist, i, name, sizeof name) > 0) names.insert(name);
+  }
+  const int external = H5Pget_external_count(plist);
+  for (int i = 0; i < external; ++i) {
+    off_t offset = 0;
+    hsize_t bytes = 0;
+    if (H5Pget_external(plist, static_cast<unsigned>(i), sizeof name, name, &offset, &bytes) >= 0) names.insert(name);
+  }
+  return names;
+}
+
 std::string layoutOf(hid_t file, const std::string& path) {
   const Id dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "the data set");
   const Id type(H5Dget_type(dataset), H5Tclose, "its type"), space(H5Dget_space(dataset), H5Sclose, "its shape");
@@ -289,7 +356,6 @@ std::string layoutOf(hid_t file, const std::string& path) {
               {"fill", fillOf(plist)},
               {"user_block", user_block}};
   const H5D_layout_t layout = H5Pget_layout(plist);
-  std::string table;
   if (layout == H5D_CONTIGUOUS) {
     const haddr_t offset = H5Dget_offset(dataset);
     if (offset != HADDR_UNDEF && H5Pget_external_count(plist) <= 0) out["offset"] = offset;
@@ -298,9 +364,9 @@ std::string layoutOf(hid_t file, const std::string& path) {
     require(H5Pget_chunk(plist, static_cast<int>(chunk.size()), chunk.data()) >= 0, "the shape of chunks");
     out["chunk"] = chunk;
     out["filters"] = filtersOf(plist);
-    table = tableOf(dataset, dims, chunk);
   }
-  return out.dump(-1, ' ', true, json::error_handler_t::replace) + "\n" + table;
+  out["files"] = filesOf(plist, layout);
+  return out.dump(-1, ' ', true, json::error_handler_t::replace);
 }
 
 // A data set that is read again and again stays open.
@@ -399,9 +465,11 @@ int main(int count, char** arguments) {
     try {
       require(file >= 0, "the file; it is damaged, cut, or open in a program that writes to it");
       if (head.kind == Request::kDescribe)
-        answer(true, describe(file).dump(-1, ' ', true, json::error_handler_t::replace));
+        answer(true, describe(file, payload).dump(-1, ' ', true, json::error_handler_t::replace));
       else if (head.kind == Request::kLayout)
         answer(true, layoutOf(file, payload));
+      else if (head.kind == Request::kTable)
+        answer(true, tableOf(file, payload));
       else
         answer(true, readBox(file, open, payload));
     } catch (const std::exception& error) {

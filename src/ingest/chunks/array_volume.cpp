@@ -23,6 +23,13 @@ int axisNamed(const std::vector<ArrayAxis>& axes, std::string_view name) {
 
 std::string shown(const AxisNumbers& shape) { return fmt::format("({})", fmt::join(shape, ", ")); }
 
+// Returns the name in small letters; "c" and "t" for "channel" and "time".
+std::string plainName(const std::string& name) {
+  const std::string small = lowered(name);
+  if (small == "channel" || small == "channels") return "c";
+  return small == "time" ? "t" : small;
+}
+
 bool isSpace(const ArrayAxis& axis) {
   return std::find(std::begin(kNamesOfSpace), std::end(kNamesOfSpace), axis.name) != std::end(kNamesOfSpace);
 }
@@ -59,19 +66,19 @@ void nameByPlace(const ArrayName& array, const SourceOptions& options, std::vect
 
 // The names of `count` channels.
 std::vector<std::string> channelNames(const ArrayName& array, std::int64_t count,
-                                      const std::vector<ArrayChannel>& channels) {
+                                      const std::vector<std::string>& channels) {
   constexpr std::int64_t kMostChannels = 1 << 16;
   if (count > kMostChannels)
     throw Error(ErrorCode::kUnsupported, array.header, "shape",
                 fmt::format("{} has more than {} channels", shown(array.shape), kMostChannels));
   std::vector<std::string> out(static_cast<std::size_t>(count));
-  for (std::size_t i = 0; i < std::min(out.size(), channels.size()); ++i) out[i] = channels[i].name;
+  std::copy_n(channels.begin(), std::min(out.size(), channels.size()), out.begin());
   return out;
 }
 
 // Fixes the index along every axis but x, y and z.
-void chooseIndices(const ArrayName& array, const std::vector<ArrayAxis>& axes,
-                   const std::vector<ArrayChannel>& channels, const SourceOptions& options, ArrayVolume& out) {
+void chooseIndices(const ArrayName& array, const std::vector<ArrayAxis>& axes, const std::vector<std::string>& channels,
+                   const SourceOptions& options, ArrayVolume& out) {
   out.fixed.assign(array.shape.size(), 0);
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const std::string& name = axes[i].name;
@@ -149,8 +156,9 @@ void placeInWorld(const std::vector<ArrayAxis>& axes, bool has_scale, const Sour
 }  // namespace
 
 ArrayVolume volumeOf(const ArrayName& array, std::vector<ArrayAxis> axes, bool has_scale,
-                     const std::vector<ArrayChannel>& channels, const SourceOptions& options) {
+                     const std::vector<std::string>& channels, const SourceOptions& options) {
   axes.resize(array.shape.size());
+  for (ArrayAxis& axis : axes) axis.name = plainName(axis.name);
   requireOneAxisOfAName(array, axes);
   ArrayVolume out;
   nameByPlace(array, options, axes, out.notes);

@@ -24,14 +24,9 @@ struct ArrayVolume {
   std::vector<std::string> notes;
 };
 
-/// A channel of an image.
-struct ArrayChannel {
-  std::string name;
-};
-
 /// An axis as the metadata describe it; texts are empty where unknown.
 struct ArrayAxis {
-  /// "x", "y", "z", "c", "t", or any other text.
+  /// "x", "y", "z", "c", "t", "channel", "time", or any other text, in small or capital letters.
   std::string name;
   std::string unit;
   /// RFC-4: "left-to-right" and similar.
@@ -49,10 +44,10 @@ struct ArrayName {
 /// Enters the volume's description behind what `info` has: its files, and the begin of the format's name.
 void describe(const ArrayVolume& volume, VoxelType type, SourceInfo& info);
 
-/// Places a volume by its axes. `has_scale` is false if no metadata gave a length; a note then says so.
-/// throws: Error kUnsupported if there is no volume in these axes; kUsage for a channel or time that does not exist or
-/// is not chosen.
+/// Places a volume by its axes. `channels` are names; fewer names than channels are legal. `has_scale` is false if no
+/// metadata gave a length; a note then says so. throws: Error kUnsupported if there is no volume in these axes; kUsage
+/// for a channel or time that does not exist or is not chosen.
 ArrayVolume volumeOf(const ArrayName& array, std::vector<ArrayAxis> axes, bool has_scale,
-                     const std::vector<ArrayChannel>& channels, const SourceOptions& options);
+                     const std::vector<std::string>& channels, const SourceOptions& options);
 
 }  // namespace kiln

@@ -99,8 +99,8 @@ class ServedChunks : public Hdf5Chunks {
     BlockCache::Bytes part(productOf(n) * sizeOf(layout_.number.voxelType()));
     readVoxels(layout_.number, part, at, [&](std::span<std::byte> stored) {
       const auto reader = readers_.take(
-          0, [&] { return std::make_unique<Hdf5Reader>(path_, kDescribeMemoryBytes + 8 * storedBytes()); });
-      reader->answerInto(hdf5::Request::kRead, payload, stored);
+          0, [&] { return std::make_unique<Hdf5Reader>(path_, kReaderAddressBytes + 8 * storedBytes()); });
+      reader->read(payload, stored);
     });
     return n == layout_.chunk_shape ? part : wholeChunk(layout_, part, n);
   }

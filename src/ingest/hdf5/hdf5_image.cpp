@@ -21,13 +21,6 @@ namespace {
   throw Error(ErrorCode::kUsage, file, option, what);
 }
 
-std::int64_t chosenScale(const fs::path& file, const SourceOptions& options, std::int64_t count) {
-  const std::int64_t scale = options.scale.value_or(0);
-  if (scale < 0 || scale >= count)
-    failOption(file, "--scale", fmt::format("must be a number from 0 to {} (found {})", count - 1, scale));
-  return scale;
-}
-
 // The number of paths `pattern` with 0, 1, 2, … that exist.
 template <class Path>
 std::int64_t countOf(const Hdf5Objects& objects, Path path) {
@@ -39,7 +32,7 @@ std::int64_t countOf(const Hdf5Objects& objects, Path path) {
 // Imaris: /DataSet/ResolutionLevel R/TimePoint T/Channel C/Data. Source: the description of Imaris 5.5 files.
 Hdf5Image ofImaris(const fs::path& file, const Hdf5Objects& objects, const SourceOptions& options) {
   const auto level = [](std::int64_t r) { return fmt::format("/DataSet/ResolutionLevel {}", r); };
-  const std::int64_t scale = chosenScale(file, options, std::max<std::int64_t>(countOf(objects, level), 1));
+  const std::int64_t scale = chosenScale(options, std::max<std::int64_t>(countOf(objects, level), 1), file);
   const auto time_path = [&](std::int64_t t) { return fmt::format("{}/TimePoint {}", level(scale), t); };
   const std::int64_t time = chosenTime(options, countOf(objects, time_path), file);
   const auto channel_path = [&](std::int64_t c) { return fmt::format("{}/Channel {}", time_path(time), c); };
@@ -89,17 +82,19 @@ Hdf5Image ofBigDataViewer(const fs::path& file, const Hdf5Objects& objects, cons
   const std::int64_t time = chosenTime(options, countOf(objects, time_path), file);
   const auto setup_path = [](std::int64_t s) { return fmt::format("/s{:02}", s); };
   const std::int64_t setups = countOf(objects, setup_path);
-  const std::optional<BdvDescription> xml = readBdvXml(fs::path(file).replace_extension(".xml"));
+  const fs::path beside = fs::path(file).replace_extension(".xml");
+  const std::optional<BdvDescription> xml = readBdvXml(beside);
   std::vector<std::string> names;
   for (std::int64_t s = 0; s < setups; ++s) names.push_back(xml ? xml->setupName(s) : "");
   const std::int64_t setup = chosenChannel(options, names, file);
   const std::string group = time_path(time) + setup_path(setup);
   const auto level_path = [&](std::int64_t l) { return fmt::format("{}/{}", group, l); };
-  const std::int64_t scale = chosenScale(file, options, std::max<std::int64_t>(countOf(objects, level_path), 1));
+  const std::int64_t scale = chosenScale(options, std::max<std::int64_t>(countOf(objects, level_path), 1), file);
   Hdf5Image out;
   out.path = level_path(scale) + "/cells";
   out.path_chooses = true;
   out.is_unsigned = true;
+  if (xml) out.headers = {beside};
   out.choice = fmt::format(", BigDataViewer, time {}, setup {}, level {}", time, setup, scale);
   if (!objects.hasDataset(out.path))
     throw Error(ErrorCode::kFormat, file, out.path, "is missing in this file of BigDataViewer");
@@ -143,8 +138,7 @@ Hdf5Image ofMinc(const fs::path& file, const Hdf5Objects& objects) {
   for (const std::string_view name : splitAt(order, ',')) {
     const Hdf5Object* const space = objects.find("/minc-2.0/dimensions/" + std::string(name));
     const int axis = name == "xspace" ? 0 : name == "yspace" ? 1 : name == "zspace" ? 2 : -1;
-    out.axes.push_back(
-        {axis < 0 ? (name == "time" ? "t" : std::string(name)) : std::string(1, "xyz"[axis]), "mm", "", 1, 0});
+    out.axes.push_back({axis < 0 ? std::string(name) : std::string(1, "xyz"[axis]), "mm", "", 1, 0});
     if (axis < 0 || !space) continue;
     const double step = space->number("step").value_or(1), start = space->number("start").value_or(0);
     const std::vector<double> cosines = space->numbers("direction_cosines");
@@ -200,8 +194,8 @@ void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
     ArrayAxis& axis = out.axes[i];
     const bool named = names.size() == count;
     const std::string coordinates = named ? group + "/" + names[i] : group + fmt::format("/dim{}", i + 1);
-    if (named) axis.name = lowered(names[i]);
-    if (!named && labels.size() == count) axis.name = lowered(labels[i]);
+    if (named) axis.name = names[i];
+    if (!named && labels.size() == count) axis.name = labels[i];
     const bool of_space = i + 3 >= count;
     const bool has_place = placeByCoordinates(objects.find(coordinates), axis);
     space += of_space ? 1 : 0;

@@ -18,6 +18,8 @@ struct Hdf5Image {
   PatientFrame frame = PatientFrame::kUnknown;
   /// True if whole numbers are unsigned, whatever their type. BigDataViewer writes unsigned numbers as signed.
   bool is_unsigned = false;
+  /// Further files that describe the image: the XML file of BigDataViewer.
+  std::vector<std::filesystem::path> headers;
   /// True if the path already chose the channel, time and scale.
   bool path_chooses = false;
   /// For SourceInfo::format: ", Imaris, channel 0".

@@ -74,14 +74,23 @@ AxisNumbers slabs(const AxisNumbers& shape, std::size_t bytes) {
   return out;
 }
 
-std::vector<hdf5::ChunkEntry> tableOf(std::span<const std::byte> bytes, const Hdf5Layout& layout,
-                                      const fs::path& file) {
-  const std::uint64_t chunks = productOf(gridOf(layout)), found = bytes.size() / sizeof(hdf5::ChunkEntry);
-  if (found != chunks)
+std::vector<hdf5::ChunkEntry> tableOf(Hdf5Reader& reader, const Hdf5Layout& layout, const fs::path& file) {
+  std::vector<hdf5::ChunkEntry> out = reader.table(layout.path);
+  const std::uint64_t chunks = productOf(gridOf(layout));
+  if (!out.empty() && out.size() != chunks)
     throw Error(ErrorCode::kFormat, file, layout.path,
-                fmt::format("the HDF5 library lists {} chunks of {}", found, chunks));
-  std::vector<hdf5::ChunkEntry> out(chunks);
-  std::memcpy(out.data(), bytes.data(), out.size() * sizeof(hdf5::ChunkEntry));
+                fmt::format("the HDF5 library lists {} chunks of {}", out.size(), chunks));
+  return out;
+}
+
+// The library looks for relative names beside the file first.
+std::vector<fs::path> filesOf(const JsonNode& header, const fs::path& file) {
+  std::vector<fs::path> out;
+  for (const std::string& name : header.at("files").texts()) {
+    const fs::path path = file.parent_path() / name;
+    std::error_code ignored;
+    if (name != "." && fs::is_regular_file(path, ignored)) out.push_back(path);
+  }
   return out;
 }
 
@@ -107,15 +116,8 @@ std::optional<CodecChain> codecsOf(const std::vector<Hdf5Filter>& filters, std::
   return out;
 }
 
-Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const fs::path& file, const std::string& path,
-                          std::uint64_t memory_bytes) {
-  constexpr std::uint64_t kMostHeaderBytes = 16 << 20;
-  const std::uint64_t most = kMostHeaderBytes + std::min(memory_bytes, UINT64_MAX - kMostHeaderBytes);
-  const std::vector<std::byte> answer = reader.answer(hdf5::Request::kLayout, path, most);
-  const auto end = std::find(answer.begin(), answer.end(), std::byte{'\n'});
-  if (end == answer.end()) throw Error(ErrorCode::kFormat, file, path, "the HDF5 library gives no layout");
-  const auto text_bytes = static_cast<std::size_t>(end - answer.begin());
-  const JsonNode header(file, std::string(reinterpret_cast<const char*>(answer.data()), text_bytes));
+Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const fs::path& file, const std::string& path) {
+  const JsonNode header(file, reader.text(hdf5::Request::kLayout, path));
   const std::optional<JsonNode> type = header.find("type"), chunk = header.find("chunk"),
                                 offset = header.find("offset");
   if (!type)
@@ -140,7 +142,10 @@ Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const fs::path& file, const std::s
     out.number.big_endian = type->at("big").truth();
   }
   if (here && offset) out.offset = static_cast<std::uint64_t>(offset->whole());
-  if (known) out.table = tableOf(std::span(answer).subspan(text_bytes + 1), out, file);
+  if (known) out.table = tableOf(reader, out, file);
+  // Too many chunks are not listed.
+  if (known && out.table.empty()) out.number = out.served;
+  out.files = filesOf(header, file);
   readFill(header.find("fill"), out);
   return out;
 }

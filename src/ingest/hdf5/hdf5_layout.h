@@ -28,15 +28,15 @@ struct Hdf5Layout : ChunkLayout {
   std::vector<Hdf5Filter> filters;
   /// The chunks in the order of the grid, the last axis fastest; empty unless Kiln reads the chunks itself.
   std::vector<hdf5::ChunkEntry> table;
+  /// Further files that hold voxels, of a virtual or external data set.
+  std::vector<std::filesystem::path> files;
 };
 
-/// Returns the layout of the data set at `path`. Kiln reads contiguous data sets and chunks with known filters itself;
-/// where neither `offset` nor `table` is set, the HDF5 library reads the voxels (virtual and external data sets, other
-/// filters, types with unused bits).
-/// throws: Error kFormat, kUnsupported if the data set holds no numbers, kBudget if its table does not fit into
-/// `memory_bytes`.
-Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const std::filesystem::path& file, const std::string& path,
-                          std::uint64_t memory_bytes);
+/// Returns the layout of the data set at `path`. `offset` is set for contiguous data, `table` for chunks whose filters
+/// Kiln decodes; all other voxels the HDF5 library has to read (virtual and external data sets, other filters, types
+/// with unused bits, more chunks than are listed). throws: Error kFormat, kUnsupported if the data set holds no
+/// numbers.
+Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const std::filesystem::path& file, const std::string& path);
 
 /// Returns the codecs of a chunk whose filters in `left_out` (bit i for filter i) were not applied; nothing if a filter
 /// is unknown to Kiln.

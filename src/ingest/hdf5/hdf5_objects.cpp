@@ -2,40 +2,38 @@
 
 #include <algorithm>
 
+#include "ingest/source/header_text.h"
+
 namespace kiln {
 namespace {
 
-// Lists of single letters are one text, as Imaris writes it.
-std::string joined(const JsonNode& node) {
-  if (node.isText()) return node.text();
-  std::string out;
-  for (const JsonNode& item : node.items()) {
-    if (!item.isText()) return "";
-    out += item.text();
-  }
-  return out;
+// Imaris writes a text as a list of letters, which the reader gives as {"letters": TEXT}.
+std::optional<std::string> lettersOf(const JsonNode& value) {
+  const std::optional<JsonNode> letters = value.isObject() ? value.find("letters") : std::nullopt;
+  return letters ? std::optional(letters->text()) : std::nullopt;
+}
+
+std::optional<std::string> textOf(const JsonNode& value) {
+  if (value.isText()) return value.text();
+  if (!value.isList()) return lettersOf(value);
+  const std::vector<JsonNode> items = value.items();
+  return items.size() == 1 && items.front().isText() ? std::optional(items.front().text()) : std::nullopt;
 }
 
 }  // namespace
 
 std::optional<std::string> Hdf5Object::text(const std::string& attribute) const {
   const std::optional<JsonNode> found = attributes.find(attribute);
-  if (!found || (!found->isText() && !found->isList())) return std::nullopt;
-  return joined(*found);
+  return found ? textOf(*found) : std::nullopt;
 }
 
 std::optional<double> Hdf5Object::number(const std::string& attribute) const {
   const std::optional<JsonNode> found = attributes.find(attribute);
   if (!found) return std::nullopt;
   if (found->isNumber()) return found->number();
-  if (!found->isText() && !found->isList()) return std::nullopt;
-  const std::vector<double> list = numbers(attribute);
-  if (list.size() == 1) return list.front();
-  try {
-    return std::stod(joined(*found));
-  } catch (const std::logic_error&) {
-    return std::nullopt;
-  }
+  if (const std::vector<double> list = numbers(attribute); list.size() == 1) return list.front();
+  const std::optional<std::string> text = textOf(*found);
+  return text ? doubleOf(trimmed(*text)) : std::nullopt;
 }
 
 std::vector<double> Hdf5Object::numbers(const std::string& attribute) const {
@@ -52,7 +50,10 @@ std::vector<double> Hdf5Object::numbers(const std::string& attribute) const {
 std::vector<std::string> Hdf5Object::texts(const std::string& attribute) const {
   const std::optional<JsonNode> found = attributes.find(attribute);
   std::vector<std::string> out;
-  if (!found || !found->isList()) return out;
+  if (!found) return out;
+  if (const std::optional<std::string> letters = lettersOf(*found))
+    for (const char letter : *letters) out.emplace_back(1, letter);
+  if (!found->isList()) return out;
   for (const JsonNode& item : found->items()) out.push_back(item.isText() ? item.text() : "");
   return out;
 }
@@ -61,15 +62,12 @@ Hdf5Objects::Hdf5Objects(const std::filesystem::path& file, const std::string& j
   const JsonNode root(file, json);
   for (const std::string& path : root.keys()) {
     const JsonNode node = root.at(path);
-    const std::string kind = node.at("kind").text();
-    if (kind == "damaged") continue;
-    Hdf5Object object{kind == "dataset", {}, "", {}, node.at("attributes")};
+    Hdf5Object object{
+        node.at("kind").text() == "dataset", node.find("link").has_value(), {}, "", {}, node.at("attributes")};
     if (object.is_dataset) {
       object.shape = node.at("shape").wholes();
       if (const std::optional<JsonNode> type = node.find("type")) object.type = type->at("name").text();
-      if (const std::optional<JsonNode> values = node.find("values"))
-        for (const JsonNode& value : values->items())
-          if (value.isNumber()) object.values.push_back(value.number());
+      if (const std::optional<JsonNode> values = node.find("values")) object.values = values->numbers();
     }
     all_.emplace(path, std::move(object));
   }
@@ -89,7 +87,8 @@ std::vector<std::string> Hdf5Objects::volumes() const {
   std::vector<std::string> out;
   for (const auto& [path, object] : all_) {
     const auto thick = std::count_if(object.shape.begin(), object.shape.end(), [](std::int64_t n) { return n > 1; });
-    if (object.is_dataset && !object.type.empty() && object.shape.size() >= 3 && thick >= 3) out.push_back(path);
+    if (object.is_dataset && !object.is_link && !object.type.empty() && object.shape.size() >= 3 && thick >= 3)
+      out.push_back(path);
   }
   return out;
 }

@@ -14,6 +14,8 @@ namespace kiln {
 
 struct Hdf5Object {
   bool is_dataset = false;
+  /// True for a further name, by a soft link.
+  bool is_link = false;
   /// Lengths of a data set, the slowest axis first.
   AxisNumbers shape;
   /// "uint16"; empty for anything but numbers.

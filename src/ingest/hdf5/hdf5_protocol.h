@@ -7,8 +7,9 @@
 namespace kiln::hdf5 {
 
 enum class Request : std::uint32_t {
-  kDescribe = 1,  // answer: JSON of all objects and their attributes
-  kLayout,        // payload: a path. answer: JSON of the data set, a line feed, the table of chunks
+  kDescribe = 1,  // payload: a path or nothing. answer: JSON of all objects, and of that path if a link leads there
+  kLayout,        // payload: a path. answer: JSON of the data set
+  kTable,         // payload: a path. answer: the table of chunks; nothing for more than kMostListedChunks
   kRead,          // payload: a path, a NUL, first and end index of each axis as i64. answer: the voxels of that box
 };
 
@@ -22,6 +23,9 @@ struct AnswerHead {
   std::uint64_t ok;
   std::uint64_t bytes;
 };
+
+/// HDF5 1.10 looks a chunk up by walking all of them. Measured: 6,400 chunks take 0.17 s, so that this many take 1.6 s.
+constexpr std::uint64_t kMostListedChunks = 20'000;
 
 /// A chunk of the table: place in the file, size, and the filters that were left out (bit i for filter i). An address
 /// of all ones is a chunk that does not exist.

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
+#include <algorithm>
 
 #include "base/error.h"
 #include "base/module.h"
@@ -33,18 +33,30 @@ std::uint64_t Hdf5Reader::ask(hdf5::Request request, const std::string& payload)
   throw Error(ErrorCode::kFormat, file_, "", shown(why));
 }
 
-std::vector<std::byte> Hdf5Reader::answer(hdf5::Request request, const std::string& payload, std::uint64_t most_bytes) {
+void Hdf5Reader::requireAtMost(std::uint64_t bytes, std::uint64_t most) const {
+  if (bytes <= most) return;
+  throw Error(ErrorCode::kFormat, file_, "",
+              fmt::format("its description has {} bytes, more than the {} that are read", bytes, most));
+}
+
+std::string Hdf5Reader::text(hdf5::Request request, const std::string& payload) {
   const std::uint64_t bytes = ask(request, payload);
-  if (bytes > most_bytes)
-    throw Error(ErrorCode::kFormat, file_, "",
-                fmt::format("its description has {} bytes, more than the {} that are read", bytes, most_bytes));
-  std::vector<std::byte> out(bytes);
-  require(process_.receive(out));
+  requireAtMost(bytes, 16 << 20);
+  std::string out(bytes, '\0');
+  require(process_.receive(std::as_writable_bytes(std::span(out))));
   return out;
 }
 
-void Hdf5Reader::answerInto(hdf5::Request request, const std::string& payload, std::span<std::byte> out) {
-  const std::uint64_t bytes = ask(request, payload);
+std::vector<hdf5::ChunkEntry> Hdf5Reader::table(const std::string& path) {
+  const std::uint64_t bytes = ask(hdf5::Request::kTable, path);
+  requireAtMost(bytes, hdf5::kMostListedChunks * sizeof(hdf5::ChunkEntry));
+  std::vector<hdf5::ChunkEntry> out(bytes / sizeof(hdf5::ChunkEntry));
+  require(process_.receive(std::as_writable_bytes(std::span(out))));
+  return out;
+}
+
+void Hdf5Reader::read(const std::string& payload, std::span<std::byte> out) {
+  const std::uint64_t bytes = ask(hdf5::Request::kRead, payload);
   if (bytes != out.size())
     throw Error(ErrorCode::kFormat, file_, "",
                 fmt::format("the HDF5 library gives {} bytes of voxels (expected {})", bytes, out.size()));

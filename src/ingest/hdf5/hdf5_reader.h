@@ -20,21 +20,24 @@ class Hdf5Reader {
   /// `memory_bytes` is the limit of the process's address space. throws: Error kUnsupported if Kiln was built without
   /// HDF5, kIo.
   Hdf5Reader(std::filesystem::path file, std::uint64_t memory_bytes);
-  /// Returns the answer to a request. throws: Error kFormat, naming the file, if the library cannot answer, or the
-  /// answer has more than `most_bytes`.
-  std::vector<std::byte> answer(hdf5::Request request, const std::string& payload, std::uint64_t most_bytes);
-  /// Fills `out`. throws: as `answer`, and kFormat if the answer has another size.
-  void answerInto(hdf5::Request request, const std::string& payload, std::span<std::byte> out);
+  /// Returns a text. throws: Error kFormat, naming the file, if the library cannot answer, or the text has more than 16
+  /// MiB.
+  std::string text(hdf5::Request request, const std::string& payload);
+  /// Returns the table of the chunks of a data set; nothing if there are too many chunks. throws: as `text`.
+  std::vector<hdf5::ChunkEntry> table(const std::string& path);
+  /// Fills `out` with voxels. throws: as `text`, and kFormat if the library gives another number of bytes.
+  void read(const std::string& payload, std::span<std::byte> out);
 
  private:
   std::uint64_t ask(hdf5::Request request, const std::string& payload);
+  void requireAtMost(std::uint64_t bytes, std::uint64_t most) const;
   void require(const std::string& fault) const;
 
   std::filesystem::path file_;
   AnsweringProcess process_;
 };
 
-/// Limit of the process that describes a file. The library and its tables take a tenth. unit: bytes.
-inline constexpr std::uint64_t kDescribeMemoryBytes = std::uint64_t{1} << 30;
+/// Limit of the address space of a process, beside the chunks that it reads. unit: bytes.
+inline constexpr std::uint64_t kReaderAddressBytes = std::uint64_t{1} << 30;
 
 }  // namespace kiln

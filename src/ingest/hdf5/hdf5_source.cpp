@@ -17,26 +17,24 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kMostDescriptionBytes = 256 << 20;
-
 // A contiguous data set whose last axes are z, y, x is a raw file at an offset. Returns null for any other.
-std::unique_ptr<VolumeSource> openContiguous(SourceInfo& info, const Hdf5Layout& layout, const ArrayVolume& volume,
+std::unique_ptr<VolumeSource> openContiguous(SourceInfo info, const Hdf5Layout& layout, const ArrayVolume& volume,
                                              const Hdf5Image& image, const fs::path& file) {
   const auto axes = static_cast<int>(layout.shape.size());
   if (!layout.offset || axes < 3 || !image.used_shape.empty() ||
       volume.axis_of != std::array{axes - 1, axes - 2, axes - 3})
     return nullptr;
-  std::int64_t before = 0;
-  for (int axis = 0; axis < axes - 3; ++axis)
-    before = before * layout.shape[static_cast<std::size_t>(axis)] + volume.fixed[static_cast<std::size_t>(axis)];
+  const auto leading = [&](const AxisNumbers& numbers) { return AxisNumbers(numbers.begin(), numbers.end() - 3); };
+  const std::int64_t before = placeIn(leading(layout.shape), leading(volume.fixed));
   LinearData data;
   data.file = file;
   data.offset_bytes =
       *layout.offset + static_cast<std::uint64_t>(before * volume.geometry.dims.count()) * layout.number.bytes();
   data.stored_type = layout.number.type;
   data.big_endian = layout.number.big_endian;
+  data.has_trailer = true;
   describe(volume, layout.number.voxelType(), info);
-  return openDescribed(file, info, data);
+  return openLinear(std::move(info), data);
 }
 
 ArrayVolume placed(const fs::path& file, const Hdf5Image& image, const Hdf5Layout& layout, SourceOptions options) {
@@ -54,16 +52,11 @@ ArrayVolume placed(const fs::path& file, const Hdf5Image& image, const Hdf5Layou
   return out;
 }
 
-Hdf5Objects objectsOf(Hdf5Reader& reader, const fs::path& file) {
-  const std::vector<std::byte> description = reader.answer(hdf5::Request::kDescribe, "", kMostDescriptionBytes);
-  return Hdf5Objects(file, std::string(reinterpret_cast<const char*>(description.data()), description.size()));
-}
-
 }  // namespace
 
 std::vector<ListedVolume> listHdf5(const fs::path& file) {
-  Hdf5Reader reader(file, kDescribeMemoryBytes);
-  const Hdf5Objects objects = objectsOf(reader, file);
+  Hdf5Reader reader(file, kReaderAddressBytes);
+  const Hdf5Objects objects(file, reader.text(hdf5::Request::kDescribe, ""));
   std::vector<ListedVolume> out;
   for (const std::string& path : objects.volumes()) {
     const Hdf5Object& dataset = *objects.find(path);
@@ -79,10 +72,10 @@ std::vector<ListedVolume> listHdf5(const fs::path& file) {
 }
 
 std::unique_ptr<VolumeSource> openHdf5(const fs::path& file, const std::string& path, const SourceOptions& options) {
-  Hdf5Reader reader(file, kDescribeMemoryBytes);
-  const Hdf5Objects objects = objectsOf(reader, file);
+  Hdf5Reader reader(file, kReaderAddressBytes);
+  const Hdf5Objects objects(file, reader.text(hdf5::Request::kDescribe, path));
   const Hdf5Image image = findHdf5Image(file, path, objects, options);
-  Hdf5Layout layout = readHdf5Layout(reader, file, image.path, options.memory_bytes);
+  Hdf5Layout layout = readHdf5Layout(reader, file, image.path);
   if (image.is_unsigned) {
     layout.number = layout.number.withoutSign();
     layout.served = layout.served.withoutSign();
@@ -91,8 +84,8 @@ std::unique_ptr<VolumeSource> openHdf5(const fs::path& file, const std::string& 
   SourceInfo info;
   info.format = "HDF5";
   info.files = {file};
-  if (const fs::path xml = fs::path(file).replace_extension(".xml"); image.is_unsigned && isThere(xml))
-    info.files.push_back(xml);
+  info.files.insert(info.files.end(), image.headers.begin(), image.headers.end());
+  info.files.insert(info.files.end(), layout.files.begin(), layout.files.end());
   if (std::unique_ptr<VolumeSource> source = openContiguous(info, layout, volume, image, file)) return source;
   return openChunked(std::move(info), volume, openHdf5Chunks(file, std::move(layout)));
 }

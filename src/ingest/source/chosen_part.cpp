@@ -58,6 +58,13 @@ std::int64_t chosenChannel(const SourceOptions& options, std::span<const std::st
   return named - names.begin();
 }
 
+std::int64_t chosenScale(const SourceOptions& options, std::int64_t count, const std::filesystem::path& file) {
+  const std::int64_t scale = options.scale.value_or(0);
+  if (scale < 0 || scale >= count)
+    refuseChoice(file, "--scale", fmt::format("must be a number from 0 to {} (found {})", count - 1, scale));
+  return scale;
+}
+
 std::string partOf(const char* kind, std::int64_t part, std::int64_t count) {
   return count > 1 ? fmt::format(", {} {}", kind, part) : "";
 }

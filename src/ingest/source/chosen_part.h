@@ -17,6 +17,10 @@ std::int64_t chosenTime(const SourceOptions& options, std::int64_t count, const 
 std::int64_t chosenChannel(const SourceOptions& options, std::span<const std::string> names,
                            const std::filesystem::path& file);
 
+/// Returns the number of the chosen resolution; 0, the finest, without a choice. throws: Error kUsage if the number is
+/// too large.
+std::int64_t chosenScale(const SourceOptions& options, std::int64_t count, const std::filesystem::path& file);
+
 /// Returns ", time 2" for SourceInfo::format; empty if there is one part only.
 std::string partOf(const char* kind, std::int64_t part, std::int64_t count);
 

@@ -48,11 +48,15 @@ std::string withQuotedNumbers(const std::string& text) {
 std::shared_ptr<const json> documentOf(const fs::path& file, const std::string& as_written) {
   const std::string text = withQuotedNumbers(as_written);
   std::size_t values = 0;
+  bool is_repeated = false;
   const auto keep = [&](int depth, json::parse_event_t event, json& value) {
+    using Event = json::parse_event_t;
     if (depth > kMostJsonDepth)
       throw Error(ErrorCode::kFormat, file, "", fmt::format("values lie more than {} deep", kMostJsonDepth));
-    if (event == json::parse_event_t::key) return depth != 1 || value != "consolidated_metadata";
-    if (event == json::parse_event_t::value && ++values > kMostValues)
+    if (event == Event::key && depth == 1) is_repeated = value == "consolidated_metadata";
+    if (event == Event::key) return !is_repeated;
+    const bool is_value = event == Event::value || event == Event::array_start || event == Event::object_start;
+    if (is_value && !is_repeated && ++values > kMostValues)
       throw Error(ErrorCode::kFormat, file, "", fmt::format("has more than {} values", kMostValues));
     return true;
   };
@@ -60,6 +64,8 @@ std::shared_ptr<const json> documentOf(const fs::path& file, const std::string& 
     return std::make_shared<const json>(json::parse(text, keep));
   } catch (const json::parse_error& error) {
     throw Error(ErrorCode::kFormat, file, fmt::format("byte {}", error.byte), "is no JSON");
+  } catch (const json::exception&) {
+    throw Error(ErrorCode::kFormat, file, "", "has a number that no type of JSON holds");
   }
 }
 

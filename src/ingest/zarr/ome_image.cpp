@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "base/path_status.h"
-#include "base/text.h"
 #include "ingest/source/header_text.h"
 
 namespace kiln {
@@ -59,10 +58,10 @@ ArrayAxis axisOf(const JsonNode& json) {
   ArrayAxis out;
   // Version 0.3 has names alone.
   if (json.isText()) {
-    out.name = plainAxisName(json.text());
+    out.name = json.text();
     return out;
   }
-  out.name = plainAxisName(json.at("name").text());
+  out.name = json.at("name").text();
   const std::optional<JsonNode> type = json.find("type"), unit = json.find("unit"),
                                 orientation = json.find("orientation");
   if (type && type->text() == "channel") out.name = 'c';
@@ -76,13 +75,6 @@ ArrayAxis axisOf(const JsonNode& json) {
 }
 
 }  // namespace
-
-std::string plainAxisName(const std::string& name) {
-  const std::string small = lowered(name);
-  if (small == "channel" || small == "channels") return "c";
-  if (small == "time") return "t";
-  return small;
-}
 
 std::optional<OmeImage> readOmeImage(const fs::path& group) {
   const std::optional<JsonNode> ome = omeAttributes(group);
@@ -103,7 +95,12 @@ void refusePlate(const fs::path& group) {
                   (group / "A" / "1" / "0").string());
 }
 
-std::size_t OmeImage::scales() const { return multiscale_.at("datasets").items().size(); }
+std::size_t OmeImage::scales() const {
+  const JsonNode datasets = multiscale_.at("datasets");
+  const std::size_t count = datasets.items().size();
+  if (count == 0) datasets.fail("must list an array");
+  return count;
+}
 
 // A path must not leave the container.
 fs::path OmeImage::arrayOf(const JsonNode& dataset) const {
@@ -135,14 +132,14 @@ std::vector<ArrayAxis> OmeImage::axes(std::size_t count) const {
   return out;
 }
 
-std::vector<ArrayChannel> OmeImage::channels() const {
-  std::vector<ArrayChannel> out;
+std::vector<std::string> OmeImage::channels() const {
+  std::vector<std::string> out;
   const std::optional<JsonNode> omero = ome_.find("omero");
   const std::optional<JsonNode> channels = omero && omero->isObject() ? omero->find("channels") : std::nullopt;
   if (!channels || !channels->isList()) return out;
   for (const JsonNode& channel : channels->items()) {
     const std::optional<JsonNode> label = channel.isObject() ? channel.find("label") : std::nullopt;
-    out.push_back({label && label->isText() ? label->text() : ""});
+    out.push_back(label && label->isText() ? label->text() : "");
   }
   return out;
 }

@@ -21,7 +21,7 @@ class OmeImage {
  private:
   std::filesystem::path arrayOf(const JsonNode& dataset) const;
   std::vector<ArrayAxis> axes(std::size_t count) const;
-  std::vector<ArrayChannel> channels() const;
+  std::vector<std::string> channels() const;
 
   std::filesystem::path group_;
   JsonNode ome_, multiscale_;
@@ -34,11 +34,8 @@ std::optional<OmeImage> readOmeImage(const std::filesystem::path& group);
 /// Throws Error kUnsupported if `group` is a plate of wells.
 void refusePlate(const std::filesystem::path& group);
 
-/// Returns the name of an axis in small letters; "c" and "t" for "channel" and "time".
-std::string plainAxisName(const std::string& name);
-
-/// Sets sizes and places by the attributes that programs around N5 write, of the array or of the group above it. The
-/// axes get names if they have none. Returns false if there is no size.
+/// Sets sizes and places by the attributes that programs around N5 write, of the array or of the group above it.
+/// Returns false if there is no size.
 bool placeN5(const ZarrArray& array, const std::filesystem::path& group, std::vector<ArrayAxis>& axes);
 
 }  // namespace kiln

@@ -138,6 +138,7 @@ std::optional<ZarrArray> readZarr3(const JsonNode& header) {
   if (kind.text() == "group") return std::nullopt;
   if (kind.text() != "array") kind.fail("must be \"array\" or \"group\"");
   ZarrArray out;
+  out.attributes = header.find("attributes");
   out.format = "Zarr v3";
   const JsonNode type = header.at("data_type");
   const std::optional<StoredNumber> number = type.isText() ? storedNumberNamed(type.text()) : std::nullopt;

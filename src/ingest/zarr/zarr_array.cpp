@@ -139,7 +139,7 @@ std::optional<ZarrArray> readZarrArray(const fs::path& folder) {
   out->folder = folder;
   out->header = header;
   if (out->names.separator == ChunkNames::kOpen) out->names.separator = separatorIn(folder);
-  if (!out->attributes) out->attributes = zarrAttributes(folder);
+  if (header.filename() == ".zarray") out->attributes = zarrAttributes(folder);
   requireConsistent(*out);
   return out;
 }

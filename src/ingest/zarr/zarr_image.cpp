@@ -9,6 +9,7 @@
 #include "base/folder.h"
 #include "base/path_status.h"
 #include "base/text.h"
+#include "ingest/source/chosen_part.h"
 #include "ingest/source/header_text.h"
 #include "ingest/zarr/ome_image.h"
 
@@ -35,7 +36,7 @@ std::vector<ArrayAxis> axesOf(const ZarrArray& array) {
   }
   names.resize(array.shape.size());
   std::vector<ArrayAxis> out(array.shape.size());
-  for (std::size_t i = 0; i < out.size(); ++i) out[i].name = plainAxisName(names[i]);
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].name = names[i];
   return out;
 }
 
@@ -102,10 +103,7 @@ ZarrImage ofArray(ZarrArray array, const SourceOptions& options) {
 
 std::optional<ZarrImage> ofGroup(const fs::path& folder, const SourceOptions& options) {
   if (const std::optional<OmeImage> image = readOmeImage(folder)) {
-    const std::int64_t scale = options.scale.value_or(0);
-    if (scale < 0 || scale >= static_cast<std::int64_t>(image->scales()))
-      throw Error(ErrorCode::kUsage, folder, "--scale",
-                  fmt::format("must be a number from 0 to {} (found {})", image->scales() - 1, scale));
+    const std::int64_t scale = chosenScale(options, static_cast<std::int64_t>(image->scales()), folder);
     return image->open(static_cast<std::size_t>(scale), options);
   }
   return ofN5Scales(folder, options);

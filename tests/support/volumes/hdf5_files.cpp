@@ -147,6 +147,10 @@ void Hdf5File::addGroup(const std::string& path) {
   const Hdf5Id group(H5Gcreate2(file_, path.c_str(), links, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
 }
 
+void Hdf5File::link(const std::string& path, const std::string& target) {
+  require(H5Lcreate_soft(target.c_str(), file_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT));
+}
+
 void Hdf5File::setText(const std::string& object, const std::string& name, const std::string& text) {
   const Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
   require(H5Tset_size(type, text.size() + 1));

@@ -21,17 +21,17 @@ struct Hdf5Filter {
 
 struct Hdf5Dataset {
   /// Shape of the data set, the slowest axis first; the volume's dims by default.
-  std::vector<std::uint64_t> shape;
+  std::vector<std::uint64_t> shape{};
   /// Empty for a contiguous data set.
-  std::vector<std::uint64_t> chunk;
+  std::vector<std::uint64_t> chunk{};
   bool big_endian = false, compact = false;
   /// The library's own filters, in the order of encoding.
   bool shuffle = false, fletcher32 = false, scale_offset = false;
-  std::optional<int> deflate;
+  std::optional<int> deflate{};
   /// A filter that the library need not have. `encode` makes the bytes of each chunk.
-  std::optional<Hdf5Filter> foreign;
-  std::function<std::string(const std::string&)> encode;
-  std::optional<double> fill;
+  std::optional<Hdf5Filter> foreign{};
+  std::function<std::string(const std::string&)> encode{};
+  std::optional<double> fill{};
   /// False leaves all chunks unwritten.
   bool written = true;
 };
@@ -51,6 +51,8 @@ class Hdf5File {
   /// A virtual data set over `source` of another file.
   void addVirtual(const std::string& path, const Extent3& dims, const std::string& file, const std::string& source);
   void addGroup(const std::string& path);
+  /// A soft link, which may lead nowhere.
+  void link(const std::string& path, const std::string& target);
   void setText(const std::string& object, const std::string& name, const std::string& text);
   void setTexts(const std::string& object, const std::string& name, const std::vector<std::string>& texts);
   /// One letter an element, as Imaris writes texts.
