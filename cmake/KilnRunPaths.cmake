@@ -7,11 +7,12 @@ set(kiln_lib_folder ${PROJECT_BINARY_DIR}/tools/kiln/${kiln_lib_from_bin})
 cmake_path(NORMAL_PATH kiln_lib_folder)
 set_target_properties(kiln ${kiln_modules} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${kiln_lib_folder} INSTALL_RPATH $ORIGIN)
 set_target_properties(kiln_tool PROPERTIES INSTALL_RPATH $ORIGIN/${kiln_lib_from_bin})
+set(kiln_programs kiln_tool)
 if(TARGET kiln_hdf5_reader)
-  set_target_properties(kiln_hdf5_reader PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${kiln_lib_folder} BUILD_WITH_INSTALL_RPATH ON
-                        INSTALL_RPATH_USE_LINK_PATH ON)
+  list(APPEND kiln_programs kiln_hdf5_reader)
+  set_target_properties(kiln_hdf5_reader PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${kiln_lib_folder})
 endif()
 # Libraries outside the system's folders, such as an MPI in /opt, are found where they were linked.
-set_target_properties(kiln kiln_tool ${kiln_modules} PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH_USE_LINK_PATH ON)
+set_target_properties(kiln ${kiln_programs} ${kiln_modules} PROPERTIES BUILD_WITH_INSTALL_RPATH ON INSTALL_RPATH_USE_LINK_PATH ON)
 # Tests and benchmarks are not installed.
 set(CMAKE_BUILD_RPATH ${kiln_lib_folder})

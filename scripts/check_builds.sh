@@ -45,11 +45,11 @@ check_configure() {
 
   configure all ', MPI, HDF5, GTest '
   has all kiln_tool libkiln_gdcm.so || fail "kiln_tool does not build the module for GDCM"
+  has all kiln_tool kiln_hdf5_reader || fail "kiln_tool does not build the reader of HDF5"
   has all kiln_tool libkiln_mpi.so || fail "kiln_tool does not build the module for MPI"
   configure without_mpi 'MPI was not found \(Debian: libopenmpi-dev\)' -D CMAKE_DISABLE_FIND_PACKAGE_MPI=ON
   ! has without_mpi kiln_tool libkiln_mpi.so || fail "without MPI its module is built"
   configure without_gtest 'GTest was not found \(Debian: libgtest-dev\)' -D CMAKE_DISABLE_FIND_PACKAGE_GTest=ON
-  has all kiln_tool kiln_hdf5_reader || fail "kiln_tool does not build the reader of HDF5"
   configure without_hdf5 'HDF5 was not found \(Debian: libhdf5-dev\)' -D HDF5_READER_LIBRARY=
   ! has without_hdf5 kiln_tool kiln_hdf5_reader || fail "without HDF5 its reader is built"
   configure without_any 'GDCM -- Configuring done' -D KILN_MPI=OFF -D KILN_TESTS=OFF -D KILN_HDF5=OFF

@@ -46,8 +46,8 @@ bool matchesFletcher32(std::span<const std::byte> data, std::uint32_t checksum) 
   return found == checksum || swapped == checksum;
 }
 
-// A control byte below 32 precedes that many literal bytes and one; any other begins a copy of earlier bytes: three
-// bits of length, 13 bits of distance.
+// A control byte N below 32 precedes N + 1 literal bytes. A larger control byte begins a copy of earlier bytes, with
+// three bits of length and 13 bits of distance.
 std::optional<std::size_t> unpackLzf(std::span<const std::byte> in, std::span<std::byte> out) {
   std::size_t at = 0, done = 0;
   const auto next = [&] { return std::to_integer<std::size_t>(in[at++]); };

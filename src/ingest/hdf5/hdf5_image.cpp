@@ -265,6 +265,13 @@ std::string onlyVolume(const fs::path& file, const Hdf5Objects& objects) {
                           shown(volumes.front())));
 }
 
+std::optional<std::string> byConvention(const Hdf5Objects& objects) {
+  if (const std::optional<std::string> found = nexusDefault(objects)) return found;
+  if (objects.volumes().size() == 1) return std::nullopt;
+  if (const std::optional<std::string> found = onlySignal(objects)) return found;
+  return objects.hasDataset("/exchange/data") ? std::optional<std::string>("/exchange/data") : std::nullopt;
+}
+
 Hdf5Image ofPath(const Hdf5Objects& objects, const std::string& path) {
   Hdf5Image out;
   out.path = path;
@@ -288,10 +295,11 @@ Hdf5Image findHdf5Image(const fs::path& file, const std::string& path, const Hdf
                   objects.find(path) ? "is no data set of numbers" : "there is no data set of this name");
     return ofPath(objects, path);
   }
-  if (const std::optional<std::string> found = nexusDefault(objects)) return ofPath(objects, *found);
-  if (objects.volumes().size() != 1) {
-    if (const std::optional<std::string> found = onlySignal(objects)) return ofPath(objects, *found);
-    if (objects.hasDataset("/exchange/data")) return ofPath(objects, "/exchange/data");
+  if (const std::optional<std::string> found = byConvention(objects)) {
+    Hdf5Image out = ofPath(objects, *found);
+    if (const std::size_t count = objects.volumes().size(); count > 1)
+      out.notes.push_back(fmt::format("took {} of {} data sets; FILE:/PATH names another", shown(*found), count));
+    return out;
   }
   return ofPath(objects, onlyVolume(file, objects));
 }
