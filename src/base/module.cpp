@@ -24,7 +24,7 @@ void* functionOfModule(const char* module, const char* function, std::string_vie
   return found;
 }
 
-// Modules and programs lie in the same folders: those in which the loader looks for the libraries of this code.
+// Modules and programs lie in the folders in which the loader looks for libraries of this code.
 std::filesystem::path programBesideModules(const char* name, std::string_view so_that) {
   Dl_info info;
   link_map* map = nullptr;

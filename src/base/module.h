@@ -1,5 +1,5 @@
-// Loads optional libraries (modules) at first use. The program starts without them, and a program that links Kiln does
-// not link them.
+// Loads optional libraries (modules) at first use. The program starts without modules, and a program that
+// links Kiln does not link modules.
 #pragma once
 
 #include <filesystem>

@@ -94,7 +94,7 @@ std::string firstDecompressedBytes(const fs::path& path) {
   std::size_t got = 0;
   try {
     InflateStream stream(File(path), 0, StreamWrapper::kGzip);
-    // Reads byte by byte, so that a stream that is cut short still yields its first bytes.
+    // Reads byte by byte, so that a cut stream still yields its first bytes.
     while (got < bytes.size() && stream.readSome(std::as_writable_bytes(std::span(bytes).subspan(got, 1)), "start"))
       ++got;
   } catch (const Error& error) {

@@ -323,7 +323,7 @@ json filtersOf(hid_t plist) {
   return out;
 }
 
-// The files that hold the voxels of a virtual or external data set, as this file names them.
+// Names of the files with the voxels of a virtual or external data set.
 json filesOf(hid_t plist, H5D_layout_t layout) {
   std::set<std::string> names;
   char name[4096] = {};

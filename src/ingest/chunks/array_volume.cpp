@@ -41,8 +41,8 @@ void requireOneAxisOfAName(const ArrayName& array, const std::vector<ArrayAxis>&
                   fmt::format("two axes have the name {}; write different names", inQuotes(axes[i].name)));
 }
 
-// Names axes by their place where none is x, y or z: the last three are z, y, x, as all writers order them; in front
-// of them stand channels and times.
+// Names axes by place if no axis is x, y or z: the last three are z, y, x, the order of all writers; channels and times
+// stand in front.
 void nameByPlace(const ArrayName& array, const SourceOptions& options, std::vector<ArrayAxis>& axes,
                  std::vector<std::string>& notes) {
   if (std::any_of(axes.begin(), axes.end(), isSpace)) return;

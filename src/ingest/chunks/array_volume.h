@@ -14,7 +14,7 @@ namespace kiln {
 
 struct ArrayVolume {
   VolumeGeometry geometry;
-  /// The array's axis that is x, y and z; -1 for an axis that the array lacks, which is one voxel long.
+  /// The array's axis for x, y and z; -1 for a missing axis, along which the volume is one voxel long.
   std::array<int, 3> axis_of = {-1, -1, -1};
   /// The index along every other axis; 0 along x, y and z.
   AxisNumbers fixed;

@@ -30,7 +30,8 @@ struct ChunkLayout {
   std::vector<int> stored_axes;
   /// The value of chunks that do not exist, as a voxel; the first bytes count.
   std::array<std::byte, 8> fill{};
-  /// The reason why no voxel has the declared fill value, which matters once a chunk is missing; empty if one has it.
+  /// The reason why no voxel can hold the declared fill value; an error once a chunk is missing. Empty for legal
+  /// values.
   std::string fill_fault;
 };
 

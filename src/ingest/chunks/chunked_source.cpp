@@ -55,8 +55,8 @@ class ChunkedSource : public VolumeSource {
   AxisNumbers fixed_;
   std::unique_ptr<ChunkedArray> array_;
   Extent3 chunk_;
-  Strides strides_;                // of a voxel in a chunk
-  std::int64_t fixed_offset_ = 0;  // of the fixed indices, in a chunk. unit: voxels
+  Strides strides_;                // steps between voxels of a chunk
+  std::int64_t fixed_offset_ = 0;  // place of the fixed indices in a chunk. unit: voxels
 };
 
 ChunkedSource::ChunkedSource(SourceInfo info, const ArrayVolume& volume, std::unique_ptr<ChunkedArray> chunks)

@@ -23,7 +23,7 @@ struct StoredNumber {
   VoxelType voxelType() const { return type.voxel(); }
   /// "uint16", "float32".
   std::string name() const;
-  /// The same bytes as a whole number without a sign; floats stay.
+  /// Reinterprets whole numbers as unsigned; floats stay.
   StoredNumber withoutSign() const;
 };
 

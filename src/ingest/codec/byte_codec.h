@@ -37,7 +37,7 @@ class ByteCodec {
 std::unique_ptr<ByteCodec> gzipCodec();
 std::unique_ptr<ByteCodec> zlibCodec();
 std::unique_ptr<ByteCodec> zstdCodec();
-/// One LZ4 block behind its decoded size in four bytes, as numcodecs writes it.
+/// An LZ4 block behind four bytes of decoded size, the form of numcodecs.
 std::unique_ptr<ByteCodec> lz4Codec();
 /// Blocks with headers, as lz4-java's LZ4BlockOutputStream writes them for N5.
 std::unique_ptr<ByteCodec> lz4StreamCodec();

@@ -1,4 +1,4 @@
-// Blocks of bytes that are compressed one by one, each decoded at once.
+// Separately compressed blocks, each decoded by one call.
 #pragma once
 
 #include <cstddef>

@@ -233,7 +233,7 @@ std::optional<std::string> nexusDefault(const Hdf5Objects& objects) {
   return std::nullopt;
 }
 
-// The data set that the groups of NeXus call their signal, if only one of three axes is.
+// Returns the signal of a NeXus group, if only one group has a signal of three axes.
 std::optional<std::string> onlySignal(const Hdf5Objects& objects) {
   std::optional<std::string> out;
   for (const std::string& path : objects.volumes()) {

@@ -1,4 +1,4 @@
-// One data set of an HDF5 file: its numbers, its shape, and where its voxels lie in the file.
+// One data set of an HDF5 file: numbers, shape, and the places of voxels in the file.
 #pragma once
 
 #include <memory>

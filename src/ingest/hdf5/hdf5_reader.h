@@ -1,5 +1,5 @@
-// One process of the program hdf5_reader with a file that it holds open. A file that crashes or stalls the HDF5 library
-// ends that process and becomes an error.
+// A process of the program hdf5_reader, which holds a file open. A crash or a stall of the HDF5 library ends the
+// process and becomes an error of the file.
 #pragma once
 
 #include <cstddef>

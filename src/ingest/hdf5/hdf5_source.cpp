@@ -1,4 +1,4 @@
-// HDF5 files. The library describes a file in a process of its own; Kiln reads the voxels itself where it can.
+// HDF5 files. The library describes a file in a separate process; Kiln reads most voxels without the library.
 #include <fmt/format.h>
 
 #include <algorithm>

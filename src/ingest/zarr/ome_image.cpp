@@ -81,7 +81,7 @@ std::optional<OmeImage> readOmeImage(const fs::path& group) {
   const std::optional<JsonNode> multiscales = ome ? ome->find("multiscales") : std::nullopt;
   if (!multiscales) return std::nullopt;
   const std::vector<JsonNode> images = multiscales->items(1024);
-  // Programs around N5 use the key for another list, which names no axes; their arrays have attributes of their own.
+  // Programs around N5 use the key for a list without axes, and describe each array by attributes.
   const bool of_n5 = multiscales->file().filename() == "attributes.json";
   if (images.empty() || (of_n5 && !images.front().find("axes"))) return std::nullopt;
   return OmeImage(group, *ome, images.front(), images.size() > 1);

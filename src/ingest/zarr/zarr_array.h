@@ -1,4 +1,4 @@
-// One array of a Zarr or N5 container: its shape, the places of its chunks, and the codecs of a chunk.
+// An array of a Zarr or N5 container: shape, places of chunks, and codecs.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,7 @@ struct ZarrArray : ChunkLayout {
   std::filesystem::path header;
   /// "Zarr v2", "Zarr v3" or "N5".
   std::string format;
-  /// The shape of what a file holds: of a shard, or of a chunk.
+  /// Shape of the voxels of a file: a shard or a chunk.
   AxisNumbers file_shape;
   ChunkNames names;
   CodecChain codecs;
