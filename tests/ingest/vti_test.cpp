@@ -214,6 +214,30 @@ TEST(IngestVti, ActiveScalarsOrTheChosenArray_areRead) {
   expectRefused(path, ErrorCode::kUsage, "--channel: 'flow' is none of the channels", options);
 }
 
+// Known: VTK writes the range of an array as elements inside the array's own.
+TEST(IngestVti, InformationInsideAnArray_HidesNoLaterArray) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::i16, 435);
+  const std::string key =
+      "<InformationKey name=\"L2_NORM_RANGE\" location=\"vtkDataArray\" length=\"1\"><Value index=\"0\">7</Value>"
+      "</InformationKey>";
+  VtiLayout layout;
+  layout.more_arrays = "<DataArray type=\"UInt8\" Name=\"w\" format=\"appended\" offset=\"0\">" + key + "</DataArray>";
+  expectReadsBack(volume, files.write("a.vti", vtiFile(volume, layout)), 436);
+}
+
+// Known: arrays of a FieldData element belong to no point and no cell.
+TEST(IngestVti, FieldDataBehindThePiece_AreNoVoxels) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::i16, 437);
+  VtiLayout layout;
+  layout.scalars = "";
+  std::string whole = vtiFile(volume, layout);
+  whole.insert(whole.find("</ImageData>"),
+               "<FieldData><DataArray type=\"UInt8\" Name=\"w\" format=\"appended\" offset=\"0\"/></FieldData>");
+  expectReadsBack(volume, files.write("a.vti", whole), 438);
+}
+
 TEST(IngestVti, OtherDataAreRefusedByName) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 441);
@@ -265,6 +289,22 @@ TEST(IngestVti, HostileLengthsAreFormatErrors) {
   refused(3, UINT64_MAX, "packed bytes");
   refused(3, 1, "damaged");
   refused(4, 1 << 20, "packed bytes");
+}
+
+// Known: the only block is the last one, which is as long as the array, whatever the length of the others.
+TEST(IngestVti, MemoryOfABlock_IsNoMoreThanTheArray) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u16, 455);
+  for (const int codec : {1, 3}) {
+    VtiLayout layout;
+    layout.codec = codec, layout.wide = true, layout.block_bytes = 4096;
+    std::string whole = vtiFile(volume, layout);
+    const std::uint64_t packed_bytes = packed(volume.stored(false), codec).size();
+    putNumber(whole, whole.find("_other") + 6 + 8, UINT64_MAX);
+    const auto source = openSource(files.write("a.vti", whole));
+    EXPECT_EQ(source->decodeBytes(), 120 + packed_bytes + (codec == 3 ? 64 << 20 : 0));
+    EXPECT_TRUE(readWhole(*source) == volume.voxels);
+  }
 }
 
 TEST(IngestVti, EveryCutIsNoticedAndFlipsAreHarmless) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -13,7 +14,9 @@ namespace kiln {
 std::optional<std::size_t> unpackLz4(std::span<const std::byte> packed, std::span<std::byte> out);
 /// One or several Zstandard frames, with or without their content size.
 std::optional<std::size_t> unpackZstd(std::span<const std::byte> packed, std::span<std::byte> out);
-/// One stream of xz. cost: up to 64 MiB for the dictionary; a larger dictionary is refused.
+/// Memory of LZMA's dictionary at most. unit: bytes.
+inline constexpr std::uint64_t kMostLzmaBytes = 64 << 20;
+/// One stream of xz. cost: kMostLzmaBytes; a larger dictionary is refused.
 std::optional<std::size_t> unpackLzma(std::span<const std::byte> packed, std::span<std::byte> out);
 
 enum class DeflateWrapper { kGzip, kZlib };

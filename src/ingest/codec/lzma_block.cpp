@@ -8,7 +8,7 @@
 namespace kiln {
 
 std::optional<std::size_t> unpackLzma(std::span<const std::byte> packed, std::span<std::byte> out) {
-  std::uint64_t most_bytes = 64 << 20;
+  std::uint64_t most_bytes = kMostLzmaBytes;
   std::size_t read = 0, written = 0;
   const lzma_ret code =
       lzma_stream_buffer_decode(&most_bytes, 0, nullptr, reinterpret_cast<const std::uint8_t*>(packed.data()), &read,

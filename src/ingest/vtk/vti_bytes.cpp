@@ -104,12 +104,12 @@ void VtiArrayBytes::readLength(VtiLengths lengths) {
 void VtiArrayBytes::readBlockTable(VtiLengths lengths, std::uint64_t memory_bytes) {
   const std::vector<std::uint64_t> head = numbers(lengths, 0, 3);
   const std::uint64_t count = head[0], last = head[2], size = text_.file().size();
-  block_bytes_ = head[1];
-  const bool sized = count > 0 && block_bytes_ > 0 && last < std::max<std::uint64_t>(block_bytes_, 1);
-  const std::uint64_t whole = count - (last > 0 ? 1 : 0);
-  if (!sized || whole > bytes_ / block_bytes_ || whole * block_bytes_ + last != bytes_)
+  const std::uint64_t block = head[1], whole = count - (last > 0 ? 1 : 0);
+  if (count == 0 || last >= block || whole > bytes_ / block || whole * block + last != bytes_)
     fail(fmt::format("the array has {} blocks of {} bytes and a last one of {}, but the extent needs {} bytes", count,
-                     block_bytes_, last, bytes_));
+                     block, last, bytes_));
+  // A single block may be shorter than the length of blocks, which is then any number.
+  block_bytes_ = std::min(block, bytes_);
   if (count > size / lengths.size()) fail(fmt::format("a table of {} blocks is longer than the file", count));
   if (count > memory_bytes / (2 * sizeof(std::uint64_t)))
     throw Error(ErrorCode::kBudget, text_.file().path(), "",
@@ -138,6 +138,10 @@ BlockCache::Bytes VtiArrayBytes::decode(std::uint64_t block) const {
     throw Error(ErrorCode::kFormat, text_.file().path(), fmt::format("block {}", block),
                 "the compressed data are damaged; get the file again");
   return out;
+}
+
+std::uint64_t VtiArrayBytes::decodeBytes() const {
+  return codec_ == BlockCodec::kNone ? kChunkBytes : block_bytes_ + packed_bytes_ + unpackMemory(codec_);
 }
 
 void VtiArrayBytes::read(std::uint64_t offset, std::span<std::byte> out) {

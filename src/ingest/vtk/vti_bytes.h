@@ -46,7 +46,7 @@ class VtiArrayBytes {
 
   /// The place of a raw array without compression in its file.
   std::uint64_t begin() const { return text_.begin() + length_bytes_; }
-  std::uint64_t decodeBytes() const { return codec_ == BlockCodec::kNone ? kChunkBytes : block_bytes_ + packed_bytes_; }
+  std::uint64_t decodeBytes() const;
   std::uint64_t heldBytes() const { return ends_.size() * sizeof(std::uint64_t); }
   void setCache(std::uint64_t bytes) { cache_.setCapacity(bytes); }
 

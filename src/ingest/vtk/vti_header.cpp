@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kStepBytes = 1 << 16;
 constexpr std::uint64_t kLongestTag = 1 << 20;
-constexpr int kDeepest = 32;
+constexpr std::size_t kDeepest = 32;
 constexpr std::size_t kMostArrays = 4096;
 
 /// The attributes of one element.
@@ -45,7 +45,7 @@ class VtiParser {
 
  private:
   static void XMLCALL onStart(void* self, const XML_Char* name, const XML_Char** attributes);
-  static void XMLCALL onEnd(void* self, const XML_Char*) { --static_cast<VtiParser*>(self)->depth_; }
+  static void XMLCALL onEnd(void* self, const XML_Char*);
   static void XMLCALL onDoctype(void* self, const XML_Char*, const XML_Char*, const XML_Char*, int);
   void start(std::string_view name, const VtiAttributes& attributes);
   void takeFile(const VtiAttributes& attributes);
@@ -67,10 +67,10 @@ class VtiParser {
   std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser_;
   std::exception_ptr thrown_;
   VtiHeader header_;
-  int depth_ = 0, pieces_ = 0;
+  int pieces_ = 0;
   bool has_image_ = false;
-  /// The element that holds arrays at present: PointData, CellData or another.
-  std::string section_;
+  /// Names of the elements that have begun and not ended.
+  std::vector<std::string> open_;
 };
 
 VtiParser::VtiParser(const File& file) : file_(file), parser_(XML_ParserCreate(nullptr), &XML_ParserFree) {
@@ -80,7 +80,7 @@ VtiParser::VtiParser(const File& file) : file_(file), parser_(XML_ParserCreate(n
   XML_SetStartDoctypeDeclHandler(parser_.get(), &onDoctype);
 }
 
-// No exception may pass through expat's frames, so it is kept and thrown behind them.
+// No exception may pass through expat's frames, so an exception is kept and thrown behind them.
 void VtiParser::onStart(void* self, const XML_Char* name, const XML_Char** attributes) {
   auto& parser = *static_cast<VtiParser*>(self);
   if (parser.thrown_ || parser.header_.appended) return;
@@ -90,6 +90,12 @@ void VtiParser::onStart(void* self, const XML_Char* name, const XML_Char** attri
     parser.thrown_ = std::current_exception();
     XML_StopParser(parser.parser_.get(), XML_FALSE);
   }
+}
+
+// An element that began behind the appended data or an error has no name in `open_`.
+void VtiParser::onEnd(void* self, const XML_Char*) {
+  auto& open = static_cast<VtiParser*>(self)->open_;
+  if (!open.empty()) open.pop_back();
 }
 
 void VtiParser::onDoctype(void* self, const XML_Char*, const XML_Char*, const XML_Char*, int) {
@@ -118,8 +124,9 @@ VtiHeader VtiParser::parse() {
 }
 
 void VtiParser::start(std::string_view name, const VtiAttributes& attributes) {
-  if (++depth_ > kDeepest) fail("elements are nested too deeply");
-  if (depth_ == 1) {
+  if (open_.size() == kDeepest) fail("elements are nested too deeply");
+  open_.emplace_back(name);
+  if (open_.size() == 1) {
     if (name != "VTKFile")
       fail(inQuotes(name) + " is not a file of VTK; its first element is VTKFile", ErrorCode::kUnsupported);
     return takeFile(attributes);
@@ -128,7 +135,6 @@ void VtiParser::start(std::string_view name, const VtiAttributes& attributes) {
   if (name == "Piece") return takePiece(attributes);
   if (name == "AppendedData") return takeAppended(attributes);
   if (name == "DataArray") return takeArray(attributes);
-  section_ = name;
   if (name == "PointData") header_.point_scalars = attributes.get("Scalars");
   if (name == "CellData") header_.cell_scalars = attributes.get("Scalars");
 }
@@ -194,12 +200,13 @@ void VtiParser::takePiece(const VtiAttributes& attributes) {
 }
 
 void VtiParser::takeArray(const VtiAttributes& attributes) {
-  if (section_ != "PointData" && section_ != "CellData") return;
+  const std::string& section = open_[open_.size() - 2];
+  if (section != "PointData" && section != "CellData") return;
   if (header_.arrays.size() == kMostArrays) fail(fmt::format("holds more than {} arrays", kMostArrays));
   VtiArray array;
   array.name = attributes.get("Name");
   array.type = attributes.get("type");
-  array.of_cells = section_ == "CellData";
+  array.of_cells = section == "CellData";
   if (attributes.find("NumberOfComponents"))
     array.components = numbers<1>(attributes, "NumberOfComponents", integerOf)[0];
   const std::string format = attributes.get("format", "ascii");
