@@ -183,7 +183,10 @@ void chooseByName(SliceFiles& slices, const SourceOptions& options) {
   for (const std::filesystem::path& file : slices.files) names.push_back(numberedName(file));
   const std::optional<SecondNumber> second = secondNumber(names);
   if (!second || (!options.channel && !options.time && options.allow_irregular)) return;
-  const bool by_time = !options.channel && options.time;
+  if (options.channel && options.time)
+    throw Error(ErrorCode::kUsage, slices.input, "--time",
+                "the names have one number beside the slices' (found --channel, too); leave one of them out");
+  const bool by_time = options.time.has_value();
   const char* const option = by_time ? "--time" : "--channel";
   if (!options.channel && !options.time)
     throw Error(ErrorCode::kUsage, slices.input, "",

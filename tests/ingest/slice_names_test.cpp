@@ -97,6 +97,11 @@ TEST(SliceNames, SecondNumber_isChosenByChannelOrTime) {
   EXPECT_NE(refusal({}).find("'z*_c003.tif' (4 files); choose one by its number with --channel"), std::string::npos);
   options = {}, options.channel = "0";
   EXPECT_NE(refusal(options).find("--channel: no name has the number '0'"), std::string::npos);
+  options.channel = "2", options.time = 1;
+  EXPECT_NE(refusal(options).find("--time: the names have one number beside the slices' (found --channel, too); leave "
+                                  "one of them out"),
+            std::string::npos)
+      << refusal(options);
 }
 
 TEST(SliceNames, NumbersThatAreEqualOrTooLong_AreErrors) {

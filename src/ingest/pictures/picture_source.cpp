@@ -10,6 +10,7 @@
 #include "ingest/bytes/block_cache.h"
 #include "ingest/bytes/linear_source.h"
 #include "ingest/pictures/picture_slice.h"
+#include "ingest/source/chosen_part.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"
 
@@ -62,9 +63,16 @@ PictureSlice pictureHeaderOf(const SliceFiles& slices, std::size_t i) {
   return slices.format == SliceFormat::kPng ? readPngHeader(slices.files[i]) : readJpegHeader(slices.files[i]);
 }
 
+// A picture has one channel and one time.
+void requireOneChoice(const SourceOptions& options, const std::filesystem::path& input) {
+  chosenChannel(options, std::vector<std::string>(1), input);
+  chosenTime(options, 1, input);
+}
+
 }  // namespace
 
 std::unique_ptr<VolumeSource> openPictures(const SliceFiles& input, const SourceOptions& options) {
+  if (input.part.empty()) requireOneChoice(options, input.input);
   const PictureSlice first = pictureHeaderOf(input, 0);
   for (std::size_t i = 1; i < input.files.size(); ++i) {
     if (const PictureSlice slice = pictureHeaderOf(input, i); !(slice == first))
