@@ -4,6 +4,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -41,6 +42,7 @@ class StoredType {
   constexpr bool isWide() const { return width_ == Width::kWide; }
   /// True if stored values and voxels have the same bytes, except for the byte order.
   constexpr bool isVoxel() const { return width_ == Width::kSame; }
+  constexpr bool operator==(const StoredType&) const = default;
   friend constexpr std::size_t sizeOf(const StoredType& type) {
     return type.isHalf() ? 2 : type.isWide() ? 8 : sizeOf(type.type_);
   }
@@ -52,6 +54,13 @@ class StoredType {
   VoxelType type_;
   Width width_ = Width::kSame;
 };
+
+/// "f16", "i64" and "u64", or the name of the voxel type.
+constexpr std::string_view nameOf(const StoredType& type) {
+  if (type.isHalf()) return "f16";
+  if (type.isWide()) return type.voxel() == VoxelType::i32 ? "i64" : "u64";
+  return nameOf(type.voxel());
+}
 
 /// Calls `f(std::type_identity<T>{})`, where T is Half, a 64-bit integer or the C++ type of the voxel type.
 template <class F>

@@ -203,7 +203,7 @@ void TiffFile::readPage() {
   const std::uint64_t size = h.file.size(), bytes = page_.bytes();
   if (page_.packed ? bytes / kMostUnpacking > size : bytes > size) {
     fail(fmt::format("is {} x {} of {}, more than the file's {} bytes can hold", page.width, page.height,
-                     nameOf(page.type.voxel()), size));
+                     nameOf(page.type), size));
   }
   // Tests the last block now: a file that is cut short should fail before hours of conversion.
   if (!page_.packed) blockOffset(page_.blocksAcross() * page_.blocksDown() - 1);

@@ -37,6 +37,11 @@ struct TiffPage {
   std::uint64_t bytes() const { return static_cast<std::uint64_t>(width * height) * sizeOf(type); }
   /// Size of a whole block, decoded. unit: bytes.
   std::uint64_t blockBytes() const { return static_cast<std::uint64_t>(block_width * block_height) * sizeOf(type); }
+  /// True if both pages may be slices of one volume. Their blocks may differ.
+  bool isLike(const TiffPage& other) const {
+    return width == other.width && height == other.height && type == other.type && orientation == other.orientation &&
+           smallest_is_white == other.smallest_is_white;
+  }
 };
 
 /// thread: one at a time.

@@ -51,7 +51,7 @@ struct Stack {
 
 // Describes the properties that pages of one volume must share.
 std::string describe(const TiffPage& page) {
-  return fmt::format("{} x {} of {}{}{}", page.width, page.height, nameOf(page.type.voxel()),
+  return fmt::format("{} x {} of {}{}{}", page.width, page.height, nameOf(page.type),
                      page.smallest_is_white ? ", its smallest value white" : "",
                      page.orientation == 1 ? "" : fmt::format(", of orientation {}", page.orientation));
 }
@@ -61,11 +61,11 @@ std::string describe(const TiffPage& page) {
 void requireAlike(const TiffPage& first, const std::vector<fs::path>& files, std::size_t index, const TiffFile& file,
                   std::size_t slice) {
   const TiffPage& page = file.page();
-  if (describe(page) == describe(first)) return;
+  if (page.isLike(first)) return;
   const auto fail = [](const fs::path& path, int number, const std::string& what) {
     throw Error(ErrorCode::kFormat, path, fmt::format("page {}", number), what + "; slices of one volume are alike");
   };
-  if (index == 1 && files.size() > 2 && describe(TiffFile(files[2]).page()) == describe(page))
+  if (index == 1 && files.size() > 2 && TiffFile(files[2]).page().isLike(page))
     fail(files[0], first.number,
          fmt::format("slice 0 is {}, but the next, in {}, is {}", describe(first), files[1].filename().string(),
                      describe(page)));
