@@ -235,7 +235,8 @@ TEST(IngestNrrd, WhatIsNotReadIsRefusedByName) {
   refused(u8 + "encoding: raw\ndata file: a%03d.raw 1 9 1\n", ErrorCode::kNotFound, "'a001.raw' is missing");
   for (const char* pattern : {"a%s.raw", "a%d%d.raw", "a%99d.raw", "a%n.raw", "a%"})
     refused(u8 + "encoding: raw\ndata file: " + pattern + " 1 9 1\n", ErrorCode::kFormat, "is no pattern");
-  for (const char* count : {"1 9 0", "9 1 1", "1 9000000000 1", "-9223372036854775808 9223372036854775807 1"})
+  for (const char* count :
+       {"1 9 0", "9 1 1", "1 0 2", "0 1 -2", "1 9000000000 1", "-9223372036854775808 9223372036854775807 1"})
     refused(u8 + "encoding: raw\ndata file: a%d.raw " + count + "\n", ErrorCode::kFormat, "counts no files");
   // A list at the end of the header.
   expectRefused(files.write("empty.nhdr", "NRRD0004\n" + u8 + "encoding: raw\ndata file: LIST 2\n"), ErrorCode::kFormat,

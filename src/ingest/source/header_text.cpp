@@ -182,7 +182,8 @@ std::vector<std::string> HeaderFields::namesOf(const HeaderField& field, const s
   if (!file) fail(field, inQuotes(parts[0]) + " is no pattern with one number such as %d or %03d");
   const std::int64_t first = *integerOf(parts[1]), last = *integerOf(parts[2]), step = *integerOf(parts[3]);
   const bool far = std::max(std::abs(static_cast<double>(first)), std::abs(static_cast<double>(last))) > 1e15;
-  if (far || step == 0 || (last - first) / step < 0 || (last - first) / step >= kMostFiles)
+  const bool away = last != first && (last > first) != (step > 0);
+  if (far || step == 0 || away || (last - first) / step >= kMostFiles)
     fail(field, inQuotes(field.value) + " counts no files, or more than a million");
   std::vector<std::string> out;
   for (std::int64_t i = 0; i <= (last - first) / step; ++i) out.push_back(file->of(first + i * step));
