@@ -84,6 +84,21 @@ TEST(IngestLegacyVtk, ArrayAmongOthersIsFound) {
   expectRefused(path, ErrorCode::kUsage, "'x' is none of the channels 0 to 1: 0 ('w'), 1 ('v')", options);
 }
 
+// Known: VTK writes facts about the whole image in front of its dimensions.
+TEST(IngestLegacyVtk, FieldOfTheWholeImage_IsPassedOver) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::i16, 525);
+  for (const bool binary : {false, true}) {
+    std::string whole = legacyStart(volume.dims, binary) + legacyScalars(volume, binary);
+    const std::string field =
+        binary ? "FIELD FieldData 1\nTIME 1 1 double\n12345678\n"
+               : "FIELD FieldData 3\nTIME 1 1 double\n0.5\nMETADATA\nINFORMATION 0\n\nnames 1 2 string\na b\n\n"
+                 "M 3 3 int\n1 2 3 4\n5 6 7 8 9\n";
+    whole.insert(whole.find("DIMENSIONS"), field);
+    expectReadsBack(volume, files.write("a.vtk", whole), 526);
+  }
+}
+
 TEST(IngestLegacyVtk, OtherDataAreRefused) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 531);

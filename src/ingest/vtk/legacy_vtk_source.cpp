@@ -1,7 +1,7 @@
 // Legacy files of VTK with STRUCTURED_POINTS: a text header, then one array behind the other, as text or big-endian.
-// Arrays in front of the chosen one are passed over; in a text file, where their lengths are unknown, only the first
-// array is read.
-// Source: VTK File Formats, docs.vtk.org/en/latest/design_documents/VTKFileFormats.html.
+// Arrays in front of the chosen one are passed over. In a text file, where only counting finds their ends, arrays of
+// the whole image are passed over, and the first array of points or cells is read. Source: VTK File Formats,
+// docs.vtk.org/en/latest/design_documents/VTKFileFormats.html.
 #include <fmt/format.h>
 
 #include <array>
@@ -56,6 +56,7 @@ class LegacyReader {
   bool takeScalars(const Words& line);
   bool takeFields(const Words& line);
   bool addArray(const LegacyArray& array, std::int64_t tuples);
+  bool passOverText(const LegacyArray& array, std::int64_t tuples);
   void takeCount(const Words& line, bool of_cells);
   void passOverMetadata();
   std::optional<Words> nextWords();
@@ -148,7 +149,7 @@ bool LegacyReader::addArray(const LegacyArray& array, std::int64_t tuples) {
   added.of_cells = of_cells_;
   added.begin = lines_->endOffset();
   if (tuples_ > 0 && tuples == tuples_) header_.arrays.push_back(added);
-  if (!header_.binary) return false;
+  if (!header_.binary) return tuples_ == 0 && passOverText(array, tuples);
   std::uint64_t size = 0;
   const std::string type = lowered(array.type);
   if (const auto known = vtkTypeNamed(kLegacyTypes, type)) size = sizeOf(*known);
@@ -161,6 +162,22 @@ bool LegacyReader::addArray(const LegacyArray& array, std::int64_t tuples) {
   if (static_cast<std::uint64_t>(tuples) > room / size / values) return false;
   lines_.emplace(file_, added.begin + static_cast<std::uint64_t>(tuples) * values * size);
   return true;
+}
+
+// Passes over the numbers of an array in a text file; a text has a line of its own. Returns false if the file ends.
+bool LegacyReader::passOverText(const LegacyArray& array, std::int64_t tuples) {
+  constexpr std::int64_t kMostValues = 1 << 24;
+  if (tuples > kMostValues / array.components)
+    fail(fmt::format("{} holds more than {} values of the whole image", inQuotes(array.name), kMostValues));
+  const bool texts = lowered(array.type) == "string";
+  std::int64_t left = tuples * array.components;
+  while (texts && left > 0 && lines_->next()) --left;
+  while (!texts && left > 0) {
+    const std::optional<Words> line = nextWords();
+    if (!line) break;
+    left -= static_cast<std::int64_t>(line->size());
+  }
+  return left <= 0;
 }
 
 bool LegacyReader::takeScalars(const Words& line) {
