@@ -49,9 +49,11 @@ glm::dvec2 pixelByTags(const TiffPage& page) {
   return isPrinters(25.4 / pixel.x) ? glm::dvec2(0) : pixel;
 }
 
+constexpr std::int64_t kMostStacks = 1'000'000, kMostImages = 1'000'000'000;
+
 // Clamps: larger numbers than any file has are treated as a million.
 std::int64_t stacksFrom(std::string_view text) {
-  return std::clamp<std::int64_t>(integerOf(text).value_or(1), 1, 1'000'000);
+  return std::clamp<std::int64_t>(integerOf(text).value_or(1), 1, kMostStacks);
 }
 
 // ImageJ omits the distance of slices if it is exactly 1. y and z may have units of their own.
@@ -77,7 +79,7 @@ std::optional<StackNotes> imageJNotes(std::string_view description) {
     const std::size_t equals = line.find('=');
     if (equals == std::string_view::npos) continue;
     const std::string key = trimmed(line.substr(0, equals)), value = trimmed(line.substr(equals + 1));
-    if (key == "images") out.images = std::max<std::int64_t>(integerOf(value).value_or(1), 1);
+    if (key == "images") out.images = std::clamp<std::int64_t>(integerOf(value).value_or(1), 1, kMostImages);
     if (key == "channels") out.channels = stacksFrom(value);
     if (key == "frames") out.frames = stacksFrom(value);
     if (key == "slices") out.slices = stacksFrom(value);
@@ -92,8 +94,7 @@ std::optional<StackNotes> imageJNotes(std::string_view description) {
     if (key == "c1") c1 = value;
   }
   // Channels follow each other fastest, then slices, then frames.
-  if (out.slices == 0)
-    out.slices = std::clamp<std::int64_t>(out.images / (out.channels * out.frames), 1, 1'000'000'000);
+  if (out.slices == 0) out.slices = std::max<std::int64_t>(out.images / (out.channels * out.frames), 1);
   out.slice_step = out.channels;
   out.frame_step = out.channels * out.slices;
   out.in_unit = !unit.empty() && unit != "pixel" && unit != "pixels";
@@ -115,10 +116,18 @@ std::string attributeOf(std::string_view element, const std::string& name) {
   return last == std::string_view::npos ? "" : std::string(element.substr(first + 1, last - first - 1));
 }
 
-// Sets the steps by an order of axes, fastest first: "XYCZT".
+// Sets the steps by an order of axes, fastest first: "XYCZT". Steps of an axis that is repeated would lead beyond the
+// last image.
 void useOrder(StackNotes& out, std::string_view order) {
+  constexpr std::string_view kStepped = "ZCT";
+  std::string left(kStepped);
   std::int64_t step = 1;
   for (const char axis : order) {
+    if (kStepped.find(axis) == std::string_view::npos) continue;
+    if (std::erase(left, axis) == 0) {
+      if (out.disorder.empty()) out.disorder = fmt::format("{}'s description repeats an axis in its order", out.writer);
+      return;
+    }
     if (axis == 'Z') out.slice_step = std::exchange(step, step * out.slices);
     if (axis == 'C') out.channel_step = std::exchange(step, step * out.channels);
     if (axis == 'T') out.frame_step = std::exchange(step, step * out.frames);
@@ -129,16 +138,21 @@ void useOrder(StackNotes& out, std::string_view order) {
 template <class Use>
 void forEachElement(std::string_view pixels, const std::string& name, Use&& use) {
   pixels = pixels.substr(0, pixels.find("</Pixels>"));
-  for (std::size_t at = 0; (at = pixels.find("<" + name + " ", at)) != std::string_view::npos; ++at)
-    use(pixels.substr(at, pixels.find('>', at) - at));
+  const std::string begin = "<" + name + " ";
+  for (std::size_t at = 0; (at = pixels.find(begin, at)) != std::string_view::npos;) {
+    const std::size_t end = std::min(pixels.find('>', at), pixels.size());
+    use(pixels.substr(at, end - at));
+    at = end;
+  }
 }
 
-// A TiffData element places planes. Kiln reads planes that follow the order of dimensions.
+// A TiffData element places planes. Kiln reads planes that follow the order of dimensions; of planes in several files
+// the names of the files decide.
 void usePlaces(StackNotes& out, std::string_view pixels) {
+  if (pixels.find("FileName=") != std::string_view::npos) return;
   forEachElement(pixels, "TiffData", [&](std::string_view element) {
     const auto of = [&](const char* name) { return integerOf(attributeOf(element, name)).value_or(0); };
-    // A place in another file: the names of the files decide.
-    if (pixels.find("FileName=") != std::string_view::npos || attributeOf(element, "IFD").empty()) return;
+    if (attributeOf(element, "IFD").empty()) return;
     const double expected = static_cast<double>(of("FirstZ")) * static_cast<double>(out.slice_step) +
                             static_cast<double>(of("FirstC")) * static_cast<double>(out.channel_step) +
                             static_cast<double>(of("FirstT")) * static_cast<double>(out.frame_step);
@@ -220,7 +234,7 @@ std::optional<StackNotes> tifffileNotes(std::string_view description) {
   if (!description.starts_with("{\"shape\": [")) return std::nullopt;
   std::vector<std::int64_t> dims;
   for (const std::string_view dim : splitAt(jsonValue(description, "shape"), ','))
-    dims.push_back(std::clamp<std::int64_t>(integerOf(trimmed(dim)).value_or(1), 1, 1'000'000));
+    dims.push_back(std::clamp<std::int64_t>(integerOf(trimmed(dim)).value_or(1), 1, kMostStacks));
   std::string axes(jsonValue(description, "axes"));
   if (axes.size() != dims.size()) {
     std::erase(dims, 1);
@@ -234,7 +248,7 @@ std::optional<StackNotes> tifffileNotes(std::string_view description) {
   for (std::size_t i = axes.size(); i-- > 0;) {
     std::int64_t& count = axes[i] == 'Z' ? out.slices : axes[i] == 'T' ? out.frames : out.channels;
     if (axes[i] == 'Y' || axes[i] == 'X') continue;
-    count = std::min<std::int64_t>(count * dims[i], 1'000'000);
+    count = std::min<std::int64_t>(count * dims[i], kMostStacks);
     const char kind = axes[i] == 'Z' || axes[i] == 'T' ? axes[i] : 'C';
     if (dims[i] == 1 || order.ends_with(kind)) continue;
     if (order.find(kind) != std::string::npos)
