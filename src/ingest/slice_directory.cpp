@@ -219,11 +219,14 @@ FolderFiles filesIn(const fs::path& directory) {
   SortedEntries entries;
   entries.add(directory);
   const bool listed = std::erase_if(entries.dicom, isDicomDirectory) > 0;
-  const FolderFiles own = {entries.tiff, entries.dicom, entries.other};
-  if (!listed && !(own.tiff.empty() && own.dicom.empty())) return own;
+  FolderFiles out = {entries.tiff, entries.dicom, entries.other, {}, {}};
+  if (!listed && !(out.tiff.empty() && out.dicom.empty())) return out;
+  const std::vector<fs::path> png = entries.png, jpeg = entries.jpeg;
   entries.addBelow(directory);
   std::erase_if(entries.dicom, isDicomDirectory);
-  return {own.tiff, entries.dicom, own.other};
+  out.dicom = entries.dicom;
+  if (out.tiff.empty() && out.dicom.empty()) out.png = png, out.jpeg = jpeg;
+  return out;
 }
 
 SliceFiles slicesIn(const fs::path& directory) {

@@ -19,6 +19,8 @@ bool naturallyBefore(std::string_view a, std::string_view b);
 /// left out.
 struct FolderFiles {
   std::vector<std::filesystem::path> tiff, dicom, other;
+  /// Pictures, which are slices if a folder has no others; `other` holds them, too.
+  std::vector<std::filesystem::path> png, jpeg;
 };
 /// Searches subfolders for DICOM as slicesIn. throws: Error kIo if the folder cannot be read.
 FolderFiles filesIn(const std::filesystem::path& directory);

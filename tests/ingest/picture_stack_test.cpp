@@ -2,77 +2,15 @@
 // of quality 100 keeps blocks of 8 x 8 equal pixels exactly.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
-#include <cstdio>
 #include <filesystem>
 
-// jpeglib.h needs stdio.h in front.
-#include <jpeglib.h>
-
 #include "ingest/open_source.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/header_writer.h"
+#include "support/volumes/picture_files.h"
 
 namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
-
-std::string pngChunk(const std::string& name, const std::string& data) {
-  std::string out(4, '\0');
-  putNumber(out, 0, static_cast<std::uint32_t>(data.size()), true);
-  out += name + data;
-  std::string check(4, '\0');
-  const std::string checked = name + data;
-  putNumber(check, 0,
-            static_cast<std::uint32_t>(
-                crc32(0, reinterpret_cast<const Bytef*>(checked.data()), static_cast<uInt>(checked.size()))),
-            true);
-  return out + check;
-}
-
-// `rows` are packed rows of pixels, big-endian, without filter bytes.
-std::string pngFile(int width, int height, int depth, int colour, const std::string& rows) {
-  std::string header(13, '\0');
-  putNumber(header, 0, width, true), putNumber(header, 4, height, true);
-  header[8] = static_cast<char>(depth), header[9] = static_cast<char>(colour);
-  std::string filtered;
-  const std::size_t row = rows.size() / static_cast<std::size_t>(height);
-  for (std::size_t at = 0; at < rows.size(); at += row) filtered += '\0' + rows.substr(at, row);
-  return "\x89PNG\r\n\x1a\n" + pngChunk("IHDR", header) + pngChunk("IDAT", zlibbed(filtered)) + pngChunk("IEND", "");
-}
-
-std::string pngSlice(const ForeignVolume& volume, std::int64_t z) {
-  const ForeignVolume slice = {
-      {volume.dims.x, volume.dims.y, 1}, volume.type, volume.box({{0, 0, z}, {volume.dims.x, volume.dims.y, z + 1}})};
-  return pngFile(static_cast<int>(volume.dims.x), static_cast<int>(volume.dims.y),
-                 static_cast<int>(8 * sizeOf(volume.type)), 0, slice.stored(true));
-}
-
-std::string jpegFile(int width, int height, int components, const std::string& pixels) {
-  jpeg_compress_struct jpeg{};
-  jpeg_error_mgr errors;
-  jpeg.err = jpeg_std_error(&errors);
-  jpeg_create_compress(&jpeg);
-  unsigned char* out = nullptr;
-  unsigned long size = 0;
-  jpeg_mem_dest(&jpeg, &out, &size);
-  jpeg.image_width = static_cast<JDIMENSION>(width), jpeg.image_height = static_cast<JDIMENSION>(height);
-  jpeg.input_components = components;
-  jpeg.in_color_space = components == 1 ? JCS_GRAYSCALE : JCS_RGB;
-  jpeg_set_defaults(&jpeg);
-  jpeg_set_quality(&jpeg, 100, TRUE);
-  jpeg_start_compress(&jpeg, TRUE);
-  for (int y = 0; y < height; ++y) {
-    auto* row = reinterpret_cast<unsigned char*>(const_cast<char*>(pixels.data())) + y * width * components;
-    jpeg_write_scanlines(&jpeg, &row, 1);
-  }
-  jpeg_finish_compress(&jpeg);
-  std::string bytes(reinterpret_cast<const char*>(out), size);
-  jpeg_destroy_compress(&jpeg);
-  std::free(out);
-  return bytes;
-}
 
 class IngestPictures : public ::testing::Test {
  protected:
@@ -127,6 +65,42 @@ TEST_F(IngestPictures, FlatBlocksOfJpegReadBack) {
   }
   expectReadsBack(volume, folder_, 621);
   EXPECT_EQ(openSource(folder_)->info().format, "JPEG, 3 slices");
+}
+
+// Known: the header of a JPEG file is at its front, or behind segments of up to 64 KiB each.
+TEST_F(IngestPictures, HeaderOfJpegIsRead_NotTheFile) {
+  const std::string jpeg = jpegFile(8, 8, 1, std::string(64, 'f'));
+  const std::string segment = "\xff\xe2\xff\xfe" + std::string(0xfffc, 'x');
+  put("s0.jpg", jpeg.substr(0, 2) + segment + segment + jpeg.substr(2));
+  EXPECT_TRUE(readWhole(*openSource(folder_)) == std::vector<std::byte>(64, std::byte{'f'}));
+  put("s0.jpg", jpeg);
+  fs::resize_file(folder_ / "s0.jpg", std::uintmax_t{1} << 40);
+  EXPECT_EQ(openSource(folder_)->info().geometry.dims, (Extent3{8, 8, 1}));
+}
+
+// Known: a picture is decoded from the whole file, and progressive JPEG holds two bytes of coefficients a pixel.
+TEST_F(IngestPictures, DecodingChargesTheFile) {
+  const std::uint64_t extra = 3 << 20;
+  put("s0.png", pngFile(4, 4, 8, 0, std::string(16, 'x'), pngChunk("prIv", std::string(extra, 'p'))));
+  EXPECT_GE(openSource(folder_)->decodeBytes(), extra + 16);
+  const auto source = openSource(folder_);
+  put("s0.png", pngFile(4, 4, 8, 0, std::string(16, 'x'), pngChunk("prIv", std::string(2 * extra, 'p'))));
+  EXPECT_THROW(readWhole(*source), Error);
+  fs::remove(folder_ / "s0.png");
+  const std::string jpeg = jpegFile(24, 16, 1, std::string(24 * 16, 'f'));
+  put("s0.jpg", jpeg);
+  EXPECT_GE(openSource(folder_)->decodeBytes(), jpeg.size() + 3 * 24 * 16);
+}
+
+TEST_F(IngestPictures, ChannelOrTimeOfOneStack_IsRefused) {
+  putSlices(randomVolume({5, 4, 3}, VoxelType::u8, 651));
+  SourceOptions options;
+  options.channel = "1";
+  expectRefused(folder_, ErrorCode::kUsage, "--channel: '1' is none of the channels 0 to 0", options);
+  options = {}, options.time = 2;
+  expectRefused(folder_, ErrorCode::kUsage, "--time: expected a number from 0 to 0 (found 2)", options);
+  options.time = 0, options.channel = "0";
+  EXPECT_EQ(openSource(folder_, options)->info().format, "PNG, 3 slices");
 }
 
 TEST_F(IngestPictures, ChannelOfTheNamesIsChosen) {

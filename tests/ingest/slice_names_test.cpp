@@ -67,7 +67,7 @@ TEST(SliceNames, TwoChannels_AreListed) {
 
 // Known: the channel is the second number of the names, and each file is named after its place.
 TEST(SliceNames, SecondNumber_isChosenByChannelOrTime) {
-  SliceFiles all{"scan", SliceFormat::kTiff, {}, {}};
+  SliceFiles all{"scan", SliceFormat::kTiff, {}, {}, {}};
   for (int z = 8; z < 12; ++z) {
     for (int c = 1; c < 4; ++c) all.files.push_back("z" + std::to_string(z) + "_c00" + std::to_string(c) + ".tif");
   }

@@ -23,33 +23,39 @@ std::string describe(const PictureSlice& slice) {
 
 class PictureSource : public VolumeSource {
  public:
-  PictureSource(SourceInfo info, SliceFiles slices, const PictureSlice& header)
-      : info_(std::move(info)), slices_(std::move(slices)), header_(header) {}
+  /// `slice` is alike in all files, and `file_bytes` the size of the largest one.
+  PictureSource(SourceInfo info, SliceFiles slices, const PictureSlice& slice, std::uint64_t file_bytes)
+      : info_(std::move(info)), slices_(std::move(slices)), slice_(slice), file_bytes_(file_bytes) {}
 
   const SourceInfo& info() const override { return info_; }
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
-  // The file and the decoded slice; files are hardly longer than their slices.
-  std::uint64_t decodeBytes() const override { return 2 * header_.bytes(); }
+  std::uint64_t decodeBytes() const override;
   void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
 
  private:
   BlockCache::Bytes decode(std::int64_t z) const {
     const std::filesystem::path& path = slices_.files[static_cast<std::size_t>(z)];
-    return slices_.format == SliceFormat::kPng ? decodePng(path, header_) : decodeJpeg(path, header_);
+    return (slices_.format == SliceFormat::kPng ? decodePng : decodeJpeg)(path, slice_, file_bytes_);
   }
 
   SourceInfo info_;
   SliceFiles slices_;
-  PictureSlice header_;
+  PictureSlice slice_;
+  std::uint64_t file_bytes_;
   BlockCache cache_;
 };
+
+std::uint64_t PictureSource::decodeBytes() const {
+  const auto pixels = static_cast<std::uint64_t>(slice_.width * slice_.height);
+  return file_bytes_ + slice_.bytes() + (slices_.format == SliceFormat::kJpeg ? kJpegPixelBytes * pixels : 0);
+}
 
 void PictureSource::read(const VoxelBox& box, std::span<std::byte> out) {
   assert(intersection(box, boxOf(info_.geometry.dims)) == box);
   if (box.empty()) return;
   const std::size_t size = sizeOf(info_.type), row = static_cast<std::size_t>(box.extent().x) * size;
-  const std::size_t line = static_cast<std::size_t>(header_.width) * size;
+  const std::size_t line = static_cast<std::size_t>(slice_.width) * size;
   std::byte* to = out.data();
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
     const auto slice = cache_.get({z, 0}, [&] { return decode(z); });
@@ -59,8 +65,8 @@ void PictureSource::read(const VoxelBox& box, std::span<std::byte> out) {
   }
 }
 
-PictureSlice pictureHeaderOf(const SliceFiles& slices, std::size_t i) {
-  return slices.format == SliceFormat::kPng ? readPngHeader(slices.files[i]) : readJpegHeader(slices.files[i]);
+PictureHeader pictureHeaderOf(SliceFormat format, const std::filesystem::path& path) {
+  return format == SliceFormat::kPng ? readPngHeader(path) : readJpegHeader(path);
 }
 
 // A picture has one channel and one time.
@@ -73,15 +79,17 @@ void requireOneChoice(const SourceOptions& options, const std::filesystem::path&
 
 std::unique_ptr<VolumeSource> openPictures(const SliceFiles& input, const SourceOptions& options) {
   if (input.part.empty()) requireOneChoice(options, input.input);
-  const PictureSlice first = pictureHeaderOf(input, 0);
+  auto [first, file_bytes] = pictureHeaderOf(input.format, input.files[0]);
   for (std::size_t i = 1; i < input.files.size(); ++i) {
-    if (const PictureSlice slice = pictureHeaderOf(input, i); !(slice == first))
+    const PictureHeader header = pictureHeaderOf(input.format, input.files[i]);
+    file_bytes = std::max(file_bytes, header.file_bytes);
+    if (!(header.slice == first))
       throw Error(ErrorCode::kFormat, input.files[i], "",
                   fmt::format("slice {} is {}, but the first, in {}, is {}; slices of one volume are alike", i,
-                              describe(slice), input.files[0].filename().string(), describe(first)));
+                              describe(header.slice), input.files[0].filename().string(), describe(first)));
   }
   SourceInfo info;
-  info.format = fmt::format("{}, {} {}{}", input.format == SliceFormat::kPng ? "PNG" : "JPEG", input.files.size(),
+  info.format = fmt::format("{}, {} {}{}", nameOf(input.format), input.files.size(),
                             input.files.size() == 1 ? "slice" : "slices", input.part);
   info.files = {input.input};
   info.files.insert(info.files.end(), input.files.begin(), input.files.end());
@@ -93,7 +101,21 @@ std::unique_ptr<VolumeSource> openPictures(const SliceFiles& input, const Source
   checkedBytes(info.geometry.dims, info.type, input.input);
   if (!options.spacing)
     info.notes.push_back("pictures have no size of a voxel, which is taken to be 1 x 1 x 1; --spacing sets another");
-  return std::make_unique<PictureSource>(std::move(info), input, first);
+  return std::make_unique<PictureSource>(std::move(info), input, first, file_bytes);
+}
+
+ListedVolume listPictures(SliceFormat format, const std::vector<std::filesystem::path>& stack) {
+  ListedVolume out;
+  out.name = nameOfStack(stack);
+  out.kind = nameOf(format);
+  try {
+    const PictureSlice first = pictureHeaderOf(format, stack.front()).slice;
+    out.dims = Extent3{first.width, first.height, static_cast<std::int64_t>(stack.size())};
+    out.type = first.type;
+  } catch (const Error& error) {
+    out.refusal = error.what();
+  }
+  return out;
 }
 
 }  // namespace kiln

@@ -63,7 +63,7 @@ std::uint32_t bigEndianAt(std::span<const std::byte> bytes, std::size_t at) {
 
 }  // namespace
 
-PictureSlice readPngHeader(const std::filesystem::path& path) {
+PictureHeader readPngHeader(const std::filesystem::path& path) {
   const File file(path);
   std::array<std::byte, kStartBytes> start{};
   file.readAt(0, start);
@@ -84,14 +84,15 @@ PictureSlice readPngHeader(const std::filesystem::path& path) {
   if (out.bytes() / (8 * kMostOfDeflate) > file.size())
     fail(fmt::format("is {} x {}, more than its {} bytes can hold", out.width, out.height, file.size()),
          ErrorCode::kFormat);
-  return out;
+  return {out, file.size()};
 }
 
-std::vector<std::byte> decodePng(const std::filesystem::path& path, const PictureSlice& header) {
-  const std::vector<std::byte> data = readFile(path);
+std::vector<std::byte> decodePng(const std::filesystem::path& path, const PictureSlice& slice,
+                                 std::uint64_t limit_bytes) {
+  const std::vector<std::byte> data = readFile(path, limit_bytes);
   PngMemory memory;
   memory.data = data;
-  std::vector<std::byte> out(static_cast<std::size_t>(header.bytes()));
+  std::vector<std::byte> out(static_cast<std::size_t>(slice.bytes()));
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &memory, &onPngError, &onPngWarning);
   png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
   bool decoded = false;
@@ -99,8 +100,8 @@ std::vector<std::byte> decodePng(const std::filesystem::path& path, const Pictur
     png_set_read_fn(png, &memory, &onPngRead);
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     decoded = decodeRows(png, info, reinterpret_cast<png_bytep>(out.data()),
-                         static_cast<std::size_t>(header.width) * sizeOf(header.type),
-                         static_cast<std::uint32_t>(header.height));
+                         static_cast<std::size_t>(slice.width) * sizeOf(slice.type),
+                         static_cast<std::uint32_t>(slice.height));
   }
   png_destroy_read_struct(&png, &info, nullptr);
   if (!decoded)

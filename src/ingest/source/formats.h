@@ -34,6 +34,7 @@ std::vector<ListedVolume> listVdb(const std::filesystem::path& input, const Sour
 std::vector<ListedVolume> listZarr(const std::filesystem::path& folder, const SourceOptions& options);
 std::vector<ListedVolume> listDicom(const std::vector<std::filesystem::path>& files);
 std::vector<ListedVolume> listTiff(const std::vector<std::filesystem::path>& stack);
+ListedVolume listPictures(SliceFormat format, const std::vector<std::filesystem::path>& stack);
 
 /// True if `input` names a computed volume, "phantom:NAME:XxYxZ", instead of a file.
 bool namesPhantom(const std::filesystem::path& input);

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "grid/coords.h"
 #include "grid/voxel_type.h"
@@ -23,8 +25,11 @@ struct ListedVolume {
   /// The reason why it is not read as one volume; empty if it is.
   std::string refusal;
 
-  /// Size in memory; 0 if it is unknown.
-  std::uint64_t bytes() const { return dims && type ? static_cast<std::uint64_t>(dims->count()) * sizeOf(*type) : 0; }
+  /// Size in memory; 0 if it is unknown, UINT64_MAX if headers state more.
+  std::uint64_t bytes() const;
 };
+
+/// Returns the name of a stack of files by its first and its last one. requires: at least one file.
+std::string nameOfStack(const std::vector<std::filesystem::path>& stack);
 
 }  // namespace kiln

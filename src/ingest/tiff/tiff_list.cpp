@@ -8,13 +8,7 @@
 #include "ingest/tiff/tiff_spacing.h"
 
 namespace kiln {
-namespace fs = std::filesystem;
 namespace {
-
-bool alike(const TiffPage& a, const TiffPage& b) {
-  return a.width == b.width && a.height == b.height && a.type.voxel() == b.type.voxel() &&
-         sizeOf(a.type) == sizeOf(b.type);
-}
 
 // Describes the stacks of a file of several channels or times: one stack, and the options that choose one.
 void describeStacks(const StackNotes& notes, ListedVolume& out) {
@@ -41,13 +35,12 @@ ListedVolume runOf(const TiffPage& first, int last) {
   return out;
 }
 
-std::vector<ListedVolume> pagesOf(TiffFile& file) {
+std::vector<ListedVolume> pagesOf(TiffFile& file, const std::optional<StackNotes>& notes) {
   std::vector<ListedVolume> out;
-  const std::optional<StackNotes> notes = stackNotes(file.description());
   TiffPage first = file.page();
   int last = first.number;
   while (file.next()) {
-    if (!alike(file.page(), first)) {
+    if (!file.page().isLike(first)) {
       out.push_back(runOf(first, last));
       first = file.page();
     }
@@ -63,29 +56,26 @@ std::vector<ListedVolume> pagesOf(TiffFile& file) {
   return out;
 }
 
-ListedVolume named(ListedVolume volume, const std::vector<fs::path>& stack) {
-  const std::string first = stack.front().filename().string();
-  volume.name = stack.size() == 1 ? first : fmt::format("{} to {}", first, stack.back().filename().string());
-  return volume;
-}
-
 }  // namespace
 
-std::vector<ListedVolume> listTiff(const std::vector<fs::path>& stack) {
+std::vector<ListedVolume> listTiff(const std::vector<std::filesystem::path>& stack) {
+  ListedVolume out;
   try {
     TiffFile file(stack.front());
-    std::vector<ListedVolume> pages = pagesOf(file);
+    const std::optional<StackNotes> notes = stackNotes(file.description());
+    std::vector<ListedVolume> pages = pagesOf(file, notes);
     if (pages.size() > 1 && stack.size() == 1) return pages;
-    ListedVolume out = named(pages.front(), stack);
-    out.dims->z *= static_cast<std::int64_t>(stack.size());
-    return {out};
+    out = std::move(pages.front());
+    // The description of one file may count the slices of all.
+    const bool counted = notes && notes->counts_all_files && !out.option.empty();
+    if (!counted) out.dims->z *= static_cast<std::int64_t>(stack.size());
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kUnsupported) throw;
-    ListedVolume out;
     out.kind = "TIFF";
     out.refusal = error.what();
-    return {named(out, stack)};
   }
+  out.name = nameOfStack(stack);
+  return {out};
 }
 
 }  // namespace kiln

@@ -1,0 +1,70 @@
+// Lists of volumes by headers alone. Known because the same files are opened as volumes.
+#include "ingest/volume_list.h"
+
+#include <gtest/gtest.h>
+
+#include "ingest/open_source.h"
+#include "support/volumes/picture_files.h"
+#include "support/volumes/tiff_files.h"
+
+namespace kiln::test {
+namespace {
+
+TEST(VolumeList, OmeSetOfSeveralFiles_HasTheSlicesOfOneChannel) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({21, 19, 6}, VoxelType::u8, 51);
+  TiffLayout layout;
+  layout.description =
+      "<OME x=\"y\"><Pixels DimensionOrder=\"XYZCT\" SizeC=\"2\" SizeZ=\"3\" SizeT=\"1\"></Pixels></OME>";
+  writeTiff(files.directory() / "a1.tif", volume, 0, 3, layout);
+  writeTiff(files.directory() / "a2.tif", volume, 3, 6, layout);
+  SourceOptions options;
+  options.channel = "1";
+  const auto volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 1u);
+  EXPECT_EQ(volumes[0].name, "a1.tif to a2.tif");
+  EXPECT_EQ(volumes[0].option, "--channel N");
+  EXPECT_EQ(volumes[0].dims, openSource(files.directory(), options)->info().geometry.dims);
+}
+
+TEST(VolumeList, FolderOfPictures_IsListedAsItIsRead) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({21, 19, 4}, VoxelType::u16, 52);
+  for (std::int64_t z = 0; z < 4; ++z) files.write("s" + std::to_string(8 + z) + ".png", pngSlice(volume, z));
+  auto volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 1u);
+  EXPECT_EQ(volumes[0].name, "s8.png to s11.png");
+  EXPECT_EQ(volumes[0].kind, "PNG");
+  EXPECT_EQ(volumes[0].dims, volume.dims);
+  EXPECT_EQ(volumes[0].type, volume.type);
+  EXPECT_EQ(volumes[0].refusal, "");
+  files.write("colours.jpg", jpegFile(4, 4, 3, std::string(48, 'x')));
+  volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 2u);
+  EXPECT_EQ(volumes[1].kind, "JPEG");
+  EXPECT_NE(volumes[1].refusal.find("holds 3 colours a pixel"), std::string::npos) << volumes[1].refusal;
+  // Pictures beside slices of another format are no slices.
+  writeTiff(files.directory() / "t.tif", volume, 0, 1);
+  volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 1u);
+  EXPECT_EQ(volumes[0].kind, "TIFF");
+}
+
+TEST(VolumeList, HostileCountOfImages_HasNoOverflow) {
+  const ForeignFiles files;
+  TiffLayout layout;
+  layout.description = "ImageJ=1.53c\nimages=9223372036854775807\n";
+  for (const char* name : {"a1.tif", "a2.tif", "a3.tif"})
+    writeTiff(files.directory() / name, randomVolume(kStackDims, VoxelType::u8, 53), 0, 1, layout);
+  for (const ListedVolume& volume : volumesIn(files.directory())) {
+    EXPECT_GT(volume.dims->z, 0);
+    EXPECT_EQ(volume.bytes(), 21u * 19 * static_cast<std::uint64_t>(volume.dims->z));
+  }
+  ListedVolume huge;
+  huge.dims = Extent3{INT32_MAX, INT32_MAX, INT32_MAX};
+  huge.type = VoxelType::f64;
+  EXPECT_EQ(huge.bytes(), UINT64_MAX);
+}
+
+}  // namespace
+}  // namespace kiln::test
