@@ -124,7 +124,7 @@ struct NpyType {
 };
 
 // By kind and number of bytes: NumPy's u8 has 64 bits.
-constexpr NpyType kTypes[] = {
+constexpr NpyType kNpyTypes[] = {
     {"u1", VoxelType::u8},      {"i1", VoxelType::i8},          {"u2", VoxelType::u16},         {"i2", VoxelType::i16},
     {"u4", VoxelType::u32},     {"i4", VoxelType::i32},         {"f4", VoxelType::f32},         {"f8", VoxelType::f64},
     {"f2", StoredType::half()}, {"i8", StoredType::wide(true)}, {"u8", StoredType::wide(false)}};
@@ -150,7 +150,7 @@ void takeType(const File& file, std::string_view descr, NpyHeader& header) {
   const bool ordered = !descr.empty() && std::string_view("<>|=").find(descr.front()) != std::string_view::npos;
   const char order = ordered ? descr.front() : ' ';
   const std::string_view code = descr.substr(ordered ? 1 : 0);
-  for (const NpyType& known : kTypes) {
+  for (const NpyType& known : kNpyTypes) {
     if (code != known.code) continue;
     // An order relative to the writer's machine is unknown here.
     if (order != '<' && order != '>' && sizeOf(known.type) > 1)
