@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <iterator>
-#include <set>
+#include <optional>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -150,11 +150,16 @@ std::vector<fs::path> foldersBelow(const fs::path& directory) {
   return out;
 }
 
-// Entries of folders, by kind.
-struct SortedEntries {
-  std::vector<fs::path> tiff, dicom, other, no_files;
-  /// Pictures, which are slices if a folder has no others: the files of `other` in these formats.
-  std::vector<fs::path> png, jpeg;
+struct FolderFile {
+  fs::path path;
+  SliceFormat format;
+};
+
+// The entries of one folder or several.
+struct FolderEntries {
+  std::vector<FolderFile> files;
+  /// Pipes, devices and folders.
+  std::vector<fs::path> no_files;
   std::vector<Unread> unread;
 
   void add(const fs::path& folder) {
@@ -162,10 +167,7 @@ struct SortedEntries {
     no_files.insert(no_files.end(), entries.others.begin(), entries.others.end());
     for (const fs::path& path : entries.files) {
       try {
-        const SliceFormat format = formatOf(path);
-        (format == SliceFormat::kTiff ? tiff : format == SliceFormat::kDicom ? dicom : other).push_back(path);
-        if (format == SliceFormat::kPng) png.push_back(path);
-        if (format == SliceFormat::kJpeg) jpeg.push_back(path);
+        files.push_back({path, formatOf(path)});
       } catch (const Error& error) {
         unread.push_back(unreadBy(error, path));
       }
@@ -174,19 +176,98 @@ struct SortedEntries {
   void addBelow(const fs::path& directory) {
     for (const fs::path& folder : foldersBelow(directory)) add(folder);
   }
+  std::vector<fs::path> of(SliceFormat format) const {
+    std::vector<fs::path> out;
+    for (const FolderFile& file : files)
+      if (file.format == format) out.push_back(file.path);
+    return out;
+  }
+  // Returns all files that are no slices of a volume of this format.
+  std::vector<fs::path> besides(SliceFormat format) const {
+    std::vector<fs::path> out;
+    for (const FolderFile& file : files)
+      if (file.format != format || format == SliceFormat::kNone) out.push_back(file.path);
+    return out;
+  }
+  // Removes the lists of DICOM files. Returns the first one; nothing if there is none.
+  std::optional<fs::path> takeDicomDirectory() {
+    std::optional<fs::path> out;
+    std::erase_if(files, [&](const FolderFile& file) {
+      const bool is_list = file.format == SliceFormat::kDicom && isDicomDirectory(file.path);
+      if (is_list && !out) out = file.path;
+      return is_list;
+    });
+    return out;
+  }
 };
 
 // Notes DICOM files in folders below a folder that has slices of its own, because these files may belong to the volume.
 // Unreadable files there are no part of the volume.
 void noteSlicesBelow(const fs::path& directory, std::vector<std::string>& notes) {
-  SortedEntries entries;
+  FolderEntries entries;
   entries.addBelow(directory);
-  const std::vector<fs::path>& below = entries.dicom;
+  const std::vector<fs::path> below = entries.of(SliceFormat::kDicom);
   if (below.empty()) return;
   notes.push_back(fmt::format(
       "passed over {} DICOM file{} in folders below, as {}: the folder has slices of its own; to read them, name their "
       "folder, or put all slices into one",
       below.size(), below.size() == 1 ? "" : "s", inQuotes(below.front().lexically_relative(directory).string())));
+}
+
+[[noreturn]] void refuseFolder(const fs::path& directory, const std::string& what) {
+  throw Error(ErrorCode::kUnsupported, directory, "", what);
+}
+
+[[noreturn]] void refuseBoth(const fs::path& directory, SliceFormat a, const std::vector<fs::path>& of_a, SliceFormat b,
+                             const std::vector<fs::path>& of_b) {
+  refuseFolder(directory,
+               fmt::format("holds {} files ({}) and {} files ({}); a directory is read as one volume, so put "
+                           "them apart",
+                           nameOf(a), named(of_a), nameOf(b), named(of_b)));
+}
+
+// The slices of a folder by their format, without notes on other files. Searches the folders below if `in_subfolders`
+// is true, or the folder has no slices; sets `in_subfolders` if they were searched.
+SliceFiles chosenSlices(const fs::path& directory, FolderEntries& entries, bool& in_subfolders) {
+  using enum SliceFormat;
+  const std::vector<fs::path> png = entries.of(kPng), jpeg = entries.of(kJpeg);
+  in_subfolders = in_subfolders || (entries.of(kTiff).empty() && entries.of(kDicom).empty());
+  if (in_subfolders) entries.addBelow(directory);
+  const std::vector<fs::path> tiff = entries.of(kTiff), dicom = entries.of(kDicom);
+  if (!tiff.empty() && !dicom.empty()) refuseBoth(directory, kTiff, tiff, kDicom, dicom);
+  if (!dicom.empty()) return {directory, kDicom, dicom, {}, {}};
+  if (!tiff.empty() && !in_subfolders) return {directory, kTiff, tiff, {}, {}};
+  if (!png.empty() && !jpeg.empty()) refuseBoth(directory, kPng, png, kJpeg, jpeg);
+  if (!png.empty()) return {directory, kPng, png, {}, {}};
+  if (!jpeg.empty()) return {directory, kJpeg, jpeg, {}, {}};
+  if (!tiff.empty())
+    refuseFolder(directory, "a directory without slices, but there are TIFF files in " +
+                                tiff.front().parent_path().string() +
+                                "; name the folder that holds the slices of one volume");
+  return {directory, kNone, {}, {}, {}};
+}
+
+// Skipping a file named like a slice would move the slices above it down.
+void requireNoneNamedAlike(const SliceFiles& slices, const std::vector<fs::path>& other,
+                           const std::vector<fs::path>& no_files) {
+  for (const fs::path& path : other) {
+    if (!path.has_extension() || !isNamedLike(path, slices.files)) continue;
+    if (!isThere(path))
+      throw Error(ErrorCode::kNotFound, path, "",
+                  "is named like the slices beside it, and is a link to nothing; mend or remove it");
+    throw Error(
+        ErrorCode::kFormat, path, "",
+        fmt::format("is named like the slices beside it, but is no {} file: empty or damaged; mend or remove it",
+                    nameOf(slices.format)));
+  }
+  for (const fs::path& path : no_files) {
+    if (!isNamedLike(path, slices.files)) continue;
+    // DICOM slices carry their positions, and names of files and folders may be identifiers such as 1.3.6.1.
+    if (isFolder(path) && (slices.format == SliceFormat::kDicom || !path.has_extension())) continue;
+    throw Error(ErrorCode::kFormat, path, "",
+                fmt::format("is named like the slices beside it, but is a {}; rename or remove it",
+                            isFolder(path) ? "folder" : "pipe or a device"));
+  }
 }
 
 }  // namespace
@@ -216,88 +297,39 @@ bool naturallyBefore(std::string_view a, std::string_view b) {
 }
 
 FolderFiles filesIn(const fs::path& directory) {
-  SortedEntries entries;
+  using enum SliceFormat;
+  FolderEntries entries;
   entries.add(directory);
-  const bool listed = std::erase_if(entries.dicom, isDicomDirectory) > 0;
-  FolderFiles out = {entries.tiff, entries.dicom, entries.other, {}, {}};
+  const bool listed = entries.takeDicomDirectory().has_value();
+  FolderFiles out = {entries.of(kTiff), entries.of(kDicom), entries.of(kNone), {}, {}};
   if (!listed && !(out.tiff.empty() && out.dicom.empty())) return out;
-  const std::vector<fs::path> png = entries.png, jpeg = entries.jpeg;
+  const std::vector<fs::path> png = entries.of(kPng), jpeg = entries.of(kJpeg);
   entries.addBelow(directory);
-  std::erase_if(entries.dicom, isDicomDirectory);
-  out.dicom = entries.dicom;
+  entries.takeDicomDirectory();
+  out.dicom = entries.of(kDicom);
   if (out.tiff.empty() && out.dicom.empty()) out.png = png, out.jpeg = jpeg;
   return out;
 }
 
 SliceFiles slicesIn(const fs::path& directory) {
-  SortedEntries entries;
-  auto& [tiff, dicom, other, no_files, png, jpeg, unread] = entries;
+  FolderEntries entries;
   entries.add(directory);
-  std::string missing;
-  const auto list = std::find_if(dicom.begin(), dicom.end(), isDicomDirectory);
-  const bool listed = list != dicom.end();
-  if (listed) {
-    missing = missingOf(*list);
-    dicom.erase(list);
-  }
-  const bool searched = listed || (tiff.empty() && dicom.empty());
-  const std::vector<fs::path> png_here = png, jpeg_here = jpeg;
-  if (searched) {
-    entries.addBelow(directory);
-    if (!tiff.empty() && dicom.empty() && png_here.empty() && jpeg_here.empty())
-      throw Error(ErrorCode::kUnsupported, directory, "",
-                  "a directory without slices, but there are TIFF files in " + tiff.front().parent_path().string() +
-                      "; name the folder that holds the slices of one volume");
-  }
-  const auto refuse = [&](const std::string& what) { throw Error(ErrorCode::kUnsupported, directory, "", what); };
-  if (!tiff.empty() && !dicom.empty()) {
-    refuse("holds TIFF files (" + named(tiff) + ") and DICOM files (" + named(dicom) +
-           "); a directory is read as one volume, so put them apart");
-  }
-  SliceFiles out;
-  out.input = directory;
-  out.format = !dicom.empty()               ? SliceFormat::kDicom
-               : !tiff.empty() && !searched ? SliceFormat::kTiff
-                                            : SliceFormat::kNone;
-  if (out.format == SliceFormat::kNone) {
-    if (!png_here.empty() && !jpeg_here.empty())
-      refuse("holds PNG files (" + named(png_here) + ") and JPEG files (" + named(jpeg_here) +
-             "); a directory is read as one volume, so put them apart");
-    out.format = !png_here.empty() ? SliceFormat::kPng : !jpeg_here.empty() ? SliceFormat::kJpeg : SliceFormat::kNone;
-    out.files = png_here.empty() ? jpeg_here : png_here;
-    const std::set<fs::path> pictures(out.files.begin(), out.files.end());
-    std::erase_if(other, [&](const fs::path& path) {
-      return pictures.contains(path) || (!pictures.empty() && path.parent_path() != directory);
-    });
-  } else {
-    out.files = std::move(out.format == SliceFormat::kDicom ? dicom : tiff);
-  }
-  if (out.format == SliceFormat::kDicom) passOverBadLinks(unread, other, out.notes);
-  passOver(unread, out.files, out.notes);
-  if (out.files.empty()) {
-    refuse("a directory without slices: it holds no TIFF, DICOM, PNG or JPEG file (found " +
-           (other.empty() ? std::string("no file") : named(other)) + ")");
-  }
-  // Skipping a file named like a slice would move the slices above it down.
-  for (const fs::path& path : other) {
-    if (!path.has_extension() || !isNamedLike(path, out.files)) continue;
-    if (!isThere(path))
-      throw Error(ErrorCode::kNotFound, path, "",
-                  "is named like the slices beside it, and is a link to nothing; mend or remove it");
-    throw Error(
-        ErrorCode::kFormat, path, "",
-        fmt::format("is named like the slices beside it, but is no {} file: empty or damaged; mend or remove it",
-                    nameOf(out.format)));
-  }
-  for (const fs::path& path : no_files) {
-    if (!isNamedLike(path, out.files)) continue;
-    // DICOM slices carry their positions, and names of files and folders may be identifiers such as 1.3.6.1.
-    if (isFolder(path) && (out.format == SliceFormat::kDicom || !path.has_extension())) continue;
-    throw Error(ErrorCode::kFormat, path, "",
-                fmt::format("is named like the slices beside it, but is a {}; rename or remove it",
-                            isFolder(path) ? "folder" : "pipe or a device"));
-  }
-  if (!searched && out.format == SliceFormat::kDicom) noteSlicesBelow(directory, out.notes);
+  const std::optional<fs::path> list = entries.takeDicomDirectory();
+  const std::string missing = list ? missingOf(*list) : "";
+  bool in_subfolders = list.has_value();
+  SliceFiles out = chosenSlices(directory, entries, in_subfolders);
+  const bool dicom = out.format == SliceFormat::kDicom;
+  std::vector<fs::path> other = entries.besides(out.format);
+  // Pictures are slices of their own folder only.
+  if (out.format == SliceFormat::kPng || out.format == SliceFormat::kJpeg)
+    std::erase_if(other, [&](const fs::path& path) { return path.parent_path() != directory; });
+  if (dicom) passOverBadLinks(entries.unread, other, out.notes);
+  passOver(entries.unread, out.files, out.notes);
+  if (out.files.empty())
+    refuseFolder(directory, "a directory without slices: it holds no TIFF, DICOM, PNG or JPEG file (found " +
+                                (other.empty() ? std::string("no file") : named(other)) + ")");
+  requireNoneNamedAlike(out, other, entries.no_files);
+  if (!in_subfolders && dicom) noteSlicesBelow(directory, out.notes);
   if (!missing.empty()) out.notes.push_back(missing);
   if (out.format == SliceFormat::kTiff) out.logs = takeLogs(other);
   if (!other.empty()) out.notes.push_back("passed over " + named(other) + ", which are no slices");

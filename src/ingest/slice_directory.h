@@ -19,7 +19,7 @@ bool naturallyBefore(std::string_view a, std::string_view b);
 /// left out.
 struct FolderFiles {
   std::vector<std::filesystem::path> tiff, dicom, other;
-  /// Pictures, which are slices if a folder has no others; `other` holds them, too.
+  /// Pictures, if they are the only slices of the folder.
   std::vector<std::filesystem::path> png, jpeg;
 };
 /// Searches subfolders for DICOM as slicesIn. throws: Error kIo if the folder cannot be read.
@@ -28,7 +28,7 @@ FolderFiles filesIn(const std::filesystem::path& directory);
 /// Returns the slices in `directory`, found by file content; names that begin with a dot are ignored. Subfolders are
 /// searched for DICOM only, if `directory` has a DICOMDIR or no slices of its own. An unreadable file is passed over
 /// if no slice has its ending.
-/// throws: Error kUnsupported if there are no slices, or slices of both formats; kFormat if a folder, pipe or
+/// throws: Error kUnsupported if there are no slices, or slices of two formats; kFormat if a folder, pipe or
 /// device has the ending of the slices; kIo if the folder or a possible slice cannot be read.
 SliceFiles slicesIn(const std::filesystem::path& directory);
 

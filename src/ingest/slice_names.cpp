@@ -16,6 +16,8 @@ namespace kiln {
 namespace {
 
 struct NumberedName {
+  std::filesystem::path path;
+  /// The name of the file.
   std::string name;
   /// The text before each number, and after the last number.
   std::vector<std::string> texts;
@@ -27,6 +29,7 @@ struct NumberedName {
 
 NumberedName numberedName(const std::filesystem::path& path) {
   NumberedName out;
+  out.path = path;
   out.name = path.filename().string();
   out.texts.emplace_back();
   bool in_number = false;
@@ -77,13 +80,49 @@ std::string stacksOf(const std::vector<NumberedName>& names, std::size_t running
   return fmt::format("the names of its slices form {} groups, not one numbered stack: {}", groups.size(), list);
 }
 
-// Returns the distinct values of each number field. requires: equally many numbers in all names.
-std::vector<std::set<std::string>> valuesOf(const std::vector<NumberedName>& names) {
-  std::vector<std::set<std::string>> out(names.front().numbers.size());
-  for (const NumberedName& name : names) {
-    for (std::size_t i = 0; i < out.size(); ++i) out[i].insert(name.numbers[i]);
+// The names of files, and the values of the numbers in them.
+struct NumberedNames {
+  explicit NumberedNames(std::vector<NumberedName> members);
+  explicit NumberedNames(const std::vector<std::filesystem::path>& files) : NumberedNames(namesOf(files)) {}
+
+  /// Indices of the numbers by which the names differ.
+  std::vector<std::size_t> changing() const;
+  /// The number that counts slices: the first one with the most values.
+  std::size_t running() const;
+
+  std::vector<NumberedName> names;
+  /// True if all names have the same texts between their numbers.
+  bool alike;
+  /// The distinct values of each number; empty unless the names are alike.
+  std::vector<std::set<std::string>> values;
+
+ private:
+  static std::vector<NumberedName> namesOf(const std::vector<std::filesystem::path>& files) {
+    std::vector<NumberedName> out;
+    for (const std::filesystem::path& file : files) out.push_back(numberedName(file));
+    return out;
   }
+};
+
+NumberedNames::NumberedNames(std::vector<NumberedName> members) : names(std::move(members)) {
+  alike = std::all_of(names.begin(), names.end(),
+                      [&](const NumberedName& name) { return name.texts == names.front().texts; });
+  if (!alike || names.empty()) return;
+  values.resize(names.front().numbers.size());
+  for (const NumberedName& name : names)
+    for (std::size_t i = 0; i < values.size(); ++i) values[i].insert(name.numbers[i]);
+}
+
+std::vector<std::size_t> NumberedNames::changing() const {
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (values[i].size() > 1) out.push_back(i);
   return out;
+}
+
+std::size_t NumberedNames::running() const {
+  const auto fewer = [](const auto& a, const auto& b) { return a.size() < b.size(); };
+  return static_cast<std::size_t>(std::max_element(values.begin(), values.end(), fewer) - values.begin());
 }
 
 std::string sameNumber(const NumberedName& a, const NumberedName& b) {
@@ -135,40 +174,20 @@ std::string irregularSteps(const std::vector<NumberedName>& names, std::size_t f
                      places > 1 ? fmt::format(" ({} such places)", places) : "");
 }
 
-std::string irregularity(const SliceFiles& slices) {
-  std::vector<NumberedName> names;
-  names.reserve(slices.files.size());
-  for (const std::filesystem::path& file : slices.files) names.push_back(numberedName(file));
-  const auto unlike = [&](const NumberedName& name) { return name.texts != names.front().texts; };
-  if (std::any_of(names.begin(), names.end(), unlike)) return stacksOf(names, SIZE_MAX);
-  const std::vector<std::set<std::string>> values = valuesOf(names);
-  const auto changes = [](const std::set<std::string>& found) { return found.size() > 1; };
-  const auto changing = std::count_if(values.begin(), values.end(), changes);
-  const auto fewer = [](const auto& a, const auto& b) { return a.size() < b.size(); };
-  const auto field = static_cast<std::size_t>(std::max_element(values.begin(), values.end(), fewer) - values.begin());
-  if (changing > 1) return stacksOf(names, field);
-  if (changing == 0) return sameNumber(names[0], names[1]);
-  return irregularSteps(names, field);
+std::string irregularity(const NumberedNames& numbered) {
+  if (!numbered.alike) return stacksOf(numbered.names, SIZE_MAX);
+  const std::size_t changing = numbered.changing().size();
+  if (changing > 1) return stacksOf(numbered.names, numbered.running());
+  if (changing == 0) return sameNumber(numbered.names[0], numbered.names[1]);
+  return irregularSteps(numbered.names, numbered.running());
 }
 
-// The second number by which names differ, beside the number that counts slices.
-struct SecondNumber {
-  std::size_t running = 0, field = 0;
-};
-
-// Returns the second number if the names differ in two numbers only.
-std::optional<SecondNumber> secondNumber(const std::vector<NumberedName>& names) {
-  const auto unlike = [&](const NumberedName& name) { return name.texts != names.front().texts; };
-  if (std::any_of(names.begin(), names.end(), unlike)) return std::nullopt;
-  const std::vector<std::set<std::string>> values = valuesOf(names);
-  SecondNumber out;
-  std::vector<std::size_t> changing;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (values[i].size() > 1) changing.push_back(i);
+// Returns the second number by which the names differ, beside the number that counts slices; nothing if they differ in
+// fewer numbers or more.
+std::optional<std::size_t> secondNumber(const NumberedNames& numbered) {
+  const std::vector<std::size_t> changing = numbered.changing();
   if (changing.size() != 2) return std::nullopt;
-  const bool first_runs = values[changing[0]].size() >= values[changing[1]].size();
-  out.running = changing[first_runs ? 0 : 1], out.field = changing[first_runs ? 1 : 0];
-  return out;
+  return changing[numbered.running() == changing[0] ? 1 : 0];
 }
 
 std::string withoutZeros(std::string_view number) {
@@ -178,28 +197,27 @@ std::string withoutZeros(std::string_view number) {
 
 // Keeps the files whose second number is the user's channel or time. Returns without effect if the names have no second
 // number.
-void chooseByName(SliceFiles& slices, const SourceOptions& options) {
-  std::vector<NumberedName> names;
-  for (const std::filesystem::path& file : slices.files) names.push_back(numberedName(file));
-  const std::optional<SecondNumber> second = secondNumber(names);
+void chooseByName(SliceFiles& slices, NumberedNames& numbered, const SourceOptions& options) {
+  const std::optional<std::size_t> second = secondNumber(numbered);
   if (!second || (!options.channel && !options.time && options.allow_irregular)) return;
   if (options.channel && options.time)
     throw Error(ErrorCode::kUsage, slices.input, "--time",
                 "the names have one number beside the slices' (found --channel, too); leave one of them out");
   const bool by_time = options.time.has_value();
   const char* const option = by_time ? "--time" : "--channel";
+  const std::string stacks = stacksOf(numbered.names, numbered.running());
   if (!options.channel && !options.time)
-    throw Error(ErrorCode::kUsage, slices.input, "",
-                stacksOf(names, second->running) + "; choose one by its number with --channel or --time");
+    throw Error(ErrorCode::kUsage, slices.input, "", stacks + "; choose one by its number with --channel or --time");
   const std::string wanted = by_time ? std::to_string(*options.time) : *options.channel;
-  std::vector<std::filesystem::path> kept;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (names[i].numbers[second->field] == withoutZeros(wanted)) kept.push_back(slices.files[i]);
+  std::vector<NumberedName> kept;
+  for (const NumberedName& name : numbered.names)
+    if (name.numbers[*second] == withoutZeros(wanted)) kept.push_back(name);
   if (kept.empty())
-    throw Error(ErrorCode::kUsage, slices.input, option,
-                "no name has the number " + inQuotes(wanted) + "; " + stacksOf(names, second->running));
-  slices.files = std::move(kept);
+    throw Error(ErrorCode::kUsage, slices.input, option, "no name has the number " + inQuotes(wanted) + "; " + stacks);
+  slices.files.clear();
+  for (const NumberedName& name : kept) slices.files.push_back(name.path);
   slices.part = fmt::format(", {} {}", by_time ? "time" : "channel", wanted);
+  numbered = NumberedNames(std::move(kept));
 }
 
 }  // namespace
@@ -208,20 +226,14 @@ std::vector<std::vector<std::filesystem::path>> stacksByName(const std::vector<s
   // Files whose names have equal texts between their numbers are compared number by number.
   std::map<std::vector<std::string>, std::vector<NumberedName>> alike;
   for (const std::filesystem::path& file : files) {
-    const NumberedName name = numberedName(file);
-    alike[name.texts].push_back(name);
-  }
-  std::map<std::string, std::size_t> running;  // by pattern of all numbers
-  for (const auto& [texts, names] : alike) {
-    const std::vector<std::set<std::string>> values = valuesOf(names);
-    const auto fewer = [](const auto& a, const auto& b) { return a.size() < b.size(); };
-    running[patternOf(names.front(), SIZE_MAX)] =
-        static_cast<std::size_t>(std::max_element(values.begin(), values.end(), fewer) - values.begin());
+    NumberedName name = numberedName(file);
+    std::vector<NumberedName>& members = alike[name.texts];
+    members.push_back(std::move(name));
   }
   std::map<std::string, std::vector<std::filesystem::path>> stacks;
-  for (const std::filesystem::path& file : files) {
-    const NumberedName name = numberedName(file);
-    stacks[patternOf(name, running.at(patternOf(name, SIZE_MAX)))].push_back(file);
+  for (auto& [texts, members] : alike) {
+    const NumberedNames numbered(std::move(members));
+    for (const NumberedName& name : numbered.names) stacks[patternOf(name, numbered.running())].push_back(name.path);
   }
   std::vector<std::vector<std::filesystem::path>> out;
   for (auto& [pattern, members] : stacks) out.push_back(std::move(members));
@@ -230,9 +242,10 @@ std::vector<std::vector<std::filesystem::path>> stacksByName(const std::vector<s
 
 void requireOneStack(SliceFiles& slices, const SourceOptions& options) {
   if (slices.files.size() < 2) return;
-  chooseByName(slices, options);
+  NumberedNames numbered(slices.files);
+  chooseByName(slices, numbered, options);
   if (slices.files.size() < 2) return;
-  const std::string what = irregularity(slices);
+  const std::string what = irregularity(numbered);
   if (what.empty()) return;
   if (!options.allow_irregular) {
     throw Error(ErrorCode::kFormat, slices.input, "",

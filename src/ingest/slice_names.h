@@ -11,7 +11,7 @@ namespace kiln {
 /// `options.time`, are kept, and the choice is noted in `slices.part`. All other names are kept with a sentence in
 /// `slices.notes` if `options.allow_irregular` is true.
 /// requires: `slices.files` in natural order. throws: Error kUsage if there are several stacks and none is chosen, or
-/// the chosen one is not there, or both options are given; kFormat naming the two slices around the first gap, or the
+/// the chosen stack is not there, or both options are given; kFormat naming the two slices around the first gap, or the
 /// groups that the names form.
 void requireOneStack(SliceFiles& slices, const SourceOptions& options);
 
