@@ -21,7 +21,6 @@ constexpr std::uint64_t kMostBytes = 16 << 20;
 // Deeper values would overflow the stack of recursive functions; a value in memory takes up to 100 bytes.
 constexpr int kMostJsonDepth = 64;
 constexpr std::size_t kMostValues = 1 << 18;
-constexpr std::size_t kMostShownBytes = 60;
 
 // Programs in Python write numbers that JSON lacks without quotes; they become texts.
 std::string withQuotedNumbers(const std::string& text) {
@@ -173,10 +172,8 @@ std::vector<std::string> JsonNode::texts() const {
 }
 
 std::string JsonNode::shown() const {
-  std::string text =
-      value_->is_string() ? value_->get<std::string>() : value_->dump(-1, ' ', true, json::error_handler_t::replace);
-  if (text.size() > kMostShownBytes) text = text.substr(0, kMostShownBytes) + "...";
-  return inQuotes(text);
+  return inQuotes(value_->is_string() ? value_->get<std::string>()
+                                      : value_->dump(-1, ' ', true, json::error_handler_t::replace));
 }
 
 void JsonNode::fail(const std::string& what) const {

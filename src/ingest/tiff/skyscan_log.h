@@ -31,9 +31,9 @@ struct LoggedSpacing {
   std::filesystem::path log;
 };
 
-/// Returns the spacing of slices of width × height by the logs beside them. Of several logs, those named like the
-/// slices count. Adds a sentence to `notes` for each log that does not count. Nothing if no log counts, or if several
-/// state different spacings. cost: reads the logs.
+/// Returns the spacing of slices of width × height by the logs beside them. Logs named like the slices take precedence
+/// over other logs. Adds a sentence to `notes` for each log that does not count. Nothing if no log counts, or if
+/// several state different spacings. cost: reads the logs.
 std::optional<LoggedSpacing> loggedSpacing(const SliceFiles& slices, std::int64_t width, std::int64_t height,
                                            std::vector<std::string>& notes);
 

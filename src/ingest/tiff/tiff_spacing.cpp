@@ -11,8 +11,9 @@
 #include <cmath>
 #include <utility>
 
-#include "base/text.h"
+#include "base/error.h"
 #include "ingest/source/header_text.h"
+#include "ingest/source/json_node.h"
 #include "ingest/source/length_unit.h"
 
 namespace kiln {
@@ -201,28 +202,16 @@ std::optional<StackNotes> omeNotes(std::string_view description) {
   return out;
 }
 
-// Returns the value of a key in JSON: a number, a text without its quotes, or a list without its brackets; empty if the
-// key is missing. Quotes within a text have a backslash, so no text contains a key with its quotes.
-std::string_view jsonValue(std::string_view json, std::string_view key) {
-  const std::string quoted = fmt::format("\"{}\":", key);
-  const std::size_t at = json.find(quoted);
-  if (at == std::string_view::npos) return {};
-  json.remove_prefix(at + quoted.size());
-  json.remove_prefix(std::min(json.find_first_not_of(' '), json.size()));
-  const bool list = json.starts_with('['), text = json.starts_with('"');
-  if (list || text) json.remove_prefix(1);
-  return json.substr(0, json.find_first_of(list ? "]" : text ? "\"" : ",}"));
-}
-
 // Users of tifffile give "spacing": 2.0, "unit": "um" the meaning that both have in ImageJ; three spacings are of z, y
 // and x.
-void useTifffileLengths(StackNotes& out, std::string_view description) {
-  std::vector<double> spacings;
-  for (const std::string_view text : splitAt(jsonValue(description, "spacing"), ','))
-    spacings.push_back(std::abs(doubleOf(trimmed(text)).value_or(0)));
-  out.spacing = spacings.front();
-  if (spacings.size() == 3) out.pixel = {spacings[2], spacings[1]};
-  const std::string unit(jsonValue(description, "unit"));
+void useTifffileLengths(StackNotes& out, const JsonNode& description) {
+  if (const std::optional<JsonNode> spacing = description.find("spacing")) {
+    const std::vector<double> spacings = spacing->isList() ? spacing->numbers() : std::vector{spacing->number()};
+    if (!spacings.empty()) out.spacing = std::abs(spacings.front());
+    if (spacings.size() == 3) out.pixel = {std::abs(spacings[2]), std::abs(spacings[1])};
+  }
+  const std::optional<JsonNode> named = description.find("unit");
+  const std::string unit = named ? named->text() : "";
   if (unit.empty() || unit.starts_with("pixel")) return;
   out.in_unit = out.tags_may_have_units = true;
   out.unit = unitName(unit);
@@ -230,12 +219,11 @@ void useTifffileLengths(StackNotes& out, std::string_view description) {
 }
 
 // {"shape": [2, 5, 64, 64], "axes": "CZYX"}. Without axes all dimensions beyond the last three are channels.
-std::optional<StackNotes> tifffileNotes(std::string_view description) {
-  if (!description.starts_with("{\"shape\": [")) return std::nullopt;
-  std::vector<std::int64_t> dims;
-  for (const std::string_view dim : splitAt(jsonValue(description, "shape"), ','))
-    dims.push_back(std::clamp<std::int64_t>(integerOf(trimmed(dim)).value_or(1), 1, kMostStacks));
-  std::string axes(jsonValue(description, "axes"));
+StackNotes notesOfTifffile(const JsonNode& description) {
+  std::vector<std::int64_t> dims = description.at("shape").wholes();
+  for (std::int64_t& dim : dims) dim = std::clamp<std::int64_t>(dim, 1, kMostStacks);
+  const std::optional<JsonNode> named = description.find("axes");
+  std::string axes = named ? named->text() : "";
   if (axes.size() != dims.size()) {
     std::erase(dims, 1);
     axes = std::string(dims.size() > 3 ? dims.size() - 3 : 0, 'C') + "ZYX";
@@ -258,6 +246,16 @@ std::optional<StackNotes> tifffileNotes(std::string_view description) {
   useOrder(out, order);
   useTifffileLengths(out, description);
   return out;
+}
+
+// A text that only resembles tifffile's says nothing.
+std::optional<StackNotes> tifffileNotes(std::string_view description) {
+  if (!description.starts_with("{\"shape\": [")) return std::nullopt;
+  try {
+    return notesOfTifffile(JsonNode({}, std::string(description)));
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
 // The edges of a pixel by the tags, in the unit of the description; 0 if the tags have no usable size.

@@ -27,9 +27,11 @@ struct StackNotes {
   bool counts_all_files = false;
   /// The distance of slices in `unit`; 0 if the description has none.
   double spacing = 0;
-  /// True if the resolution tags count pixels per `unit`; `y_scale` converts from the unit of y to the unit of x. With
-  /// `tags_may_have_units`, only tags without a unit of their own do.
-  bool in_unit = false, tags_may_have_units = false;
+  /// True if the resolution tags count pixels per `unit`.
+  bool in_unit = false;
+  /// True if tags with a unit of their own count pixels per that unit.
+  bool tags_may_have_units = false;
+  /// One unit of y in units of x.
   double y_scale = 1;
   /// The edges of a pixel in `unit`; 0 if the description has none.
   glm::dvec2 pixel{0};
