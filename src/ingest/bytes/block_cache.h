@@ -21,7 +21,7 @@ class BlockCache {
   };
   using Bytes = std::vector<std::byte>;
 
-  /// What a cached block costs beside its bytes; empty blocks count, too. unit: bytes.
+  /// Cost of a cached block beside its bytes, also of an empty block. unit: bytes.
   static constexpr std::uint64_t kOwnBytes = 256;
 
   /// unit: bytes of cached blocks; blocks in use are not counted. thread: not during a `get`.

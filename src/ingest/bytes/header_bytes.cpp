@@ -12,19 +12,17 @@ void HeaderBytes::fail(const std::string& place, const std::string& what) const 
 
 void HeaderBytes::refuse(const std::string& what) const { throw Error(ErrorCode::kUnsupported, path_, "", what); }
 
-bool isGzip(const std::filesystem::path& path) {
-  std::array<std::byte, 2> first{};
-  return File(path).readSomeAt(0, first) == 2 && first[0] == std::byte{0x1f} && first[1] == std::byte{0x8b};
-}
-
 HeaderBytes readHeaderBytes(const std::filesystem::path& path, std::size_t count) {
+  File file(path);
+  std::array<std::byte, 2> first{};
+  const bool in_gzip = file.readSomeAt(0, first) == 2 && first[0] == std::byte{0x1f} && first[1] == std::byte{0x8b};
   std::vector<std::byte> bytes(count);
-  if (isGzip(path)) {
-    InflateStream(File(path), 0, StreamWrapper::kGzip).read(bytes, "header");
+  if (in_gzip) {
+    InflateStream(std::move(file), 0, StreamWrapper::kGzip).read(bytes, "header");
   } else {
-    File(path).readAt(0, bytes);
+    file.readAt(0, bytes);
   }
-  return {path, std::move(bytes)};
+  return {path, std::move(bytes), in_gzip};
 }
 
 }  // namespace kiln

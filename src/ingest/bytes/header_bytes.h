@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <glm/vec3.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,11 +19,13 @@ namespace kiln {
 
 class HeaderBytes {
  public:
-  HeaderBytes(std::filesystem::path path, std::vector<std::byte> bytes)
-      : path_(std::move(path)), bytes_(std::move(bytes)) {}
+  HeaderBytes(std::filesystem::path path, std::vector<std::byte> bytes, bool in_gzip = false)
+      : path_(std::move(path)), bytes_(std::move(bytes)), in_gzip_(in_gzip) {}
 
   const std::filesystem::path& path() const { return path_; }
   std::size_t size() const { return bytes_.size(); }
+  /// True if the file is in gzip, and these bytes are decompressed ones.
+  bool inGzip() const { return in_gzip_; }
   bool bigEndian() const { return big_endian_; }
   void setBigEndian(bool big_endian) { big_endian_ = big_endian; }
 
@@ -37,6 +40,8 @@ class HeaderBytes {
   }
   /// Returns a 32-bit float as double.
   double f32(std::size_t offset) const { return static_cast<double>(get<float>(offset)); }
+  /// Returns three 32-bit floats, one behind the other.
+  glm::dvec3 vector(std::size_t offset) const { return {f32(offset), f32(offset + 4), f32(offset + 8)}; }
   /// True if `bytes` stand at `offset`.
   bool holds(std::size_t offset, std::string_view bytes) const {
     const std::string_view all(reinterpret_cast<const char*>(bytes_.data()), bytes_.size());
@@ -51,11 +56,9 @@ class HeaderBytes {
  private:
   std::filesystem::path path_;
   std::vector<std::byte> bytes_;
+  bool in_gzip_;
   bool big_endian_ = false;
 };
-
-/// True if the file begins with the magic number of gzip.
-bool isGzip(const std::filesystem::path& path);
 
 /// Returns the first `count` bytes of a file, decompressed if the file is in gzip.
 /// throws: Error kFormat if the file is shorter, or its compressed data are damaged; kIo.

@@ -9,7 +9,6 @@
 #include <type_traits>
 
 #include "base/error.h"
-#include "base/text.h"
 #include "ingest/source/header_text.h"
 
 namespace kiln {
@@ -21,11 +20,10 @@ bool isBlank(int c) { return c == ' ' || (c >= '\t' && c <= '\r') || c == ','; }
 
 template <class T>
 std::optional<T> valueOf(std::string_view text) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
   if constexpr (std::is_floating_point_v<T>) {
-    return numberOf<T>(text);
+    return signedNumberOf<T>(text);
   } else {
-    const auto whole = numberOf<std::int64_t>(text);
+    const auto whole = signedNumberOf<std::int64_t>(text);
     if (!whole || *whole < std::numeric_limits<T>::min() || *whole > std::numeric_limits<T>::max()) return std::nullopt;
     return static_cast<T>(*whole);
   }
@@ -90,7 +88,7 @@ void DecimalStream::read(std::span<std::byte> out, const std::string& where) {
   });
 }
 
-// A number that is cut short is a number.
+// A text that is cut inside its last number still ends with a number.
 std::vector<std::string> DecimalStream::finish() {
   if (peek() >= 0) return TextStream::finish();
   return {file().path().filename().string() +

@@ -54,10 +54,6 @@ std::int64_t countAt(const HeaderBytes& bytes, std::size_t at) {
   return count;
 }
 
-glm::dvec3 mghVector(const HeaderBytes& bytes, std::size_t at) {
-  return {bytes.f32(at), bytes.f32(at + 4), bytes.f32(at + 8)};
-}
-
 // A header without directions stands for coronal slices of 1 mm around the origin. Source: MGHread of FreeSurfer.
 VolumeGeometry mghGeometry(const HeaderBytes& bytes, const SourceOptions& options, std::vector<std::string>& notes) {
   VolumeGeometry out;
@@ -68,9 +64,9 @@ VolumeGeometry mghGeometry(const HeaderBytes& bytes, const SourceOptions& option
   glm::dvec3 centre(0), spacing(1);
   if (bytes.get<std::int16_t>(kHasDirections) == 1) {
     if (options.spacing) refuseSpacing(bytes.path());
-    spacing = mghVector(bytes, kMghSpacing);
-    for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = mghVector(bytes, kDirections + 12 * axis);
-    centre = mghVector(bytes, kCentre);
+    spacing = bytes.vector(kMghSpacing);
+    for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = bytes.vector(kDirections + 12 * axis);
+    centre = bytes.vector(kCentre);
   } else {
     notes.push_back("it has no directions and sizes of voxels; coronal slices of 1 mm are taken");
     spacing = options.spacing.value_or(spacing);
@@ -96,8 +92,7 @@ std::unique_ptr<VolumeSource> openMgh(const std::filesystem::path& input, const 
   info.geometry = mghGeometry(bytes, options, info.notes);
   LinearData data;
   data.file = input;
-  data.encoding = isGzip(input) ? DataEncoding::kGzip : DataEncoding::kRaw;
-  (isGzip(input) ? data.skip_decompressed_bytes : data.offset_bytes) = kMghHeaderBytes;
+  data.beginAt(kMghHeaderBytes, bytes.inGzip());
   data.stored_type = info.type;
   data.big_endian = true;
   data.has_trailer = true;

@@ -1,5 +1,5 @@
-// 1024 bytes, then an extended header of any length. The cell's lengths over its counts of samples are the voxel's
-// edges, whatever the extents of the map; columns, rows and sections may follow the cell's axes in any order.
+// 1024 bytes, then an extended header of any length. The cell's lengths over its counts of samples are the edges of a
+// voxel. Columns, rows and sections may follow the cell's axes in any order.
 // Source: MRC2014, ccpem.ac.uk/mrc_format/mrc2014.php, which CCP4's maplib shares; for the sign of bytes and of the
 // origin IMOD's bio3d.colorado.edu/imod/doc/mrc_format.txt.
 #include "ingest/mrc/mrc_header.h"
@@ -22,9 +22,6 @@ constexpr std::size_t kDims = 0, kMode = 12, kStart = 16, kSamples = 28, kCell =
 constexpr std::int32_t kImod = 1146047817, kImodSigned = 1, kImodOriginAsHere = 4;
 constexpr std::int32_t kFirstGroupOfStacks = 401, kLastGroupOfStacks = 630;
 
-glm::dvec3 threeFloats(const HeaderBytes& bytes, std::size_t at) {
-  return {bytes.f32(at), bytes.f32(at + 4), bytes.f32(at + 8)};
-}
 std::array<std::int32_t, 3> threeIntegers(const HeaderBytes& bytes, std::size_t at) {
   return {bytes.get<std::int32_t>(at), bytes.get<std::int32_t>(at + 4), bytes.get<std::int32_t>(at + 8)};
 }
@@ -47,8 +44,8 @@ bool isPlausible(const HeaderBytes& bytes) {
   return mode >= 0 && mode <= 101 && isOrder(axesOf(bytes)) && bytes.get<std::int32_t>(kDims) > 0;
 }
 
-// The stamp is 0x44 0x44 or 0x44 0x41 in little-endian files and 0x11 0x11 in big-endian ones. Some writers leave it
-// empty or wrong, so numbers that make sense in one order only decide.
+// The stamp is 0x44 0x44 or 0x44 0x41 in little-endian files, and 0x11 0x11 in big-endian files. Some writers leave the
+// stamp empty or wrong: an order in which the numbers make no sense is not taken.
 void findByteOrder(HeaderBytes& bytes) {
   const bool stamped_big = bytes.holds(kStamp, "\x11");
   bytes.setBigEndian(stamped_big);
@@ -61,7 +58,7 @@ bool isImod(const HeaderBytes& bytes, std::int32_t flag) {
   return bytes.get<std::int32_t>(kImodStamp) == kImod && (bytes.get<std::int32_t>(kImodFlags) & flag) == 0;
 }
 
-// The bytes of mode 0 are signed since 2014. Older files have unsigned ones, which IMOD's flags or a largest value
+// The bytes of mode 0 are signed since 2014. Older files have unsigned bytes, which IMOD's flags or a largest value
 // above 127 reveal.
 VoxelType byteType(const HeaderBytes& bytes, std::vector<std::string>& notes) {
   const double least = bytes.f32(kLeast), most = bytes.f32(kMost);
@@ -101,7 +98,7 @@ double cosine(double angle) { return angle == 90 ? 0 : std::cos(angle * std::num
 
 // Sets unit vectors along the cell's axes. Programs for microscopes leave the angles at 0.
 void takeAngles(const HeaderBytes& bytes, MrcHeader& out) {
-  const glm::dvec3 angles = threeFloats(bytes, kAngles);
+  const glm::dvec3 angles = bytes.vector(kAngles);
   if (angles == glm::dvec3(0) || angles == glm::dvec3(90)) return;
   for (int i = 0; i < 3; ++i) {
     if (!(angles[i] > 0 && angles[i] < 180))
@@ -117,7 +114,7 @@ void takeAngles(const HeaderBytes& bytes, MrcHeader& out) {
 }
 
 void takeCell(const HeaderBytes& bytes, MrcHeader& out) {
-  const glm::dvec3 cell = threeFloats(bytes, kCell);
+  const glm::dvec3 cell = bytes.vector(kCell);
   const auto samples = threeIntegers(bytes, kSamples);
   takeAngles(bytes, out);
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -131,7 +128,7 @@ void takeOrigin(const HeaderBytes& bytes, MrcHeader& out) {
   const auto start = threeIntegers(bytes, kStart);
   for (std::size_t i = 0; i < 3; ++i)
     out.origin += static_cast<double>(start[i]) * out.step[static_cast<std::size_t>(out.cell_axis[i])];
-  const glm::dvec3 written = threeFloats(bytes, kOrigin);
+  const glm::dvec3 written = bytes.vector(kOrigin);
   if (written == glm::dvec3(0) || !isFinite(written)) return;
   const glm::dvec3 origin = isImod(bytes, kImodOriginAsHere) ? -written : written;
   if (out.origin != glm::dvec3(0) && glm::distance(out.origin, origin) > glm::length(out.step[0]) / 2)
@@ -156,6 +153,7 @@ MrcHeader readMrcHeader(const std::filesystem::path& path) {
   findByteOrder(bytes);
   MrcHeader out;
   out.big_endian = bytes.bigEndian();
+  out.in_gzip = bytes.inGzip();
   const auto dims = threeIntegers(bytes, kDims);
   for (std::size_t i = 0; i < 3; ++i) {
     if (dims[i] < 1)

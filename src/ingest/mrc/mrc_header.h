@@ -15,6 +15,8 @@ namespace kiln {
 struct MrcHeader {
   StoredType type = VoxelType::u8;
   bool big_endian = false;
+  /// True if the whole file is in gzip.
+  bool in_gzip = false;
   /// Columns, rows and sections, in the order of the file.
   Extent3 dims;
   /// Sections of one volume: fewer than `dims.z` in a stack of volumes.
@@ -26,7 +28,7 @@ struct MrcHeader {
   std::array<glm::dvec3, 3> step = {glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)};
   glm::dvec3 origin{0};
   bool has_cell = false, right_angles = true;
-  /// Begin of the voxels. unit: bytes.
+  /// Begin of the voxels. unit: bytes of the decompressed file.
   std::uint64_t end_offset = 0;
   /// Sentences for the user.
   std::vector<std::string> notes;

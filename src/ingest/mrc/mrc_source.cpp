@@ -41,8 +41,7 @@ std::unique_ptr<VolumeSource> openMrc(const std::filesystem::path& input, const 
     info.notes.push_back("it has no size of a voxel, which is taken to be 1 x 1 x 1; --spacing sets another");
   LinearData data;
   data.file = input;
-  data.encoding = isGzip(input) ? DataEncoding::kGzip : DataEncoding::kRaw;
-  (isGzip(input) ? data.skip_decompressed_bytes : data.offset_bytes) = header.end_offset;
+  data.beginAt(header.end_offset, header.in_gzip);
   data.stored_type = header.type;
   data.big_endian = header.big_endian;
   data.parts = header.dims.z / header.sections_of_volume;

@@ -17,7 +17,7 @@ namespace {
 
 using enum NiftiField;
 
-// dim[0] is the number of dimensions; dim[1] to dim[7] are their lengths, 1 for those beyond.
+// dim[0] is the number of dimensions; dim[1] to dim[7] are their lengths, 1 for further ones.
 using NiftiDims = std::array<std::int64_t, 8>;
 
 NiftiDims dimsOf(const NiftiHeader& header) {

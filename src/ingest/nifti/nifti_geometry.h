@@ -12,8 +12,7 @@ std::int64_t niftiTimes(const NiftiHeader& header);
 
 /// Returns the geometry of one volume of the file, with the spacing of `options` if the header has no affine. `notes`
 /// gets a sentence for each impossible value that is replaced: a spacing that is not above 0, an sform without volume.
-/// throws: Error kFormat, kUsage if --spacing does not
-/// apply.
+/// throws: Error kFormat, kUsage if --spacing does not apply.
 VolumeGeometry niftiGeometry(const NiftiHeader& header, const SourceOptions& options, std::vector<std::string>& notes);
 
 }  // namespace kiln

@@ -43,6 +43,7 @@ class NiftiHeader {
   /// True if the voxels are in a file of their own.
   bool pair() const { return pair_; }
   bool bigEndian() const { return bytes_.bigEndian(); }
+  bool inGzip() const { return bytes_.inGzip(); }
   /// The first byte that can hold voxels in the header's file, behind the header and the extension flag. unit: bytes.
   std::int64_t leastOffset() const;
 

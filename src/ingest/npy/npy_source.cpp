@@ -14,6 +14,7 @@
 #include "ingest/npy/npy_header.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"
+#include "ingest/source/wrapped_source.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -40,23 +41,17 @@ void transpose(const std::byte* from, const Extent3& n, std::byte* to, std::int6
 }
 
 /// The volume of a source whose axes x, y, z are this volume's z, y, x.
-class ReversedSource : public VolumeSource {
+class ReversedSource : public WrappedSource {
  public:
   /// requires: `stored` is read in any order.
   ReversedSource(std::unique_ptr<VolumeSource> stored, const VolumeGeometry& geometry)
-      : stored_(std::move(stored)), info_(stored_->info()) {
-    assert(stored_->order() == ReadOrder::kAnyBox && reversed(stored_->info().geometry.dims) == geometry.dims);
+      : WrappedSource(std::move(stored)) {
+    assert(order() == ReadOrder::kAnyBox && reversed(info_.geometry.dims) == geometry.dims);
     info_.geometry = geometry;
   }
 
-  const SourceInfo& info() const override { return info_; }
-  ReadOrder order() const override { return ReadOrder::kAnyBox; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
-  Extent3 cheapBox() const override { return reversed(stored_->cheapBox()); }
-
- private:
-  std::unique_ptr<VolumeSource> stored_;
-  SourceInfo info_;
+  Extent3 cheapBox() const override { return reversed(WrappedSource::cheapBox()); }
 };
 
 // Blocks have the longest runs of z that fit, then of y: the file's order.
@@ -75,8 +70,8 @@ void ReversedSource::read(const VoxelBox& box, std::span<std::byte> out) {
     for (std::int64_t y = box.lo.y; y < box.hi.y; y += step.y) {
       for (std::int64_t z = box.lo.z; z < box.hi.z; z += step.z) {
         const VoxelBox part = intersection({{x, y, z}, {x + step.x, y + step.y, z + step.z}}, box);
-        stored_->read({reversed(part.lo), reversed(part.hi)},
-                      std::span(block).first(static_cast<std::size_t>(part.count() * size)));
+        WrappedSource::read({reversed(part.lo), reversed(part.hi)},
+                            std::span(block).first(static_cast<std::size_t>(part.count() * size)));
         const std::int64_t first = ((z - box.lo.z) * n.y + (y - box.lo.y)) * n.x + (x - box.lo.x);
         withVoxelType(info_.type, [&]<class T>(std::type_identity<T>) {
           transpose<sizeof(T)>(block.data(), part.extent(), out.data() + first * size, n.x, n.x * n.y);

@@ -86,10 +86,7 @@ NrrdHeader readNrrdHeader(const File& file) {
     if (name == fieldNames().end()) failAt(file, lines.number(), inQuotes(written) + " is not a field of NRRD");
     header.fields.add({name->second, written, trimmed(line->substr(colon + 1)), lines.number()});
     // The lines behind "data file: LIST" are names of files and no fields.
-    if (name->second == "data file" && namesList(header.fields.find("data file")->value)) {
-      while (const std::optional<std::string> listed = lines.next())
-        if (!trimmed(*listed).empty()) header.listed.push_back(trimmed(*listed));
-    }
+    if (name->second == "data file" && namesList(header.fields.find("data file")->value)) header.listed = lines.rest();
   }
   header.end_offset = lines.endOffset();
   return header;

@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 #include <png.h>
 
-#include <array>
 #include <bit>
 #include <csetjmp>
 #include <cstring>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "ingest/bytes/header_bytes.h"
 #include "ingest/pictures/picture_slice.h"
 
 namespace kiln {
@@ -55,35 +55,28 @@ bool decodeRows(png_structp png, png_infop info, png_bytep out, std::size_t row_
   return true;
 }
 
-std::uint32_t bigEndianAt(std::span<const std::byte> bytes, std::size_t at) {
-  std::uint32_t out = 0;
-  for (std::size_t i = 0; i < 4; ++i) out = out << 8 | std::to_integer<std::uint32_t>(bytes[at + i]);
-  return out;
-}
-
 }  // namespace
 
 PictureHeader readPngHeader(const std::filesystem::path& path) {
   const File file(path);
-  std::array<std::byte, kStartBytes> start{};
-  file.readAt(0, start);
-  const auto fail = [&](const std::string& what, ErrorCode code) { throw Error(code, path, "", what); };
-  if (std::memcmp(start.data() + 12, "IHDR", 4) != 0) fail("is no PNG file, or is damaged", ErrorCode::kFormat);
-  const int depth = std::to_integer<int>(start[24]), colour = std::to_integer<int>(start[25]);
-  if (colour == PNG_COLOR_TYPE_GRAY_ALPHA) fail("holds grey and alpha, not one value a pixel", ErrorCode::kUnsupported);
+  std::vector<std::byte> bytes(kStartBytes);
+  file.readAt(0, bytes);
+  HeaderBytes start(path, std::move(bytes));
+  start.setBigEndian(true);
+  if (!start.holds(12, "IHDR")) start.fail("", "is no PNG file, or is damaged");
+  const int depth = start.get<std::uint8_t>(24), colour = start.get<std::uint8_t>(25);
+  if (colour == PNG_COLOR_TYPE_GRAY_ALPHA) start.refuse("holds grey and alpha, not one value a pixel");
   if (colour != PNG_COLOR_TYPE_GRAY)
-    fail(colour == PNG_COLOR_TYPE_PALETTE ? "holds indices into a palette of colours, not one value a pixel"
-                                          : "holds RGB colours, not one value a pixel",
-         ErrorCode::kUnsupported);
+    start.refuse(colour == PNG_COLOR_TYPE_PALETTE ? "holds indices into a palette of colours, not one value a pixel"
+                                                  : "holds RGB colours, not one value a pixel");
   PictureSlice out;
-  out.width = bigEndianAt(start, 16), out.height = bigEndianAt(start, 20);
+  out.width = start.get<std::uint32_t>(16), out.height = start.get<std::uint32_t>(20);
   out.type = depth == 16 ? VoxelType::u16 : VoxelType::u8;
   if (out.width < 1 || out.height < 1 || out.width > INT32_MAX || out.height > INT32_MAX)
-    fail(fmt::format("has {} x {} pixels", out.width, out.height), ErrorCode::kFormat);
+    start.fail("", fmt::format("has {} x {} pixels", out.width, out.height));
   // Packed bits expand to bytes, eight times at most.
   if (out.bytes() / (8 * kMostOfDeflate) > file.size())
-    fail(fmt::format("is {} x {}, more than its {} bytes can hold", out.width, out.height, file.size()),
-         ErrorCode::kFormat);
+    start.fail("", fmt::format("is {} x {}, more than its {} bytes can hold", out.width, out.height, file.size()));
   return {out, file.size()};
 }
 

@@ -5,21 +5,12 @@
 #include <algorithm>
 #include <cctype>
 
-#include "base/text.h"
-
 namespace kiln {
 namespace {
 
 constexpr std::size_t kHeaderStepBytes = 1 << 14;
 constexpr std::size_t kMaxLineBytes = 1 << 20;
 constexpr std::uint64_t kMaxHeaderBytes = 16u << 20;
-
-// Headers may write a plus in front.
-template <class T>
-std::optional<T> signedNumberOf(std::string_view text) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  return numberOf<T>(text);
-}
 
 template <class T>
 std::vector<T> numbers(const HeaderFields& fields, const HeaderField& field, std::size_t count) {
@@ -104,6 +95,13 @@ std::optional<std::string> HeaderLines::next() {
   used_ = after;
   if (!line.empty() && line.back() == '\r') line.pop_back();
   return line;
+}
+
+std::vector<std::string> HeaderLines::rest() {
+  std::vector<std::string> out;
+  while (const std::optional<std::string> line = next())
+    if (std::string text = trimmed(*line); !text.empty()) out.push_back(std::move(text));
+  return out;
 }
 
 void HeaderFields::add(HeaderField field, bool same_again) {

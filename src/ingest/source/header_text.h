@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/text.h"
 #include "ingest/source/volume_source.h"
 
 namespace kiln {
@@ -19,6 +20,8 @@ class HeaderLines {
   /// Returns the next line without its end, or empty at the end of the file. throws: Error kFormat if a line or the
   /// header is too long to be text.
   std::optional<std::string> next();
+  /// Returns the lines up to the end of the file, trimmed, without empty ones. throws: as next.
+  std::vector<std::string> rest();
   /// Number of the line last returned by `next`; the first line is 1.
   int number() const { return number_; }
   /// End of the line last returned by `next`. unit: bytes.
@@ -85,6 +88,13 @@ class HeaderFields {
   std::filesystem::path path_;
   std::vector<HeaderField> fields_;
 };
+
+/// As numberOf, with an optional plus in front.
+template <class T>
+std::optional<T> signedNumberOf(std::string_view text) {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  return numberOf<T>(text);
+}
 
 std::string trimmed(std::string_view text);
 std::vector<std::string> words(std::string_view text);

@@ -20,12 +20,12 @@ struct ListedVolume {
   /// Empty if the headers do not state them.
   std::optional<Extent3> dims;
   std::optional<VoxelType> type;
-  /// The option that chooses it, "--grid density"; empty if nothing is to be chosen.
+  /// The option that chooses the volume, "--grid density"; empty if nothing is to be chosen.
   std::string option;
-  /// The reason why it is not read as one volume; empty if it is.
+  /// The reason why the files are not read as one volume; empty if they are.
   std::string refusal;
 
-  /// Size in memory; 0 if it is unknown, UINT64_MAX if headers state more.
+  /// Size in memory; 0 if the size is unknown, UINT64_MAX if headers state more.
   std::uint64_t bytes() const;
 };
 
