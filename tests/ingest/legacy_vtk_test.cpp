@@ -76,6 +76,8 @@ TEST(IngestLegacyVtk, ArrayAmongOthersIsFound) {
       second.stored(true) + "\n" + legacyScalars(first, true);
   const auto path = files.write("a.vtk", whole);
   expectReadsBack(first, path, 523);
+  EXPECT_EQ(openSource(path)->info().notes,
+            std::vector<std::string>{"array 'v' is read, and not 'w'; --channel chooses"});
   SourceOptions options;
   options.channel = "w";
   expectReadsBack(

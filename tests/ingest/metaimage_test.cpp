@@ -97,7 +97,7 @@ TEST(IngestMetaImage, WhatIsNotReadIsRefusedByName) {
   };
   const std::string start = "ObjectType = Image\nNDims = 3\nDimSize = 2 2 2\n", u8 = "ElementType = MET_UCHAR\n";
   const std::string local = "ElementDataFile = LOCAL\n";
-  refused(start + "ElementType = MET_LONG_LONG\n" + local, ErrorCode::kUnsupported, "MET_LONG_LONG");
+  refused(start + "ElementType = MET_LONG\n" + local, ErrorCode::kUnsupported, "'MET_LONG' is not read");
   refused(start + "ElementType = MET_FLOAT_ARRAY\n" + local, ErrorCode::kUnsupported, "vector, tensor or colour");
   refused(start + u8 + "ElementNumberOfChannels = 3\n" + local, ErrorCode::kUnsupported, "vector, tensor or colour");
   refused(start + u8 + "BinaryData = False\n" + local, ErrorCode::kFormat, "is not a value of type u8");

@@ -221,7 +221,6 @@ TEST(IngestNrrd, WhatIsNotReadIsRefusedByName) {
   refused(u8 + "encoding: text\n", ErrorCode::kFormat, "is not a value of type u8");
   refused(u8 + "encoding: hex\n", ErrorCode::kFormat, "is no hexadecimal digit");
   refused(u8 + "encoding: zip\n", ErrorCode::kFormat, "'zip' is not an encoding");
-  refused("type: int64\n" + base + "encoding: raw\n", ErrorCode::kUnsupported, "64-bit");
   refused("type: block\n" + base + "encoding: raw\n", ErrorCode::kUnsupported, "block");
   refused("type: quux\n" + base + "encoding: raw\n", ErrorCode::kFormat, "quux");
   refused("type: short\n" + base + "encoding: raw\n", ErrorCode::kFormat, "endian");

@@ -199,6 +199,8 @@ TEST(IngestVti, ActiveScalarsOrTheChosenArray_areRead) {
       "<DataArray type=\"UInt8\" Name=\"w\" format=\"ascii\">" + zeros +
       "</DataArray><DataArray type=\"Float32\" Name=\"flow\" NumberOfComponents=\"3\" format=\"ascii\"/>";
   expectReadsBack(volume, files.write("a.vti", vtiFile(volume, layout)), 432);
+  EXPECT_EQ(openSource(files.directory() / "a.vti")->info().notes,
+            std::vector<std::string>{"array 'v' is read, and not 'w'; --channel chooses"});
   layout.scalars = "";
   const auto path = files.write("a.vti", vtiFile(volume, layout));
   expectRefused(path, ErrorCode::kUsage, "holds 2 channels; choose one with --channel, from 0 to 1: 0 ('w'), 1 ('v')");
@@ -208,6 +210,7 @@ TEST(IngestVti, ActiveScalarsOrTheChosenArray_areRead) {
     const auto source = openSource(path, options);
     EXPECT_EQ(source->info().type, VoxelType::u8);
     EXPECT_EQ(source->info().format, "VTK image, channel 0");
+    EXPECT_TRUE(source->info().notes.empty());
     EXPECT_TRUE(readWhole(*source) == std::vector<std::byte>(60, std::byte{7}));
   }
   options.channel = "flow";
@@ -250,7 +253,7 @@ TEST(IngestVti, OtherDataAreRefusedByName) {
   refused("\"ImageData\"", "\"UnstructuredGrid\"", ErrorCode::kUnsupported, "'UnstructuredGrid', not an image");
   refused("\"ImageData\"", "\"PImageData\"", ErrorCode::kUnsupported, "pieces of an image in other files");
   refused("</Piece>", "</Piece><Piece Extent=\"0 1 0 1 0 1\"></Piece>", ErrorCode::kUnsupported, "several pieces");
-  refused("\"UInt8\"", "\"Int64\"", ErrorCode::kUnsupported, "found 'v' of 1 x 'Int64'");
+  refused("\"UInt8\"", "\"String\"", ErrorCode::kUnsupported, "found 'v' of 1 x 'String'");
   refused("Name=\"v\"", "Name=\"v\" NumberOfComponents=\"3\"", ErrorCode::kUnsupported, "found 'v' of 3 x 'UInt8'");
   refused("header_type", "compressor=\"zip\" header_type", ErrorCode::kUnsupported, "'zip' is not a compressor");
   refused("<VTKFile", "<!DOCTYPE a [<!ENTITY b \"c\">]><VTKFile", ErrorCode::kFormat, "document type");

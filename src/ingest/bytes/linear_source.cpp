@@ -22,8 +22,6 @@
 namespace kiln {
 namespace {
 
-constexpr std::size_t kChunkBytes = 1 << 20;
-
 // Upper bound for the bytes of voxels that one byte of the file can hold.
 std::uint64_t mostExpansion(DataEncoding encoding) {
   switch (encoding) {
@@ -43,15 +41,10 @@ std::uint64_t mostExpansion(DataEncoding encoding) {
 
 ValueMap mapOf(const SourceInfo& info, const LinearData& data) {
   const bool machine_big_endian = std::endian::native == std::endian::big;
-  const bool swapped = data.big_endian != machine_big_endian && data.encoding != DataEncoding::kDecimal;
-  return {data.stored_type, info.type, swapped, data.slope, data.intercept};
-}
-
-void requireFits(const ValueMap& map, const std::byte* stored, std::size_t count, const std::filesystem::path& file,
-                 std::int64_t slice) {
-  if (const std::optional<std::string> value = map.misfit(stored, count))
-    throw Error(ErrorCode::kFormat, file, fmt::format("slice {}", slice),
-                fmt::format("the 64-bit integer {} does not fit into 32 bits; save the values as double", *value));
+  // Numbers as text are parsed to voxels.
+  if (data.encoding == DataEncoding::kDecimal)
+    return {data.stored_type.voxel(), info.type, false, data.slope, data.intercept};
+  return {data.stored_type, info.type, data.big_endian != machine_big_endian, data.slope, data.intercept};
 }
 
 // requires: openLinear has checked the product.
@@ -92,7 +85,8 @@ void RawSource::read(const VoxelBox& box, std::span<std::byte> out) {
   }
   const Extent3 n = box.extent();
   const std::int64_t row_bytes = n.x * static_cast<std::int64_t>(sizeOf(map_.from));
-  const std::int64_t step = std::clamp<std::int64_t>(static_cast<std::int64_t>(kChunkBytes) / row_bytes, 1, n.y);
+  const std::int64_t step =
+      std::clamp<std::int64_t>(static_cast<std::int64_t>(ValueMap::kPieceBytes) / row_bytes, 1, n.y);
   std::vector<std::byte> stored(static_cast<std::size_t>(step * row_bytes));
   std::byte* to = out.data();
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
@@ -151,7 +145,7 @@ class StreamSource : public VolumeSource {
   ReadOrder order() const override { return ReadOrder::kForward; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
   void finish() override;
-  std::uint64_t decodeBytes() const override { return stream_->heldBytes() + (map_.copies() ? 0 : kChunkBytes); }
+  std::uint64_t decodeBytes() const override { return stream_->heldBytes() + map_.pieceBytes(); }
 
  private:
   std::uint64_t sliceVoxels() const { return info_.geometry.dims.x * info_.geometry.dims.y; }
@@ -188,23 +182,9 @@ void StreamSource::read(const VoxelBox& box, std::span<std::byte> out) {
 void StreamSource::readRun(std::uint64_t voxels, std::byte* out) {
   const std::string where = place();
   const auto slice = static_cast<std::int64_t>(next_voxel_ / sliceVoxels());
-  const std::size_t size = sizeOf(map_.from);
-  next_voxel_ += voxels;
-  if (map_.copies()) {
-    stream_->read({out, voxels * size}, where);
-    map_.order(out, voxels);
-    return;
-  }
-  std::vector<std::byte> stored(std::min(voxels * size, kChunkBytes));
   const std::filesystem::path file = info_.files.empty() ? std::filesystem::path() : info_.files.back();
-  for (std::size_t done = 0; done < voxels;) {
-    const std::size_t now = std::min(voxels - done, stored.size() / size);
-    stream_->read(std::span(stored).first(now * size), where);
-    map_.order(stored.data(), now);
-    requireFits(map_, stored.data(), now, file, slice);
-    map_.apply(stored.data(), now, out + done * sizeOf(map_.to));
-    done += now;
-  }
+  next_voxel_ += voxels;
+  readMapped(map_, voxels, out, file, slice, [&](std::span<std::byte> piece) { stream_->read(piece, where); });
 }
 
 void StreamSource::finish() {
@@ -246,6 +226,11 @@ std::uint64_t checkedBytes(const Extent3& dims, StoredType type, const std::file
     bytes *= n;
   }
   return static_cast<std::uint64_t>(bytes);
+}
+
+void LinearData::beginAt(std::uint64_t offset, bool in_gzip) {
+  encoding = in_gzip ? DataEncoding::kGzip : DataEncoding::kRaw;
+  (in_gzip ? skip_decompressed_bytes : offset_bytes) = offset;
 }
 
 std::unique_ptr<VolumeSource> openLinear(SourceInfo info, const LinearData& data) {

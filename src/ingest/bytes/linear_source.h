@@ -26,6 +26,9 @@ struct LinearData {
   std::int64_t part = 0, parts = 1;
   /// True if the format has further fields behind the voxels, which are then passed over without a note.
   bool has_trailer = false;
+
+  /// Places raw voxels at `offset` of the file, or of the decompressed file if the whole file is in gzip. unit: bytes.
+  void beginAt(std::uint64_t offset, bool in_gzip);
 };
 
 /// Opens the voxels that a header describes. The finish() of a compressed source adds a note to `info().notes` for

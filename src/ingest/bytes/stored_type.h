@@ -36,7 +36,7 @@ class StoredType {
     return {is_signed ? VoxelType::i32 : VoxelType::u32, Width::kWide};
   }
 
-  /// The voxel type that holds the stored values; of wide integers those that fit.
+  /// The voxel type that holds the stored values, of wide integers the values that fit.
   constexpr VoxelType voxel() const { return type_; }
   constexpr bool isHalf() const { return width_ == Width::kHalf; }
   constexpr bool isWide() const { return width_ == Width::kWide; }

@@ -1,10 +1,13 @@
 #include "ingest/bytes/value_map.h"
 
-#include <algorithm>
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <utility>
+
+#include "base/error.h"
 
 namespace kiln {
 namespace {
@@ -43,7 +46,7 @@ bool ValueMap::mergesInFloat() const {
 }
 
 std::optional<std::string> ValueMap::misfit(const std::byte* in, std::size_t count) const {
-  if (!from.isWide()) return std::nullopt;
+  if (!from.isWide() || to != from.voxel()) return std::nullopt;
   const auto search = [&]<class Wide, class Narrow>(Wide, Narrow) -> std::optional<std::string> {
     for (std::size_t i = 0; i < count; ++i) {
       Wide value;
@@ -54,6 +57,13 @@ std::optional<std::string> ValueMap::misfit(const std::byte* in, std::size_t cou
   };
   return from.voxel() == VoxelType::i32 ? search(std::int64_t{}, std::int32_t{})
                                         : search(std::uint64_t{}, std::uint32_t{});
+}
+
+void requireFits(const ValueMap& map, const std::byte* stored, std::size_t count, const std::filesystem::path& file,
+                 std::int64_t slice) {
+  if (const std::optional<std::string> value = map.misfit(stored, count))
+    throw Error(ErrorCode::kFormat, file, fmt::format("slice {}", slice),
+                fmt::format("the 64-bit integer {} does not fit into 32 bits; save the values as double", *value));
 }
 
 void ValueMap::apply(const std::byte* in, std::size_t count, std::byte* out) const noexcept {

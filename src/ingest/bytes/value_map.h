@@ -1,8 +1,12 @@
 // Turns the bytes of a file into values: swaps the byte order and applies a linear map to another type.
 #pragma once
 
+#include <algorithm>
+#include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "ingest/bytes/stored_type.h"
 
@@ -31,10 +35,41 @@ struct ValueMap {
   void order(std::byte* data, std::size_t count) const noexcept {
     if (swap && sizeOf(from) > 1) swapBytes(data, count, sizeOf(from));
   }
-  /// Returns the first of `count` wide integers that does not fit its voxel type, as text; nothing if all fit.
+  /// Memory of readMapped beside its output. unit: bytes.
+  std::uint64_t pieceBytes() const { return copies() ? 0 : kPieceBytes; }
+  /// Returns the first of `count` wide integers that does not fit its voxel type, as text; nothing if all fit, or
+  /// become floats.
   std::optional<std::string> misfit(const std::byte* in, std::size_t count) const;
   /// Maps `count` values in the machine's byte order. requires: `out` does not overlap `in`.
   void apply(const std::byte* in, std::size_t count, std::byte* out) const noexcept;
+
+  static constexpr std::size_t kPieceBytes = 1 << 20;
 };
+
+/// throws: Error kFormat, with the slice, if one of `count` wide integers does not fit its voxel type.
+void requireFits(const ValueMap& map, const std::byte* stored, std::size_t count, const std::filesystem::path& file,
+                 std::int64_t slice);
+
+/// Fills `out` with `count` values of one slice, whose stored bytes `read(piece)` returns piece by piece, in order.
+/// throws: as requireFits; the exceptions of `read`. cost: `map.pieceBytes()`.
+template <class Read>
+void readMapped(const ValueMap& map, std::uint64_t count, std::byte* out, const std::filesystem::path& file,
+                std::int64_t slice, Read&& read) {
+  const std::size_t size = sizeOf(map.from), all = static_cast<std::size_t>(count);
+  if (map.copies()) {
+    read(std::span(out, all * size));
+    map.order(out, all);
+    return;
+  }
+  std::vector<std::byte> stored(std::min(all * size, ValueMap::kPieceBytes));
+  for (std::size_t done = 0; done < all;) {
+    const std::size_t now = std::min(all - done, stored.size() / size);
+    read(std::span(stored).first(now * size));
+    map.order(stored.data(), now);
+    requireFits(map, stored.data(), now, file, slice);
+    map.apply(stored.data(), now, out + done * sizeOf(map.to));
+    done += now;
+  }
+}
 
 }  // namespace kiln

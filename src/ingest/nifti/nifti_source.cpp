@@ -70,7 +70,7 @@ void findVoxels(NiftiFiles& files, const NiftiHeader& header, const fs::path& in
     header.refuse(inQuotes(files.voxels.filename().string()) +
                   ", the file of its voxels, is this header itself; put the voxels there");
   // The voxels of a plain .img may begin with gzip's magic number, so the file name decides.
-  files.gzip_voxels = header.pair() ? files.voxels.extension() == ".gz" : isGzip(files.header);
+  files.gzip_voxels = header.pair() ? files.voxels.extension() == ".gz" : header.inGzip();
 }
 
 void refuseIntent(const NiftiHeader& header) {
@@ -101,7 +101,7 @@ void refuseIntent(const NiftiHeader& header) {
   if (name != nullptr) header.refuse(fmt::format("holds {} data (by its intent), not one value a voxel", name));
 }
 
-VoxelType typeOf(const NiftiHeader& header) {
+StoredType typeOf(const NiftiHeader& header) {
   switch (header.integer(kDatatype)) {
     case 2:
       return VoxelType::u8;
@@ -119,16 +119,16 @@ VoxelType typeOf(const NiftiHeader& header) {
       return VoxelType::u16;
     case 768:
       return VoxelType::u32;
+    case 1024:
+      return StoredType::wide(true);
+    case 1280:
+      return StoredType::wide(false);
     case 1:
       header.refuse("holds single bits, which Kiln does not read; save it as 8-bit integers");
     case 32:
       header.refuse("holds complex numbers; save the real part or the magnitude");
     case 128:
       header.refuse("holds RGB24 colours, not one value a voxel");
-    case 1024:
-      header.refuse("holds 64-bit integers, which Kiln does not read; save it as 32-bit integers or float");
-    case 1280:
-      header.refuse("holds unsigned 64-bit integers, which Kiln does not read; save it as 32-bit integers or float");
     case 1536:
       header.refuse("holds 128-bit floats, which Kiln does not read; save it as float or double");
     case 1792:
@@ -170,11 +170,10 @@ void takeOffset(const NiftiHeader& header, const NiftiFiles& files, LinearData& 
     header.fail(kVoxOffset, 0, fmt::format("vox_offset is {}; a whole number from {} is legal", offset, least));
   }
   data.file = files.voxels;
-  data.encoding = files.gzip_voxels ? DataEncoding::kGzip : DataEncoding::kRaw;
-  (files.gzip_voxels ? data.skip_decompressed_bytes : data.offset_bytes) = static_cast<std::uint64_t>(offset);
+  data.beginAt(static_cast<std::uint64_t>(offset), files.gzip_voxels);
 }
 
-void requireBits(const NiftiHeader& header, VoxelType type) {
+void requireBits(const NiftiHeader& header, StoredType type) {
   const std::int64_t bits = header.integer(kBitpix), expected = static_cast<std::int64_t>(sizeOf(type) * 8);
   // Some writers leave bitpix at 0.
   if (bits != 0 && bits != expected) {
@@ -201,8 +200,9 @@ std::unique_ptr<VolumeSource> openNifti(const fs::path& input, const SourceOptio
 
   if (header.version() == NiftiVersion::kAnalyze)
     info.notes.push_back("ANALYZE 7.5 has no directions: its axes and values are taken as stored");
-  data.stored_type = info.type = typeOf(header);
-  requireBits(header, info.type);
+  data.stored_type = typeOf(header);
+  info.type = data.stored_type.voxel();
+  requireBits(header, data.stored_type);
   data.big_endian = header.bigEndian();
   takeScale(header, data, info.type, info.notes);
   takeOffset(header, files, data);

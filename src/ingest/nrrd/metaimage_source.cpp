@@ -49,8 +49,7 @@ Header readHeader(const File& file) {
     if (name == "ElementDataFile") {
       header.end_offset = lines.endOffset();
       if (!namesList(header.fields.find(name)->value)) return header;
-      while (const std::optional<std::string> listed = lines.next())
-        if (!trimmed(*listed).empty()) header.listed.push_back(trimmed(*listed));
+      header.listed = lines.rest();
       return header;
     }
   }
@@ -66,11 +65,17 @@ bool flag(const HeaderFields& fields, std::string_view key, bool otherwise) {
   fields.fail(*field, inQuotes(field->value) + " is neither True nor False");
 }
 
-VoxelType elementType(const HeaderFields& fields) {
-  static const std::map<std::string, VoxelType> kTypes = {
-      {"MET_UCHAR", VoxelType::u8},  {"MET_CHAR", VoxelType::i8},   {"MET_USHORT", VoxelType::u16},
-      {"MET_SHORT", VoxelType::i16}, {"MET_UINT", VoxelType::u32},  {"MET_INT", VoxelType::i32},
-      {"MET_FLOAT", VoxelType::f32}, {"MET_DOUBLE", VoxelType::f64}};
+StoredType elementType(const HeaderFields& fields) {
+  static const std::map<std::string, StoredType> kTypes = {{"MET_UCHAR", VoxelType::u8},
+                                                           {"MET_CHAR", VoxelType::i8},
+                                                           {"MET_USHORT", VoxelType::u16},
+                                                           {"MET_SHORT", VoxelType::i16},
+                                                           {"MET_UINT", VoxelType::u32},
+                                                           {"MET_INT", VoxelType::i32},
+                                                           {"MET_FLOAT", VoxelType::f32},
+                                                           {"MET_DOUBLE", VoxelType::f64},
+                                                           {"MET_LONG_LONG", StoredType::wide(true)},
+                                                           {"MET_ULONG_LONG", StoredType::wide(false)}};
   const HeaderField& field = fields.require("ElementType");
   const auto found = kTypes.find(field.value);
   if (found != kTypes.end()) return found->second;
@@ -182,7 +187,7 @@ std::vector<std::filesystem::path> dataFilesOf(const Header& header) {
 }
 
 // Returns the begin of the data in one data file, which holds `dims` voxels.
-LinearData dataOf(const Header& header, const std::filesystem::path& file, const Extent3& dims, VoxelType type) {
+LinearData dataOf(const Header& header, const std::filesystem::path& file, const Extent3& dims, StoredType type) {
   const HeaderFields& fields = header.fields;
   const bool local = file == fields.path();
   LinearData data;
@@ -230,12 +235,13 @@ std::unique_ptr<VolumeSource> openMetaImage(const std::filesystem::path& input, 
   requireScalarMetaImage(header.fields);
   SourceInfo info;
   info.format = "MetaImage";
-  info.type = elementType(header.fields);
+  const StoredType type = elementType(header.fields);
+  info.type = type.voxel();
   info.geometry = geometryOf(header.fields, options);
   const std::vector<std::filesystem::path> files = dataFilesOf(header);
   const Extent3 part = partOfFile(info.geometry.dims, files.size(), input);
   std::vector<LinearData> data;
-  for (const std::filesystem::path& file : files) data.push_back(dataOf(header, file, part, info.type));
+  for (const std::filesystem::path& file : files) data.push_back(dataOf(header, file, part, type));
   return openStacked(input, std::move(info), std::move(data));
 }
 

@@ -17,11 +17,11 @@
 namespace kiln {
 namespace {
 
-VoxelType typeOf(const HeaderFields& fields) {
-  static const std::map<std::string, VoxelType> kTypes = [] {
-    std::map<std::string, VoxelType> types = {{"float", VoxelType::f32}, {"double", VoxelType::f64}};
-    const auto name = [&](VoxelType type, std::initializer_list<const char*> spellings) {
-      for (const char* spelling : spellings) types[spelling] = type;
+StoredType typeOf(const HeaderFields& fields) {
+  static const std::map<std::string, StoredType> kTypes = [] {
+    std::map<std::string, StoredType> types = {{"float", VoxelType::f32}, {"double", VoxelType::f64}};
+    const auto name = [&](StoredType type, std::initializer_list<const char*> spellings) {
+      for (const char* spelling : spellings) types.emplace(spelling, type);
     };
     name(VoxelType::i8, {"signed char", "int8", "int8_t"});
     name(VoxelType::u8, {"uchar", "unsigned char", "uint8", "uint8_t"});
@@ -29,21 +29,16 @@ VoxelType typeOf(const HeaderFields& fields) {
     name(VoxelType::u16, {"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"});
     name(VoxelType::i32, {"int", "signed int", "int32", "int32_t"});
     name(VoxelType::u32, {"uint", "unsigned int", "uint32", "uint32_t"});
+    name(StoredType::wide(true),
+         {"longlong", "long long", "long long int", "signed long long", "signed long long int", "int64", "int64_t"});
+    name(StoredType::wide(false), {"ulonglong", "unsigned long long", "unsigned long long int", "uint64", "uint64_t"});
     return types;
   }();
-  static const char* const kWide[] = {
-      "longlong", "long long", "long long int", "signed long long",   "signed long long int",
-      "int64",    "int64_t",   "ulonglong",     "unsigned long long", "unsigned long long int",
-      "uint64",   "uint64_t"};
   const HeaderField& field = fields.require("type");
   const std::string type = lowered(field.value);
   const auto found = kTypes.find(type);
   if (found != kTypes.end()) return found->second;
   if (type == "block") fields.unsupported(field, "opaque blocks ('block') have no scalar value; give a scalar volume");
-  if (std::find(std::begin(kWide), std::end(kWide), type) != std::end(kWide)) {
-    fields.unsupported(field,
-                       "64-bit integers (" + inQuotes(type) + ") are not read; convert them to double or 32 bits");
-  }
   fields.fail(field, inQuotes(field.value) + " is not a NRRD type");
 }
 
@@ -124,7 +119,7 @@ DataEncoding encodingOf(const HeaderFields& fields) {
   fields.fail(field, inQuotes(field.value) + " is not an encoding of NRRD");
 }
 
-bool bigEndian(const HeaderFields& fields, VoxelType type, DataEncoding encoding) {
+bool bigEndian(const HeaderFields& fields, StoredType type, DataEncoding encoding) {
   const bool ordered = sizeOf(type) > 1 && encoding != DataEncoding::kDecimal;
   if (!ordered && !fields.find("endian")) return false;
   const HeaderField& field = fields.require("endian");
@@ -157,7 +152,7 @@ std::uint64_t afterLines(const File& file, std::uint64_t offset, std::int64_t li
 }
 
 // Describes one data file, which holds `dims` voxels.
-LinearData dataOf(const NrrdHeader& header, const std::filesystem::path& path, const Extent3& dims, VoxelType type) {
+LinearData dataOf(const NrrdHeader& header, const std::filesystem::path& path, const Extent3& dims, StoredType type) {
   const HeaderFields& fields = header.fields;
   LinearData data;
   data.file = path;
@@ -222,7 +217,8 @@ std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const
   requireScalarNrrd(header.fields);
   SourceInfo info;
   info.format = "NRRD";
-  info.type = typeOf(header.fields);
+  const StoredType type = typeOf(header.fields);
+  info.type = type.voxel();
   info.geometry = nrrdGeometry(header.fields, options);
   if (std::string note = noteOfNarrow(header.fields, info.geometry.dims); !note.empty())
     info.notes.push_back(std::move(note));
@@ -233,7 +229,7 @@ std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const
   const std::vector<std::filesystem::path> files = dataFilesOf(header);
   const Extent3 part = partOfFile(info.geometry.dims, files.size(), input);
   std::vector<LinearData> data;
-  for (const std::filesystem::path& file : files) data.push_back(dataOf(header, file, part, info.type));
+  for (const std::filesystem::path& file : files) data.push_back(dataOf(header, file, part, type));
   return openStacked(input, std::move(info), std::move(data));
 }
 

@@ -212,10 +212,7 @@ void TiffSource::read(const VoxelBox& box, std::span<std::byte> out) {
     std::byte* const to = out.data() + static_cast<std::size_t>(z - box.lo.z) * slice_bytes;
     readSlice(in_slice, map.copies() ? to : stored.data());
     if (map.copies()) continue;
-    if (const std::optional<std::string> value = map.misfit(stored.data(), count))
-      throw Error(ErrorCode::kFormat, files_[stack_.slices[static_cast<std::size_t>(z)].file],
-                  fmt::format("slice {}", z),
-                  fmt::format("the 64-bit integer {} does not fit into 32 bits; save the values as double", *value));
+    requireFits(map, stored.data(), count, files_[stack_.slices[static_cast<std::size_t>(z)].file], z);
     map.apply(stored.data(), count, to);
   }
   if (!stack_.storesLargerBy32768()) return;

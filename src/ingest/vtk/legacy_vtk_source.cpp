@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "base/text.h"
 #include "ingest/bytes/linear_source.h"
-#include "ingest/source/chosen_part.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"
 #include "ingest/vtk/vtk_types.h"
@@ -19,20 +18,40 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr VtkTypeName kLegacyTypes[] = {{"unsigned_char", VoxelType::u8},   {"char", VoxelType::i8},
-                                        {"unsigned_short", VoxelType::u16}, {"short", VoxelType::i16},
-                                        {"unsigned_int", VoxelType::u32},   {"int", VoxelType::i32},
-                                        {"float", VoxelType::f32},          {"double", VoxelType::f64}};
-// Types that are passed over only. unit: bytes.
+constexpr VtkTypeName kLegacyTypes[] = {{"unsigned_char", VoxelType::u8},
+                                        {"char", VoxelType::i8},
+                                        {"unsigned_short", VoxelType::u16},
+                                        {"short", VoxelType::i16},
+                                        {"unsigned_int", VoxelType::u32},
+                                        {"int", VoxelType::i32},
+                                        {"float", VoxelType::f32},
+                                        {"double", VoxelType::f64},
+                                        {"vtktypeint64", StoredType::wide(true)},
+                                        {"vtktypeuint64", StoredType::wide(false)}};
+// Types that are passed over only: programs disagree on the sizes of long numbers. unit: bytes.
 constexpr std::pair<std::string_view, std::size_t> kPassedTypes[] = {
-    {"long", 8}, {"unsigned_long", 8}, {"vtktypeint64", 8}, {"vtktypeuint64", 8}, {"vtkidtype", 4}};
+    {"long", 8}, {"unsigned_long", 8}, {"vtkidtype", 4}};
 
-struct LegacyArray {
-  std::string name, type;
-  bool of_cells = false, is_scalars = false;
-  std::int64_t components = 1;
+struct LegacyArray : VtkArray {
+  LegacyArray(std::string array_name, const std::string& written, std::int64_t values) {
+    name = std::move(array_name);
+    type_text = lowered(written);
+    type = vtkTypeNamed(kLegacyTypes, type_text);
+    components = values;
+  }
+
+  /// Size of a number; 0 for an unknown type. unit: bytes.
+  std::uint64_t numberBytes() const;
+
   std::uint64_t begin = 0;
 };
+
+std::uint64_t LegacyArray::numberBytes() const {
+  if (type) return sizeOf(*type);
+  for (const auto& [passed, bytes] : kPassedTypes)
+    if (type_text == passed) return bytes;
+  return 0;
+}
 
 struct LegacyHeader {
   bool binary = false;
@@ -150,11 +169,7 @@ bool LegacyReader::addArray(const LegacyArray& array, std::int64_t tuples) {
   added.begin = lines_->endOffset();
   if (tuples_ > 0 && tuples == tuples_) header_.arrays.push_back(added);
   if (!header_.binary) return tuples_ == 0 && passOverText(array, tuples);
-  std::uint64_t size = 0;
-  const std::string type = lowered(array.type);
-  if (const auto known = vtkTypeNamed(kLegacyTypes, type)) size = sizeOf(*known);
-  for (const auto& [name, bytes] : kPassedTypes)
-    if (type == name) size = bytes;
+  const std::uint64_t size = array.numberBytes();
   if (size == 0) return false;
   const auto values = static_cast<std::uint64_t>(array.components);
   const std::uint64_t room = file_.size() - added.begin;
@@ -169,7 +184,7 @@ bool LegacyReader::passOverText(const LegacyArray& array, std::int64_t tuples) {
   constexpr std::int64_t kMostValues = 1 << 24;
   if (tuples > kMostValues / array.components)
     fail(fmt::format("{} holds more than {} values of the whole image", inQuotes(array.name), kMostValues));
-  const bool texts = lowered(array.type) == "string";
+  const bool texts = array.type_text == "string";
   std::int64_t left = tuples * array.components;
   while (texts && left > 0 && lines_->next()) --left;
   while (!texts && left > 0) {
@@ -182,9 +197,8 @@ bool LegacyReader::passOverText(const LegacyArray& array, std::int64_t tuples) {
 
 bool LegacyReader::takeScalars(const Words& line) {
   if (line.size() < 3) fail("'SCALARS' needs a name and a type");
-  LegacyArray array{line[1], line[2]};
-  array.is_scalars = true;
-  array.components = line.size() > 3 ? whole(line, 3) : 1;
+  LegacyArray array(line[1], line[2], line.size() > 3 ? whole(line, 3) : 1);
+  array.is_active = true;
   const Words table = nextWords().value_or(Words{""});
   if (lowered(table[0]) != "lookup_table") fail("'LOOKUP_TABLE' is expected behind 'SCALARS'");
   return addArray(array, tuples_);
@@ -201,8 +215,7 @@ bool LegacyReader::takeFields(const Words& line) {
       field = nextWords();
     }
     if (!field || field->size() < 4) fail("an array of a FIELD needs a name, components, a length and a type");
-    LegacyArray array{(*field)[0], (*field)[3]};
-    array.components = whole(*field, 1);
+    const LegacyArray array((*field)[0], (*field)[3], whole(*field, 1));
     if (!addArray(array, whole(*field, 2))) return false;
   }
   return true;
@@ -216,7 +229,7 @@ void LegacyReader::passOverMetadata() {
 bool LegacyReader::takeAttribute(const std::string& key, const Words& line) {
   const auto array = [&](std::size_t type_at, std::int64_t components) {
     if (line.size() <= type_at) fail(inQuotes(line[0]) + " needs a name and a type");
-    return addArray({line[1], line[type_at], false, false, components}, tuples_);
+    return addArray({line[1], line[type_at], components}, tuples_);
   };
   if (key == "point_data" || key == "cell_data") return takeCount(line, key == "cell_data"), true;
   if (key == "metadata") return passOverMetadata(), true;
@@ -227,8 +240,8 @@ bool LegacyReader::takeAttribute(const std::string& key, const Words& line) {
   if (key == "tensors") return array(2, 9);
   if (key == "texture_coordinates") return array(3, whole(line, 2));
   if (key == "color_scalars")
-    return addArray({line.size() > 1 ? line[1] : "", "unsigned_char", false, false, whole(line, 2)}, tuples_);
-  if (key == "lookup_table") return addArray({"", "unsigned_char", false, false, 4}, whole(line, 2));
+    return addArray({line.size() > 1 ? line[1] : "", "unsigned_char", whole(line, 2)}, tuples_);
+  if (key == "lookup_table") return addArray({"", "unsigned_char", 4}, whole(line, 2));
   fail(inQuotes(line[0]) + " is not a keyword of VTK");
 }
 
@@ -242,53 +255,24 @@ LegacyHeader LegacyReader::read() {
   return std::move(header_);
 }
 
-bool isReadableLegacy(const LegacyArray& array) {
-  return array.components == 1 && vtkTypeNamed(kLegacyTypes, lowered(array.type));
-}
-
-// Returns the array that the user chose, else the first scalars, else the only array of one value a point or cell.
-const LegacyArray& chosenLegacyArray(const LegacyHeader& header, const SourceOptions& options, const fs::path& path,
-                                     std::string& choice) {
-  std::vector<const LegacyArray*> readable;
-  std::vector<std::string> names;
-  for (const LegacyArray& array : header.arrays) {
-    if (!isReadableLegacy(array)) continue;
-    readable.push_back(&array);
-    names.push_back(array.name);
-  }
-  if (readable.empty())
-    throw Error(ErrorCode::kUnsupported, path, "",
-                header.arrays.empty()
-                    ? "holds no array of values at its points or cells"
-                    : fmt::format("holds no array of one value a point or cell that is read (found {} of {} x {})",
-                                  inQuotes(header.arrays[0].name), header.arrays[0].components,
-                                  inQuotes(header.arrays[0].type)));
-  if (!options.channel) {
-    for (const LegacyArray* array : readable)
-      if (array->is_scalars) return *array;
-  }
-  const std::int64_t channel = chosenChannel(options, names, path);
-  choice = partOf("channel", channel, static_cast<std::int64_t>(readable.size()));
-  return *readable[static_cast<std::size_t>(channel)];
-}
-
 }  // namespace
 
 std::unique_ptr<VolumeSource> openLegacyVtk(const fs::path& input, const SourceOptions& options) {
   const File file(input);
   const LegacyHeader header = LegacyReader(file).read();
-  std::string choice;
-  const LegacyArray& array = chosenLegacyArray(header, options, input, choice);
+  const VtkChoice choice = chosenVtkArray({header.arrays.begin(), header.arrays.end()}, options, input);
+  const LegacyArray& array = header.arrays[choice.index];
   SourceInfo info;
-  info.format = "VTK structured points" + choice;
-  info.type = *vtkTypeNamed(kLegacyTypes, lowered(array.type));
+  info.format = "VTK structured points" + choice.part;
+  info.type = array.type->voxel();
+  if (!choice.note.empty()) info.notes.push_back(choice.note);
   info.geometry =
       vtkGeometry(input, header.extent, array.of_cells, header.origin, header.spacing, glm::dmat3(1.0), options);
   LinearData data;
   data.file = input;
   data.encoding = header.binary ? DataEncoding::kRaw : DataEncoding::kDecimal;
   data.offset_bytes = array.begin;
-  data.stored_type = info.type;
+  data.stored_type = *array.type;
   data.big_endian = true;
   data.has_trailer = true;
   return openDescribed(input, std::move(info), data);

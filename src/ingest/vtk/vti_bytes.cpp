@@ -1,6 +1,6 @@
-// An array without a compressor is its length, then its bytes, in one piece of base64. A compressed array is the number
-// of blocks, the size of a block, the size of the last block if it is shorter (else 0), the packed size of each block;
-// then the packed blocks, in a second piece of base64.
+// An array without a compressor is its length, then its bytes, in one piece of base64. A compressed array is a table,
+// then the packed blocks, in a second piece. The table has the number of blocks, the size of a block, the size of a
+// shorter last block (else 0), and the packed size of each block.
 // Invariant: the lengths are checked against the array's size before memory is taken for a table or a block.
 #include "ingest/vtk/vti_bytes.h"
 

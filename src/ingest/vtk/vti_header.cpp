@@ -23,6 +23,12 @@ constexpr std::uint64_t kLongestTag = 1 << 20;
 constexpr std::size_t kDeepest = 32;
 constexpr std::size_t kMostArrays = 4096;
 
+constexpr VtkTypeName kVtiTypes[] = {
+    {"UInt8", VoxelType::u8},         {"Int8", VoxelType::i8},     {"UInt16", VoxelType::u16},
+    {"Int16", VoxelType::i16},        {"UInt32", VoxelType::u32},  {"Int32", VoxelType::i32},
+    {"Float32", VoxelType::f32},      {"Float64", VoxelType::f64}, {"UInt64", StoredType::wide(false)},
+    {"Int64", StoredType::wide(true)}};
+
 /// The attributes of one element.
 class VtiAttributes {
  public:
@@ -71,6 +77,8 @@ class VtiParser {
   bool has_image_ = false;
   /// Names of the elements that have begun and not ended.
   std::vector<std::string> open_;
+  /// Of the last PointData or CellData; empty without.
+  std::string active_scalars_;
 };
 
 VtiParser::VtiParser(const File& file) : file_(file), parser_(XML_ParserCreate(nullptr), &XML_ParserFree) {
@@ -135,8 +143,7 @@ void VtiParser::start(std::string_view name, const VtiAttributes& attributes) {
   if (name == "Piece") return takePiece(attributes);
   if (name == "AppendedData") return takeAppended(attributes);
   if (name == "DataArray") return takeArray(attributes);
-  if (name == "PointData") header_.point_scalars = attributes.get("Scalars");
-  if (name == "CellData") header_.cell_scalars = attributes.get("Scalars");
+  if (name == "PointData" || name == "CellData") active_scalars_ = attributes.get("Scalars");
 }
 
 void VtiParser::takeFile(const VtiAttributes& attributes) {
@@ -205,8 +212,10 @@ void VtiParser::takeArray(const VtiAttributes& attributes) {
   if (header_.arrays.size() == kMostArrays) fail(fmt::format("holds more than {} arrays", kMostArrays));
   VtiArray array;
   array.name = attributes.get("Name");
-  array.type = attributes.get("type");
+  array.type_text = attributes.get("type");
+  array.type = vtkTypeNamed(kVtiTypes, array.type_text);
   array.of_cells = section == "CellData";
+  array.is_active = !array.name.empty() && array.name == active_scalars_;
   if (attributes.find("NumberOfComponents"))
     array.components = numbers<1>(attributes, "NumberOfComponents", integerOf)[0];
   const std::string format = attributes.get("format", "ascii");

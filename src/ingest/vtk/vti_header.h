@@ -11,17 +11,13 @@
 #include <vector>
 
 #include "ingest/codec/unpack_block.h"
+#include "ingest/vtk/vtk_types.h"
 
 namespace kiln {
 
 enum class VtiFormat { kAscii, kBase64, kAppended };
 
-struct VtiArray {
-  std::string name;
-  /// As written: "UInt16".
-  std::string type;
-  std::int64_t components = 1;
-  bool of_cells = false;
+struct VtiArray : VtkArray {
   VtiFormat format = VtiFormat::kAscii;
   /// Begin of the array's text in the file, or of its bytes in the appended data. unit: bytes.
   std::uint64_t begin = 0;
@@ -37,8 +33,6 @@ struct VtiHeader {
   /// True if lengths have 64 bits, false for 32.
   bool wide_lengths = false;
   BlockCodec codec = BlockCodec::kNone;
-  /// Names of the active scalars; empty without.
-  std::string point_scalars, cell_scalars;
   std::vector<VtiArray> arrays;
   /// Begin of the appended bytes, behind the underscore.
   std::optional<std::uint64_t> appended;
