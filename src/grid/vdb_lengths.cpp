@@ -111,7 +111,7 @@ void VdbLengths::metadata() {
     if (const std::uint32_t bytes = bytesOfType(type); bytes != 0 && bytes != length)
       fail(length_at, fmt::format("a value of type {} has a length of {}; {} is legal", type, length, bytes));
     const std::uint64_t end = at_ + length;
-    if (type == "__delayedload" && length > 0) delayedLoad(end);
+    if (type == kDelayedLoadType && length > 0) delayedLoad(end);
     at_ = end;
   }
 }

@@ -14,6 +14,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "base/error.h"
 
@@ -27,6 +28,9 @@ struct VdbFileBytes {
   /// Copies the bytes from `at` on. requires: the range lies in the file.
   std::function<void(std::uint64_t at, std::span<std::byte> out)> copy;
 };
+
+/// Type of the metadata in which OpenVDB stores the lengths of a grid's leaves.
+inline constexpr std::string_view kDelayedLoadType = "__delayedload";
 
 /// Each walk starts at a byte of the file and returns the byte behind the walked part. throws: Error of
 /// `VdbFileBytes::code`, with the byte offset, if a length exceeds the file or contradicts the type of a value;

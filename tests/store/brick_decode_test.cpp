@@ -2,6 +2,7 @@
 // damaged bytes that the checksum did not catch.
 #include <blosc.h>
 #include <gtest/gtest.h>
+#include <openvdb/version.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +17,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/memory/memory.h"
+#include "grid/vdb_lengths.h"
 #include "store/codec/brick_codec.h"
 #include "store/codec/brick_file.h"
 #include "store/ranges/minmax_octree.h"
@@ -183,6 +185,30 @@ TEST(BrickDecode, RefusesLeavesThatAreNotTheBricks) {
     }
   }
 }
+
+#ifdef OPENVDB_USE_DELAYED_LOADING
+// Known: the bytes behind the head of Blosc's frame cannot be unpacked, and OpenVDB's reader would throw.
+TEST(BrickDecode, HintForDelayedLoading_isNotUnpacked) {
+  const BrickDesc frame = brickFrame(VoxelType::u16);
+  const std::vector<std::byte> voxels = brickVoxels(frame);
+  std::vector<std::byte> file = encodedBrick(frame, voxels);
+  const auto type = std::as_bytes(std::span(kDelayedLoadType));
+  const auto value = std::search(file.begin(), file.end(), type.begin(), type.end()) + std::ssize(type);
+  ASSERT_LT(value, file.end());
+  const auto numberAt = [](auto at) {
+    std::uint32_t out;
+    std::memcpy(&out, &*at, sizeof out);
+    return out;
+  };
+  // Length of the value, number of leaves, 0 for masks of a byte each, the masks, length of the packed lengths.
+  const auto packed = value + 12 + numberAt(value + 4);
+  ASSERT_EQ(numberAt(value + 8), 0u);
+  constexpr std::ptrdiff_t kBloscHead = 16;
+  ASSERT_GT(numberAt(packed), kBloscHead);
+  std::fill(packed + 4 + kBloscHead, packed + 4 + numberAt(packed), std::byte{0xff});
+  expectBrickVoxels(decodeBrick(frame, file, "b.vdb"), frame, voxels);
+}
+#endif
 
 // Damaged values and damaged lengths either throw an error with the file's name or decode to different values.
 TEST(BrickDecode, DamagedFramesStayInTheirPlaces) {

@@ -54,6 +54,27 @@ void prefetchBytes(std::span<const std::byte> from, std::size_t at, std::size_t 
   for (; at < end; at += kLine) __builtin_prefetch(from.data() + at);
 }
 
+openvdb::Index32 readNumber(std::istream& in) {
+  openvdb::Index32 out = 0;
+  in.read(reinterpret_cast<char*>(&out), sizeof out);
+  return out;
+}
+
+// Reads as MetaMap::readMeta, but skips unknown types and the hint for delayed loading. OpenVDB unpacks the hint with
+// Blosc, which does not check its allocations.
+void readGridMetadata(openvdb::GridBase& grid, std::istream& in) {
+  for (openvdb::Index32 left = readNumber(in); left > 0; --left) {
+    const openvdb::Name name = openvdb::readString(in), type = openvdb::readString(in);
+    if (type == kDelayedLoadType || !openvdb::Metadata::isRegisteredType(type)) {
+      in.seekg(readNumber(in), std::ios_base::cur);
+      continue;
+    }
+    const openvdb::Metadata::Ptr value = openvdb::Metadata::createMetadata(type);
+    value->read(in);
+    grid.insertMeta(name, *value);
+  }
+}
+
 // Reads the parts of a file in order, as Archive::readGrid does, but without trees.
 class ArchiveReader : public openvdb::io::Archive {
  public:
@@ -86,7 +107,7 @@ class ArchiveReader : public openvdb::io::Archive {
       lengths.gridHead(position());
       readGridCompression(in);
       openvdb::io::setGridBackgroundValuePtr(in, nullptr);
-      grid->readMeta(in);
+      readGridMetadata(*grid, in);
       openvdb::io::setGridClass(in, grid->getGridClass());
       grid->readTransform(in);
       grid->setName(openvdb::io::GridDescriptor::stripSuffix(descriptor.gridName()));
