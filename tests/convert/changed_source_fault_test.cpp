@@ -8,13 +8,13 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/thread/parallel.h"
-#include "convert/convert.h"
 #include "convert/foreign_cache.h"
 #include "convert/resume/source_state.h"
 #include "ingest/open_source.h"
 #include "store/store_reader.h"
 #include "support/system/impatient_progress.h"
 #include "support/system/text_of.h"
+#include "support/volumes/conversions.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
 
@@ -42,24 +42,6 @@ void rewrite(const fs::path& path, const std::string& bytes) {
   fs::last_write_time(path, before);
 }
 
-// A raw file; change() is called once some bricks are read.
-class ChangingSource : public VolumeSource {
- public:
-  ChangingSource(const fs::path& path, std::function<void()> change)
-      : source_(openSource(path, described())), change_(std::move(change)) {}
-  const SourceInfo& info() const override { return source_->info(); }
-  ReadOrder order() const override { return source_->order(); }
-  void read(const VoxelBox& box, std::span<std::byte> out) override {
-    if (++reads_ == 8) change_();
-    source_->read(box, out);
-  }
-
- private:
-  const std::unique_ptr<VolumeSource> source_;
-  const std::function<void()> change_;
-  std::atomic<int> reads_ = 0;
-};
-
 ConvertOptions options() {
   ConvertOptions out;
   out.brick_size = 16;
@@ -79,7 +61,7 @@ TEST(ChangedSource, WhileItIsConverted_LeavesNoStore) {
        }}};
   for (const auto& [what, change] : changes) {
     writeText(path, voxels(1));
-    ChangingSource source(path, change);
+    ChangingSource source(openSource(path, described()), 8, change);
     Progress silent;
     try {
       convert(source, out, options(), silent);
@@ -92,7 +74,7 @@ TEST(ChangedSource, WhileItIsConverted_LeavesNoStore) {
     EXPECT_EQ(std::distance(fs::directory_iterator(directory), {}), 1) << what;
   }
   // Neither a look nor a change of rights is a change of the file.
-  ChangingSource source(path, [&] {
+  ChangingSource source(openSource(path, described()), 8, [&] {
     readFile(path);
     fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
   });

@@ -4,10 +4,9 @@
 
 #include <map>
 
-#include "convert/convert.h"
 #include "ingest/open_source.h"
+#include "support/volumes/conversions.h"
 #include "support/volumes/foreign_files.h"
-#include "support/volumes/store_files.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {

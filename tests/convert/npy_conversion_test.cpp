@@ -2,14 +2,11 @@
 // the three files hold equal voxels. A damaged array becomes no store.
 #include <gtest/gtest.h>
 
-#include <map>
 #include <random>
 
-#include "convert/convert.h"
-#include "convert/plan.h"
 #include "ingest/open_source.h"
+#include "support/volumes/conversions.h"
 #include "support/volumes/npy_files.h"
-#include "support/volumes/store_files.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {
@@ -19,36 +16,18 @@ namespace fs = std::filesystem;
 // Three, two and two bricks along the axes.
 constexpr Extent3 kDims = {75, 40, 50};
 
-ConvertOptions smallBricks() {
-  ConvertOptions out;
-  out.brick_size = 32;
-  out.overwrite = true;
-  return out;
-}
-
-// Returns all files of the store by name, except the manifest, which names the source.
-std::map<std::string, std::vector<std::byte>> converted(const fs::path& input, const SourceOptions& described = {}) {
-  const fs::path out = freshDirectory("store") / "volume.kiln";
-  const std::unique_ptr<VolumeSource> source = openSource(input, described);
-  ConvertOptions options = smallBricks();
-  const ConversionPlan ample = planConversion(*source, options);
-  options.memory_bytes = ample.source_bytes + ample.lane_bytes + ample.index_bytes;
-  Progress silent;
-  EXPECT_LE(convert(*source, out, options, silent).buffer_bytes, options.memory_bytes);
-  return storeFiles(out);
-}
-
 TEST(NpyConversion, EitherOrderGivesTheStoreOfTheRawVoxels) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 1);
   SourceOptions described;
   described.dims = volume.dims, described.type = volume.type;
-  const auto expected = converted(files.write("a.raw", volume.stored(false)), described);
+  const auto expected = convertedInOneLane(*openSource(files.write("a.raw", volume.stored(false)), described));
   EXPECT_GT(expected.size(), 12u);
   for (const bool fortran_order : {false, true}) {
     for (const bool big_endian : {false, true}) {
       const fs::path array = files.write("a.npy", npyFile(volume, {1, big_endian, fortran_order}));
-      EXPECT_TRUE(converted(array) == expected) << "Fortran " << fortran_order << ", big " << big_endian;
+      EXPECT_TRUE(convertedInOneLane(*openSource(array)) == expected)
+          << "Fortran " << fortran_order << ", big " << big_endian;
     }
   }
 }

@@ -46,14 +46,14 @@ struct Scenario {
 
 void PrintTo(const Scenario& scenario, std::ostream* out) { *out << scenario.name; }
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
+std::string replacedAll(std::string text, const std::string& from, const std::string& to) {
   for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
     text.replace(at, from.size(), to);
   return text;
 }
 
 Arguments in(const fs::path& folder, Arguments arguments) {
-  for (std::string& argument : arguments) argument = replaced(argument, "@", folder.string());
+  for (std::string& argument : arguments) argument = replacedAll(argument, "@", folder.string());
   return arguments;
 }
 
@@ -125,7 +125,7 @@ Scenario reader(const std::string& name, const std::string& input, std::function
 std::vector<Scenario> readers() {
   const auto file = [](const std::string& name, const std::function<std::string()>& bytes, const Arguments& more = {}) {
     return reader(
-        replaced(replaced(name, ".", "_"), "/", "_"), name,
+        replacedAll(replacedAll(name, ".", "_"), "/", "_"), name,
         [name, bytes](const fs::path& f) { put(f / name, bytes()); }, more);
   };
   const auto stored = [] { return volume().stored(false); };

@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cstring>
-
 #include "ingest/open_source.h"
 #include "support/volumes/foreign_files.h"
 
@@ -22,16 +20,7 @@ std::string legacyStart(const Extent3& dims, bool binary, const std::string& kin
 }
 
 std::string legacyData(const ForeignVolume& volume, bool binary) {
-  if (binary) return volume.stored(true) + "\n";
-  std::string out;
-  withVoxelType(volume.type, [&]<class T>(std::type_identity<T>) {
-    for (std::size_t at = 0; at < volume.voxels.size(); at += sizeof(T)) {
-      T value;
-      std::memcpy(&value, &volume.voxels[at], sizeof(T));
-      out += fmt::format("{}{}", value, at % 24 == 0 ? "\n" : " ");
-    }
-  });
-  return out + "\n";
+  return (binary ? volume.stored(true) : decimalsOf(volume, " \n")) + "\n";
 }
 
 std::string legacyScalars(const ForeignVolume& volume, bool binary, const std::string& name = "v") {
@@ -106,9 +95,7 @@ TEST(IngestLegacyVtk, OtherDataAreRefused) {
   const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 531);
   const std::string whole = legacyStart(volume.dims, false) + legacyScalars(volume, false);
   const auto refused = [&](const std::string& from, const std::string& to, ErrorCode code, const std::string& part) {
-    std::string wrong = whole;
-    ASSERT_NE(wrong.find(from), std::string::npos) << from;
-    expectRefused(files.write("a.vtk", wrong.replace(wrong.find(from), from.size(), to)), code, part);
+    expectRefused(files.write("a.vtk", replaced(whole, from, to)), code, part);
   };
   refused("STRUCTURED_POINTS", "POLYDATA", ErrorCode::kUnsupported, "holds 'POLYDATA', not STRUCTURED_POINTS");
   refused("ASCII", "XML", ErrorCode::kFormat, "neither ASCII nor BINARY");

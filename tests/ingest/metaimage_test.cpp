@@ -78,15 +78,9 @@ TEST(IngestMetaImage, ListPatternAndTextReadBack) {
   for (const char* names : {"LIST\ns1.raw\ns2.raw\n", "LIST 3D\ns1.raw\ns2.raw", "s%d.raw 1 2 1\n"})
     expectReadsBack(
         volume, files.write("a.mhd", metaImageHeader(volume, true, std::string("ElementDataFile = ") + names)), 116);
-  std::string text;
-  for (std::size_t i = 0; i < volume.voxels.size(); i += 2) {
-    std::int16_t value;
-    std::memcpy(&value, &volume.voxels[i], 2);
-    text += std::to_string(value) + (i % 14 == 12 ? "\n" : " ");
-  }
-  std::string header = metaImageHeader(volume, true, "ElementDataFile = LOCAL\n");
-  header.replace(header.find("BinaryData = True"), 17, "BinaryData = False");
-  expectReadsBack(volume, files.write("t.mha", header + text), 117);
+  const std::string header =
+      replaced(metaImageHeader(volume, true, "ElementDataFile = LOCAL\n"), "BinaryData = True", "BinaryData = False");
+  expectReadsBack(volume, files.write("t.mha", header + decimalsOf(volume, " \n")), 117);
 }
 
 TEST(IngestMetaImage, WhatIsNotReadIsRefusedByName) {

@@ -183,9 +183,8 @@ TEST_F(IngestMrc, StackOfVolumes_isOneOfThemByTime) {
     for (const std::int64_t time : {0, 1}) {
       SourceOptions options;
       options.time = time;
-      const ForeignVolume one = {kFewVoxels, both.type, both.box({{0, 0, 3 * time}, {5, 4, 3 * time + 3}})};
       expectReadsBack(
-          one, [&] { return openSource(path, options); }, 312);
+          both.part({{0, 0, 3 * time}, {5, 4, 3 * time + 3}}), [&] { return openSource(path, options); }, 312);
       const auto source = openSource(path, options);
       readWhole(*source);
       EXPECT_TRUE(source->info().notes.empty());
@@ -199,8 +198,7 @@ TEST_F(IngestMrc, StackOfVolumes_isOneOfThemByTime) {
   SourceOptions second;
   second.time = 1;
   const auto path = files_.directory() / "s.mrc";
-  const ForeignVolume last = {kFewVoxels, both.type, both.box({{0, 0, 3}, {5, 4, 6}})};
-  expectNoCutGoesUnnoticed(last, files_, "s.mrc", whole, path, second);
+  expectNoCutGoesUnnoticed(both.slices({3, 4, 5}), files_, "s.mrc", whole, path, second);
 }
 
 TEST_F(IngestMrc, OtherModesAreRefusedByName) {

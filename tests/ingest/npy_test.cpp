@@ -88,7 +88,8 @@ TEST(IngestNpy, HalfFloatsAndWideIntegersBecomeVoxels) {
   EXPECT_EQ(std::memcmp(readWhole(*wide).data(), integers, 8), 0);
   const auto large = open("<u8", std::string(16, '\xff'));
   EXPECT_EQ(large->info().type, VoxelType::u32);
-  EXPECT_THROW(readWhole(*large), Error);
+  expectRefused(files.directory() / "a.npy", ErrorCode::kFormat,
+                "slice 0: the 64-bit integer 18446744073709551615 does not fit into 32 bits");
 }
 
 TEST(IngestNpy, BytesHaveNoOrder) {
@@ -269,12 +270,7 @@ TEST(IngestNpy, CutWhileReading_isAnError) {
   const auto path = files.write("a.npy", npyFile(volume, kFortran));
   const auto source = openSource(path);
   std::filesystem::resize_file(path, 150);
-  try {
-    readWhole(*source);
-    ADD_FAILURE() << "was read";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("byte 150: the file ends here"), std::string::npos) << error.what();
-  }
+  expectError([&] { readWhole(*source); }, ErrorCode::kIo, "byte 150: the file ends here");
 }
 
 TEST(IngestNpy, ContentThenNameDecides) {

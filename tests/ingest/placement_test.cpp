@@ -1,11 +1,12 @@
-// The place of a volume by the user's words. Known because each letter is defined as a direction of the patient, and
-// because a mirrored volume has its voxels at the places of their mirror images.
+// The place of a volume by the user's words. Known because each letter is a direction of the patient. The voxels of a
+// mirrored volume lie at the places of their mirror images.
+#include "ingest/source/placement.h"
+
 #include <gtest/gtest.h>
 
 #include "base/error.h"
 #include "grid/coords.h"
 #include "ingest/open_source.h"
-#include "ingest/source/placement.h"
 #include "support/volumes/foreign_files.h"
 #include "support/volumes/vdb_files.h"
 
@@ -67,24 +68,18 @@ TEST(Placement, AWorldWithYUpIsTurnedUpright) {
 }
 
 TEST(Placement, WordsThatContradictTheFileAreRefused) {
-  const auto refused = [](const VolumeGeometry& geometry, const Placement& placement) {
-    try {
-      placed(geometry, placement, "f");
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kUsage);
-      return std::string(error.what());
-    }
-    return std::string("taken");
+  const auto refused = [](const VolumeGeometry& geometry, const Placement& placement, const std::string& part) {
+    expectError([&] { placed(geometry, placement, "f"); }, ErrorCode::kUsage, part);
   };
   VolumeGeometry patient = upright(), turned = upright();
   patient.frame = PatientFrame::kLps;
   turned.world_from_index[0].y = 0.1;
   Placement y_up, both = byLetters("RAS");
   y_up.up = both.up = UpAxis::kY;
-  EXPECT_NE(refused(patient, byLetters("RAS")).find("--orient: is for files without directions"), std::string::npos);
-  EXPECT_NE(refused(turned, byLetters("RAS")).find("found a rotated or mirrored affine"), std::string::npos);
-  EXPECT_NE(refused(patient, y_up).find("--up-axis: is for files without a patient frame"), std::string::npos);
-  EXPECT_NE(refused(upright(), both).find("leave one out"), std::string::npos);
+  refused(patient, byLetters("RAS"), "--orient: is for files without directions");
+  refused(turned, byLetters("RAS"), "found a rotated or mirrored affine");
+  refused(patient, y_up, "--up-axis: is for files without a patient frame");
+  refused(upright(), both, "leave one out");
 }
 
 // An export restores the grid's own coordinates: both affines of a placed grid lead to one place.

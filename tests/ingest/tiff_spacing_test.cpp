@@ -176,11 +176,6 @@ class LoggedSlices {
   ForeignFiles files_;
 };
 
-std::string changed(const std::string& text, const std::string& from, const std::string& to) {
-  std::string out = text;
-  return out.replace(out.find(from), from.size(), to);
-}
-
 TEST(IngestTiff, ALogOfSkyScanStatesTheSpacing) {
   const LoggedSlices rat;
   TiffLayout layout;
@@ -194,7 +189,7 @@ TEST(IngestTiff, ALogOfSkyScanStatesTheSpacing) {
   EXPECT_NE(rat.notes().find("is by the log 'rat__rec.log'"), std::string::npos) << rat.notes();
   EXPECT_NE(rat.notes().find("passed over 'rat_.log', which states no size"), std::string::npos) << rat.notes();
   // A log of another name counts if no log has the slices' name.
-  rat.log("other.log", changed(kLog, "=4.5", "=3"));
+  rat.log("other.log", replaced(kLog, "=4.5", "=3"));
   EXPECT_EQ(rat.spacing(), glm::dvec3(4.5));
   rat.log("rat__rec.log", "no log");
   EXPECT_EQ(rat.spacing(), glm::dvec3(3));
@@ -206,15 +201,15 @@ TEST(IngestTiff, ALogOfSkyScanStatesTheSpacing) {
 TEST(IngestTiff, SlicesFurtherApartThanTheLogStates_AreByTheirNumbers) {
   const LoggedSlices every_third, by_log, cut;
   for (const char* name : {"r_rec003.tif", "r_rec006.tif"}) every_third.slice(name);
-  every_third.log("r_rec.LOG", changed(kLog, "Step=1", "Step=3"));
+  every_third.log("r_rec.LOG", replaced(kLog, "Step=1", "Step=3"));
   EXPECT_EQ(every_third.spacing(), glm::dvec3(4.5, 4.5, 13.5));
   every_third.log("r_rec.LOG", kLog);
   EXPECT_EQ(every_third.spacing(), glm::dvec3(4.5, 4.5, 13.5));
   for (const char* name : {"r_rec1.tif", "r_rec2.tif"}) by_log.slice(name);
-  by_log.log("r_rec.log", changed(kLog, "Step=1", "Step=2"));
+  by_log.log("r_rec.log", replaced(kLog, "Step=1", "Step=2"));
   EXPECT_EQ(by_log.spacing(), glm::dvec3(4.5, 4.5, 9));
   cut.slice("a1.tif");
-  cut.log("a.log", changed(kLog, "pixels)=21", "pixels)=42"));
+  cut.log("a.log", replaced(kLog, "pixels)=21", "pixels)=42"));
   EXPECT_EQ(cut.spacing(), glm::dvec3(1));
   EXPECT_NE(cut.notes().find("passed over 'a.log', which is of slices of 42 x 19 pixels (found 21 x 19)"),
             std::string::npos)

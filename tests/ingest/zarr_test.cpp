@@ -253,7 +253,9 @@ TEST_F(IngestZarr, HalfFloatsAndTruthValuesAreRead) {
   EXPECT_EQ(std::vector<float>(floats, floats + 4), (std::vector<float>{1, -2, 0x1p-24f, 65504}));
   put("bool.zarr/.zarray", header("|b1"));
   put("bool.zarr/0.0.0", std::string("\1\0\1\1", 4));
-  EXPECT_EQ(info("bool.zarr").type, VoxelType::u8);
+  const auto truths = openSource(in("bool.zarr"));
+  EXPECT_EQ(truths->info().type, VoxelType::u8);
+  EXPECT_EQ(readWhole(*truths), (std::vector{std::byte{1}, std::byte{0}, std::byte{1}, std::byte{1}}));
 }
 
 // Chunks of several channels and times: voxels of other channels are complements.
@@ -473,13 +475,7 @@ TEST_F(IngestZarr, HeaderThatVanishes_IsNoArrayOfMissingChunks) {
   writeZarr(in("a.zarr"), few_);
   const std::unique_ptr<VolumeSource> source = openSource(in("a.zarr"));
   fs::remove_all(in("a.zarr"));
-  try {
-    readWhole(*source);
-    ADD_FAILURE() << "read";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kNotFound);
-    EXPECT_NE(std::string(error.what()).find("has gone while the array was read"), std::string::npos);
-  }
+  test::expectError([&] { readWhole(*source); }, ErrorCode::kNotFound, "has gone while the array was read");
 }
 
 // Known: no product of the lengths fits into 64 bits, or into memory.
@@ -684,7 +680,7 @@ TEST_F(IngestZarr, EveryTruncationIsAnErrorOrExact) {
 }
 
 // Flips that a format without checksums cannot show may change voxels; all else is exact or one line of error.
-TEST_F(IngestZarr, TenThousandFlippedBitsAreHarmless) {
+TEST_F(IngestZarr, FlippedBitsAreHarmless) {
   for (const Victim& victim : victims()) {
     const std::string folder = victim.name + ".zarr", file = folder + "/" + victim.file;
     writeZarr(in(folder), few_, victim.layout);

@@ -17,6 +17,9 @@
 
 namespace kiln::test {
 
+/// Writes a file in place of an older one. throws: std::runtime_error.
+void writeAnew(const std::filesystem::path& path, std::string_view bytes);
+
 /// A directory for a single test, removed with all its files.
 class ForeignFiles {
  public:
@@ -45,6 +48,10 @@ struct ForeignVolume {
   std::string stored(bool big_endian) const;
   /// The voxels of a box, x fastest.
   std::vector<std::byte> box(const VoxelBox& box) const;
+  /// A box as a volume.
+  ForeignVolume part(const VoxelBox& box) const;
+  /// The slices of these numbers, in this order, as a volume.
+  ForeignVolume slices(const std::vector<std::int64_t>& numbers) const;
 };
 
 /// Random voxels; the type's smallest and largest value come first. shape: no NaN, so that equality means equal bytes.
@@ -54,6 +61,12 @@ std::string gzipped(std::string_view bytes);
 std::string zlibbed(std::string_view bytes);
 /// Returns the raw deflate stream, without the header and checksum of gzip or zlib.
 std::string deflatedAlone(std::string_view bytes);
+
+/// The voxels as decimal numbers, each with `separator` behind.
+std::string decimalsOf(const ForeignVolume& volume, std::string_view separator);
+
+/// Returns `text` with its first `from` replaced by `to`; a text without `from` fails the test.
+std::string replaced(std::string text, std::string_view from, std::string_view to);
 
 /// Size of volumes in round trips.
 inline constexpr Extent3 kFewVoxels = {5, 4, 3};
@@ -72,6 +85,8 @@ void expectReadsBack(const ForeignVolume& volume, const std::filesystem::path& p
 /// Expects that four threads reading boxes of the same source at once all read the voxels of `volume`.
 /// requires: any box can be read from the source, and `volume` has at least 33 × 29 × 1 voxels.
 void expectThreadsReadBack(const ForeignVolume& volume, VolumeSource& source);
+/// Expects that `call` throws Error with `code` and a single line that contains `part`.
+void expectError(const std::function<void()>& call, ErrorCode code, const std::string& part);
 /// Expects that opening and reading `path` fails with `code` and a single line that contains `part`.
 void expectRefused(const std::filesystem::path& path, ErrorCode code, const std::string& part,
                    const SourceOptions& options = {});

@@ -25,7 +25,7 @@ struct Hdf5Dataset {
   /// Empty for a contiguous data set.
   std::vector<std::uint64_t> chunk{};
   bool big_endian = false, compact = false;
-  /// The library's own filters, in the order of encoding.
+  /// The library's own filters.
   bool shuffle = false, fletcher32 = false, scale_offset = false;
   std::optional<int> deflate{};
   /// A filter that the library need not have. `encode` makes the bytes of each chunk.

@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
 #include <string>
+
+#include "support/volumes/foreign_files.h"
 
 namespace kiln::test {
 namespace {
@@ -125,9 +126,7 @@ Bytes gzipped(const Bytes& data) {
 }
 
 void writeBytes(const std::filesystem::path& path, const Bytes& data) {
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out.write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));
-  if (!out.flush()) throw std::runtime_error("cannot write " + path.string());
+  writeAnew(path, {reinterpret_cast<const char*>(data.data()), data.size()});
 }
 
 ScratchDirectory::ScratchDirectory() {

@@ -17,6 +17,12 @@ std::string littleEndian(std::uint64_t number, std::size_t bytes) {
   return out;
 }
 
+std::string bigEndian(std::uint64_t number, std::size_t bytes) {
+  std::string out = littleEndian(number, bytes);
+  std::reverse(out.begin(), out.end());
+  return out;
+}
+
 std::string zstdFrame(std::string_view bytes, bool sized) {
   ZSTD_CCtx* const context = ZSTD_createCCtx();
   ZSTD_CCtx_setParameter(context, ZSTD_c_contentSizeFlag, sized ? 1 : 0);

@@ -39,6 +39,8 @@ std::string withCrc32c(std::string_view bytes);
 
 /// A number of `bytes` bytes, the lowest first.
 std::string littleEndian(std::uint64_t number, std::size_t bytes);
+/// A number of `bytes` bytes, the highest first.
+std::string bigEndian(std::uint64_t number, std::size_t bytes);
 
 /// `count` bytes: noise, or numbers that grow slowly and compress well.
 std::string noiseBytes(std::size_t count, std::uint64_t seed);

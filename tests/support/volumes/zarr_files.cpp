@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <numeric>
 
@@ -145,12 +144,6 @@ class Writer {
     return layout_.version == ZarrVersion::kN5 ? blockHeader(counts) + out : out;
   }
 
-  static std::string bigEndian(std::uint64_t number, std::size_t bytes) {
-    std::string out = littleEndian(number, bytes);
-    std::reverse(out.begin(), out.end());
-    return out;
-  }
-
   static std::string blockHeader(const Numbers& counts) {
     std::string out = bigEndian(0, 2) + bigEndian(counts.size(), 2);
     for (auto count = counts.rbegin(); count != counts.rend(); ++count)
@@ -271,9 +264,7 @@ std::string headerOfN5(const ForeignVolume& volume, const ZarrLayout& layout) {
 
 void writeBelow(const fs::path& path, std::string_view bytes) {
   fs::create_directories(path.parent_path());
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!out.flush()) throw std::runtime_error("writing " + path.string());
+  writeAnew(path, bytes);
 }
 
 const char* zarrHeaderName(ZarrVersion version) {

@@ -16,8 +16,8 @@ enum class ZarrCodec { kRaw, kGzip, kZlib, kZstd, kLz4, kBlosc };
 inline constexpr ZarrCodec kZarrCodecs[] = {ZarrCodec::kRaw,  ZarrCodec::kGzip, ZarrCodec::kZlib,
                                             ZarrCodec::kZstd, ZarrCodec::kLz4,  ZarrCodec::kBlosc};
 
-/// An axis of an array, the slowest first, with its chunks and the index of the volume along an axis other than x, y
-/// and z. Voxels at other indices are complements.
+/// An axis of an array. Along an axis other than x, y and z the volume lies at one index of `count`; voxels at other
+/// indices are complements.
 struct ZarrTestAxis {
   char name = 'x';
   std::int64_t chunk = 4;
