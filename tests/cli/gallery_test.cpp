@@ -62,7 +62,7 @@ TEST_F(GalleryCli, AllPresets_haveACommandEach) {
   EXPECT_NE(result.out.find("bricks read ("), std::string::npos) << result.out;
 }
 
-// The printed command is a shell's.
+// The printed command runs in a shell.
 TEST_F(GalleryCli, TheStoresName_isOneWordOfTheCommand) {
   std::filesystem::rename(in("h.kiln"), in("it's a head.kiln"));
   const std::string out =

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "base/file.h"
+#include "support/system/run_script.h"
 #include "support/system/run_tool.h"
 #include "support/volumes/test_store.h"
 
@@ -55,24 +55,20 @@ TEST(HelpExamples, EveryCommand_hasSome) {
 }
 
 TEST(HelpExamples, Lines_endWithoutError) {
-  const fs::path directory = freshDirectory("help_examples");
-  fs::create_directories(directory / "bin");
-  fs::create_symlink(KILN_TOOL, directory / "bin/kiln");
-  writeText(directory / "scan.nrrd",
+  const fs::path directory = freshDirectory("help_examples"), work = directory / "work";
+  fs::create_directory(work);
+  writeText(work / "scan.nrrd",
             "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 3 4\nencoding: raw\n\n" + std::string(24, 'x'));
-  writeText(directory / "rock.raw", std::string(4096, '\177'));
+  writeText(work / "rock.raw", std::string(4096, '\177'));
   writeText(
-      directory / "suite.json",
+      work / "suite.json",
       R"({"kiln_suite": 1, "title": "Head", "cases": [{"name": "head", "volume": "head.kiln", "sizes": [[32, 32]]}]})");
   std::string script;
   for (const std::string& command : commands()) script += examplesOf(command);
-  writeText(directory / "examples.sh", script);
-  const std::string run = "cd " + directory.string() + " && PATH=" + (directory / "bin").string() +
-                          ":$PATH bash -exuo pipefail examples.sh < /dev/null > log 2>&1";
-  EXPECT_EQ(std::system(run.c_str()), 0) << readTextFile(directory / "log");
-  EXPECT_TRUE(fs::exists(directory / "turn.png"));
-  EXPECT_TRUE(fs::exists(directory / "share/man/man1/kiln-render.1"));
-  EXPECT_NE(readTextFile(directory / "share/man/man1/kiln-render.1").find(".SH EXAMPLES\n.nf\n  kiln render head.kiln"),
+  runScript(directory, script);
+  EXPECT_TRUE(fs::exists(work / "turn.png"));
+  EXPECT_TRUE(fs::exists(work / "share/man/man1/kiln-render.1"));
+  EXPECT_NE(readTextFile(work / "share/man/man1/kiln-render.1").find(".SH EXAMPLES\n.nf\n  kiln render head.kiln"),
             std::string::npos);
 }
 

@@ -84,7 +84,7 @@ TEST_F(Limits, ListsOfAJobThatAreTooLong_areRefusedInOneLine) {
           2, "expected at most 65536 points, found 65537");
 }
 
-// A description of labels has no list whose length a parser could bound.
+// Labels are lines of text, so no bound of a JSON list applies.
 TEST_F(Limits, ALabelBeyondTheMostOfAFunction_isRefusedWithItsLine) {
   std::string text;
   for (int i = 1; i <= 65537; ++i) text += std::to_string(i) + " 0 0 0 1 1 1 \"\"\n";

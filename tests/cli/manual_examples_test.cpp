@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/file.h"
-#include "support/system/run_tool.h"
+#include "support/system/run_script.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {
@@ -67,20 +67,14 @@ bool isInstalled(const std::string& program) {
 
 class ManualExamples : public testing::TestWithParam<std::string> {
  protected:
-  /// Runs the lines of a block with bash until one fails. `kiln` is the built program.
   void run(const FencedBlock& block) {
-    writeText(directory_ / "example.sh", block.text);
-    const std::string command = "cd " + (directory_ / "work").string() + " && PATH=" + (directory_ / "bin").string() +
-                                ":$PATH bash -euo pipefail ../example.sh < /dev/null > ../example.log 2>&1";
-    EXPECT_EQ(std::system(command.c_str()), 0) << pathOfPage(GetParam()).string() << ":" << block.line << '\n'
-                                               << readTextFile(directory_ / "example.log");
+    SCOPED_TRACE(pathOfPage(GetParam()).string() + ":" + std::to_string(block.line));
+    runScript(directory_, block.text);
   }
 
   void SetUp() override {
     directory_ = freshDirectory("manual_" + GetParam());
-    fs::create_directories(directory_ / "bin");
-    fs::create_directories(directory_ / "work");
-    fs::create_symlink(KILN_TOOL, directory_ / "bin/kiln");
+    fs::create_directory(directory_ / "work");
   }
 
   fs::path directory_;
