@@ -203,36 +203,38 @@ TEST(Projection, BorderPixelsAreAsOpaqueAsTheVolumeCoversThem) {
     settings.step_voxels = 0.5;
     settings.clipping = scene.clipping;
     const ProjectedImage hits = projectedImage(volume, enlarged(scene.view, kRays), settings);
-    FrameRequest request = requestOf(scene.view, Mode::kMip);
-    request.clipping = scene.clipping;
-    const Image image = draw(store, request);
-    double sum = 0;
-    for (int y = 0; y < image.height; ++y) {
-      for (int x = 0; x < image.width; ++x) {
-        int hit = 0;
-        ValueRange among;
-        for (int i = 0; i < kRays * kRays; ++i) {
-          const int place = (kRays * y + i / kRays) * kRays * image.width + kRays * x + i % kRays;
-          const double greatest = hits.greatest[static_cast<std::size_t>(place)];
-          if (std::isnan(greatest)) continue;
-          ++hit;
-          among.include(greatest);
+    for (const Mode mode : kProjections) {
+      FrameRequest request = requestOf(scene.view, mode);
+      request.clipping = scene.clipping;
+      const Image image = draw(store, request);
+      double sum = 0;
+      for (int y = 0; y < image.height; ++y) {
+        for (int x = 0; x < image.width; ++x) {
+          int hit = 0;
+          ValueRange among;
+          for (int i = 0; i < kRays * kRays; ++i) {
+            const int place = (kRays * y + i / kRays) * kRays * image.width + kRays * x + i % kRays;
+            const double value = expectedOf(hits, mode)[static_cast<std::size_t>(place)];
+            if (std::isnan(value)) continue;
+            ++hit;
+            among.include(value);
+          }
+          const double share = hit / double(kRays * kRays), alpha = image.pixel(x, y)[3];
+          if (share > 0 && share < 1) ++border;
+          ASSERT_NEAR(alpha, share, 0.08) << "seed " << seed << " mode " << int(mode) << " pixel " << x << "," << y;
+          // A pixel that is covered entirely is opaque, without rounding.
+          if (alpha > 1 - 1e-6) ASSERT_EQ(alpha, 1);
+          sum += alpha - share;
+          const double value = valuesOf(image)[static_cast<std::size_t>(y * image.width + x)];
+          ASSERT_EQ(std::isnan(value), alpha == 0);
+          if (hit == 0 || alpha == 0) continue;
+          ASSERT_GE(value, among.lo - kStep);
+          ASSERT_LE(value, among.hi + kStep);
+          ASSERT_NEAR(image.pixel(x, y)[0], alpha * value / 250, 1e-6);
         }
-        const double share = hit / double(kRays * kRays), alpha = image.pixel(x, y)[3];
-        if (share > 0 && share < 1) ++border;
-        ASSERT_NEAR(alpha, share, 0.08) << "seed " << seed << " pixel " << x << "," << y;
-        // A pixel that is covered entirely is opaque, without rounding.
-        if (alpha > 1 - 1e-6) ASSERT_EQ(alpha, 1);
-        sum += alpha - share;
-        const double value = valuesOf(image)[static_cast<std::size_t>(y * image.width + x)];
-        ASSERT_EQ(std::isnan(value), alpha == 0);
-        if (hit == 0 || alpha == 0) continue;
-        ASSERT_GE(value, among.lo - kStep);
-        ASSERT_LE(value, among.hi + kStep);
-        ASSERT_NEAR(image.pixel(x, y)[0], alpha * value / 250, 1e-6);
       }
+      EXPECT_NEAR(sum / double(image.width * image.height), 0, 0.002) << "seed " << seed << " mode " << int(mode);
     }
-    EXPECT_NEAR(sum / double(image.width * image.height), 0, 0.002) << "seed " << seed;
   }
   EXPECT_GT(border, 100u);
 }
