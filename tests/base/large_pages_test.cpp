@@ -155,7 +155,7 @@ TEST(LargePages, GoBackToTheSystem) {
 TEST(LargePages, AreSparedUpToABound) {
   using Numbers = std::vector<std::size_t, UnsetAllocator<std::size_t>>;
   constexpr std::size_t kBytes = 2 * kLargePage + 4712;
-  // Pages kept for earlier buffers of the process, and its bound, are none of this test's.
+  // Frees the pages of earlier buffers of the process, and sets the bound anew.
   boundSparePages(0);
   boundSparePages(kMostSpare);
   const std::size_t before = residentBytes();

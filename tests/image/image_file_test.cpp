@@ -26,6 +26,7 @@
 #include "image/file/png_file.h"
 #include "image/srgb.h"
 #include "job/job_names.h"
+#include "support/reference/drawing.h"
 #include "support/system/sanitized.h"
 
 namespace kiln {
@@ -257,8 +258,8 @@ TEST_F(ImageFile, PngIsTaggedSrgbAndTheSameEveryTime) {
   EXPECT_EQ(text.find("tIME"), std::string_view::npos);
 }
 
-// The mean of the bytes in a block of the pattern is the light's place between two bytes, so that a ramp over a single
-// byte has no band. Rounded, the same ramp has two bands and an error of half a byte.
+// The mean of a block's bytes is the light's place between two bytes, and a ramp over a single byte has no band.
+// Rounded, the same ramp has two bands and an error of half a byte.
 TEST_F(ImageFile, PngOfEightBitsDithersSmoothGradients) {
   constexpr int kWidth = 256, kHeight = 64;
   const auto place = [](int x) { return 100 + (x + 0.5) / kWidth; };  // unit: bytes
@@ -313,13 +314,10 @@ TEST_F(ImageFile, DitheringLeavesWholeBytesFlat) {
 // A pixel has the same bytes in the whole picture, in a crop, in a band of rows and in each of two views side by side.
 TEST_F(ImageFile, DitheringFollowsTheWholePicture) {
   const Image whole = somePicture(40, 30);
-  const auto partOf = [&](int x0, int y0, int width, int height) {
-    Image out(width, height);
-    for (int y = 0; y < height; ++y) std::copy_n(whole.pixel(x0, y0 + y), 4 * width, out.pixel(0, y));
-    return out;
-  };
   const Image drawn = decodePng(encodePng(whole, 8, "whole"), "whole");
-  const Image crop = decodePng(encodePng(partOf(13, 7, 17, 20), 8, "crop", {}, {13, 7}), "crop");
+  const Image crop = decodePng(encodePng(test::partOf(whole, {13, 7, 30, 27}), 8, "crop", {}, {13, 7}), "crop");
+  const Image band = decodePng(encodePng(test::partOf(whole, {0, 11, 40, 19}), 8, "band", {}, {0, 11}), "band");
+  EXPECT_EQ(band.rgba, test::partOf(drawn, {0, 11, 40, 19}).rgba);
   Image beside(34, 20);
   for (int y = 0; y < 20; ++y) {
     std::copy_n(whole.pixel(13, 7 + y), 4 * 17, beside.pixel(0, y));
