@@ -404,6 +404,12 @@ File FileSystem::makeScratch(const fs::path& directory) {
   return file;
 }
 
+File FileSystem::openToWriteAt(const fs::path& path) {
+  File file(path, openUninterrupted(path, O_RDWR | O_NOFOLLOW | O_CLOEXEC));
+  if (file.descriptor_ < 0) throw systemError(errno, path, "opening for writing");
+  return file;
+}
+
 void FileSystem::writeAt(const File& scratch, std::uint64_t offset, std::span<const std::byte> data) {
   writeAll(scratch.descriptor_, scratch.path_, data, offset);
 }

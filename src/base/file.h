@@ -134,8 +134,10 @@ class FileSystem {
   /// Makes a new, empty file on the disk of `directory`, for `writeAt` and reading. The file has no name, so it
   /// disappears when closed, even after a crash. throws: Error kNoSpace, kIo, naming `directory`.
   virtual File makeScratch(const std::filesystem::path& directory);
-  /// Writes `data` at `offset` into a file made by `makeScratch`. thread: safe for bytes that no other call writes or
-  /// reads.
+  /// Opens a file that is there, such as a temporary file, for `writeAt` and reading. throws: Error kNotFound, kIo.
+  File openToWriteAt(const std::filesystem::path& path);
+  /// Writes `data` at `offset` into a file of `makeScratch` or `openToWriteAt`. thread: safe for bytes that no other
+  /// call writes or reads.
   virtual void writeAt(const File& scratch, std::uint64_t offset, std::span<const std::byte> data);
 };
 

@@ -521,7 +521,7 @@ TEST_F(Cli, WrongCommandLines) {
       {{"render", store, "-o", picture, "--rate", "30"}, "--rate: no video is made"},
       {{"render", store, "-o", picture, "--stats", picture}, "--stats: " + picture},
       {{"render", store, "-o", picture, "--stats", in("s"), "--trace", in("s")}, "--trace: " + in("s")},
-      {{"export", store, in("v.nrrd")}, "write NAME.vdb"},
+      {{"export", store, in("v.xyz")}, "write .nrrd, .nii.gz"},
       {{"convert", raw, in("n.kiln"), "--skip", "-5"}, "--skip: expected a whole number from 0 on, found '-5'"},
       {{"convert", raw, in("n.kiln"), "--levels", "0"}, "--levels: expected a whole number from 1 on, found '0'"},
       {{"convert", store, in("n.kiln")}, "is a store already"},

@@ -157,6 +157,7 @@ std::vector<BudgetRow> manyBricksRows() {
       {"means, many thin bricks", 16, {"render", store, "-o", "IN/o.png", "--size", "64x64", "--mode", "average"}},
       {"slice, many bricks", 16, {"slice", store, "-o", "IN/o.png", "--axis", "x"}},
       {"export, many bricks", 16, {"export", store, "IN/o.vdb", "--overwrite"}},
+      {"export NRRD, many bricks", 16, {"export", store, "IN/o.nrrd", "--overwrite"}},
       {"info, many bricks", 16, {"info", store}},
       {"verify, many bricks", 16, {"verify", store}},
       {"split, many bricks", 16, {"split", store, "-o", "IN/thin_#.kiln", "--parts", "2", "--tf", "grayscale"}},
@@ -225,6 +226,9 @@ std::vector<BudgetRow> conversionRows() {
                "IN/noise.raw"),
       rendered("foreign OpenVDB", 128, {"--size", "200x200"}, "IN/o.exr", "IN/head.vdb"),
       {"export", 24, {"export", "IN/head.kiln", "IN/o.vdb", "--overwrite"}},
+      {"export NRRD", 16, {"export", "IN/head.kiln", "IN/o.nrrd", "--overwrite"}},
+      {"export gzip NIfTI", 16, {"export", "IN/head.kiln", "IN/o.nii.gz", "--overwrite"}},
+      {"export slices", 16, {"export", "IN/head.kiln", "IN/o_###.tif", "--overwrite"}},
   };
 }
 

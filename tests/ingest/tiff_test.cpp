@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "convert/convert.h"
-#include "convert/export_vdb.h"
+#include "export/vdb/export_vdb.h"
 #include "ingest/open_source.h"
 #include "ingest/slice_directory.h"
 #include "store/store_reader.h"

@@ -1,8 +1,13 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "base/file.h"
 #include "base/memory/memory.h"
 #include "commands.h"
-#include "convert/export_vdb.h"
 #include "examples.h"
+#include "export/export_store.h"
+#include "job/option_kinds.h"
 #include "output_files.h"
 #include "say.h"
 #include "source_arguments.h"
@@ -11,39 +16,62 @@ namespace kiln::tool {
 namespace {
 
 struct ExportArguments {
-  std::string store, output, memory = kDefaultMemory;
-  int level = 0;
-  bool overwrite = false;
+  std::string store, memory = kDefaultMemory;
+  std::optional<std::string> region;
+  ExportRequest request;
 };
 
+// The box of X0,Y0,Z0,X1,Y1,Z1, as kiln render reads it.
+VoxelBox regionOf(const std::string& text) {
+  const std::string expected = VoxelBounds{}.form().expected;
+  const std::vector<double> numbers = parseNumbers(text, ',', "--region", expected.c_str());
+  bool legal = numbers.size() == 6;
+  VoxelBox out;
+  for (int axis = 0; axis < 3 && legal; ++axis) {
+    const double lo = numbers[static_cast<std::size_t>(axis)], hi = numbers[static_cast<std::size_t>(axis) + 3];
+    legal = lo < hi && std::max(std::abs(lo), std::abs(hi)) < 0x1p53 && lo == std::floor(lo) && hi == std::floor(hi);
+    if (!legal) break;
+    out.lo[axis] = static_cast<std::int64_t>(lo);
+    out.hi[axis] = static_cast<std::int64_t>(hi);
+  }
+  if (!legal) throw Error(ErrorCode::kUsage, fmt::format("--region: expected {}, found '{}'", expected, text));
+  return out;
+}
+
 void run(const ExportArguments& a, Context& context) {
-  if (extensionOf(a.output) != ".vdb")
-    throw Error(ErrorCode::kUsage, a.output, "", "is no name of an OpenVDB file; write NAME.vdb");
+  ExportRequest request = a.request;
+  requireExportFormat(request);
+  if (a.region) request.region = regionOf(*a.region);
   OutputFiles outputs;
-  outputs.add(a.output, "OUT");
+  outputs.add(request.out, "OUT");
   outputs.requireNone(a.store);
   refuseVolumeFile(a.store, "a store");
-  const std::uint64_t memory_bytes = parseBytes(a.memory, "--memory");
-  const StoreReader store(a.store, memory_bytes);
-  store.requireLevel(a.level);
-  const ExportReport report =
-      exportVdb(store, a.level, a.output, context.progress, FileSystem::real(), a.overwrite, memory_bytes);
+  request.memory_bytes = parseBytes(a.memory, "--memory");
+  const StoreReader store(a.store, request.memory_bytes);
+  store.requireLevel(request.level);
+  const ExportReport report = exportStore(store, request, context.progress);
   context.progress.clear();
-  say("{}: {} active voxels, {}\n", a.output, report.voxels, formatBytes(report.bytes));
+  say("{}: {}, {}\n", request.out.string(), report.contents, formatBytes(report.bytes));
+  for (const std::string& line : report.lines) say("{}\n", line);
 }
 
 }  // namespace
 
 void addExport(CLI::App& app, Context& context) {
   auto a = std::make_shared<ExportArguments>();
-  CLI::App* command =
-      app.add_subcommand("export", "write a store as one OpenVDB file, for Blender, Houdini or ParaView");
+  CLI::App* command = app.add_subcommand("export", "write a store, or a part of it, as a file of another format");
   command->add_option("STORE", a->store, "the store")->required();
-  command->add_option("OUT", a->output, "the .vdb to write")->required();
-  addNumber(*command, "--level", a->level, "0 is finest")->capture_default_str();
-  addMemory(*command, a->memory, "the grid, a brick and the index")->capture_default_str();
-  command->add_flag("--overwrite", a->overwrite, "replace a file that is there");
-  addExamples(*command, {"kiln export head.kiln head.vdb", "kiln export head.kiln head.vdb --overwrite"});
+  command->add_option("OUT", a->request.out, "the file to write, by its ending: " + exportEndings())->required();
+  addNumber(*command, "--level", a->request.level, "0 is finest")->capture_default_str();
+  command->add_option("--region", a->region, "write this box of voxels of level 0 only; X0 is inside, X1 outside")
+      ->type_name("X0,Y0,Z0,X1,Y1,Z1");
+  command->add_flag("--compress", a->request.compress, "compress the voxels of a .nrrd by gzip");
+  addMemory(*command, a->memory, "a box of voxels, a brick for each thread and the index; the grid of a .vdb")
+      ->capture_default_str();
+  command->add_flag("--overwrite", a->request.overwrite, "replace a file that is there");
+  addExamples(*command,
+              {"kiln export head.kiln head.nrrd", "kiln export head.kiln head.nii.gz",
+               "kiln export head.kiln part.mhd --region 0,0,0,32,32,32", "kiln export head.kiln head.vdb --overwrite"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

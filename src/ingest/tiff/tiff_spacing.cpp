@@ -86,6 +86,9 @@ std::optional<StackNotes> imageJNotes(std::string_view description) {
     if (key == "slices") out.slices = stacksFrom(value);
     // Stacks in reversed order have a negative distance.
     if (key == "spacing") out.spacing = std::abs(doubleOf(value).value_or(0));
+    // Exact lengths by kiln export; the resolution tags have 32 bits.
+    if (key == "pixel_width") out.pixel.x = doubleOf(value).value_or(0);
+    if (key == "pixel_height") out.pixel.y = doubleOf(value).value_or(0);
     if (key == "unit") unit = value;
     if (key == "yunit") unit_y = value;
     if (key == "zunit") unit_z = value;

@@ -1,7 +1,7 @@
 // Exports the bricks of a level as a single grid. A leaf overlaps up to eight bricks unless the grid's coordinates are
 // offset by multiples of 8. So voxels are set individually through an accessor; a constant brick is a fill.
 // Invariant: unset voxels have the grid's background value, so bricks of background are free.
-#include "convert/export_vdb.h"
+#include "export/vdb/export_vdb.h"
 
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
@@ -91,14 +91,15 @@ class GridFiller {
     grid_->sparseFill({place_.of(box.lo), place_.of({box.hi.x - 1, box.hi.y - 1, box.hi.z - 1})}, value, active(value));
   }
 
-  void take(const BrickBlock& block) {
+  // Takes the voxels of `part` of a block.
+  void take(const BrickBlock& block, const VoxelBox& part) {
     const T* const voxels = block.data<T>();
     auto accessor = grid_->getAccessor();
-    for (std::int64_t z = block.core.lo.z; z < block.core.hi.z; ++z) {
-      for (std::int64_t y = block.core.lo.y; y < block.core.hi.y; ++y) {
-        const T* const row = voxels + block.offsetOf({block.core.lo.x, y, z});
-        for (std::int64_t x = block.core.lo.x; x < block.core.hi.x; ++x) {
-          const auto value = static_cast<Value>(row[x - block.core.lo.x]);
+    for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
+      for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
+        const T* const row = voxels + block.offsetOf({part.lo.x, y, z});
+        for (std::int64_t x = part.lo.x; x < part.hi.x; ++x) {
+          const auto value = static_cast<Value>(row[x - part.lo.x]);
           if (isBackground(value)) continue;
           note(value);
           if (active(value)) {
@@ -111,20 +112,20 @@ class GridFiller {
     }
   }
 
-  // Charges a brick of which all voxels enter the tree. Called before the brick is read: the tree before, its growth
-  // and the reading of the brick must fit. The tree is measured only if its upper bound is too large. Returns false if
-  // the brick does not fit.
-  bool charge(const VoxelBox& brick, std::uint64_t read_bytes) {
-    const std::uint64_t needed = growthBytes(brick) + read_bytes;
+  // Charges a part of a brick of which all voxels enter the tree. Called before the brick is read: the tree before, its
+  // growth and the reading of the brick must fit. The tree is measured only if its upper bound is too large. Returns
+  // false if the brick does not fit.
+  bool charge(const VoxelBox& part, std::uint64_t read_bytes) {
+    const std::uint64_t needed = growthBytes(part) + read_bytes;
     if (held_bytes_ + needed > memory_bytes_) held_bytes_ = grid_->memUsage();
     if (held_bytes_ + needed > memory_bytes_) return false;
-    held_bytes_ += growthBytes(brick);
+    held_bytes_ += growthBytes(part);
     return true;
   }
 
-  /// Upper bound of the leaves of a brick. unit: bytes.
-  static std::uint64_t growthBytes(const VoxelBox& brick) {
-    return static_cast<std::uint64_t>(brick.count()) * (sizeof(Value) + 1);
+  /// Upper bound of the leaves of a part of a brick. unit: bytes.
+  static std::uint64_t growthBytes(const VoxelBox& part) {
+    return static_cast<std::uint64_t>(part.count()) * (sizeof(Value) + 1);
   }
 
   typename Grid::Ptr finish() {
@@ -157,42 +158,45 @@ class GridFiller {
   bool half_ = true, signed_zero_ = false;
 };
 
-// Memory for any content of the level: all voxels of all stored bricks in the tree, one brick being read, the index.
+// Memory for any content of the volume: all voxels of all stored bricks in the tree, one brick being read, the index.
 template <class Filler>
-std::uint64_t sufficientBytes(const StoreReader& store, int level) {
-  const Extent3 lattice = store.level(level).bricks;
+std::uint64_t sufficientBytes(const StoreReader& store, const ExportedVolume& volume) {
+  const Extent3 lattice = store.level(volume.level).bricks;
   std::uint64_t grid = 0, read = 0;
   for (std::int64_t i = 0; i < lattice.count(); ++i) {
-    const BrickKey key{level, brickAt(lattice, i)};
-    if (store.index().at(key).constant) continue;
-    grid += Filler::growthBytes(store.frame(key).core());
+    const BrickKey key{volume.level, brickAt(lattice, i)};
+    const VoxelBox part = intersection(store.frame(key).core(), volume.box);
+    if (part.empty() || store.index().at(key).constant) continue;
+    grid += Filler::growthBytes(part);
     read = std::max<std::uint64_t>(read, store.readBytes(key));
   }
   return grid + read + store.index().bytes();
 }
 
 template <class T, class Grid>
-openvdb::GridBase::Ptr gridOf(const StoreReader& store, int level, const GridPlacement& place, const fs::path& out,
-                              std::uint64_t memory_bytes, Progress& progress) {
+openvdb::GridBase::Ptr gridOf(const StoreReader& store, const ExportedVolume& volume, const GridPlacement& place,
+                              const fs::path& out, std::uint64_t memory_bytes, Progress& progress) {
   GridFiller<T, Grid> filler(store.manifest(), place, memory_bytes);
-  const Extent3 lattice = store.level(level).bricks;
+  const Extent3 lattice = store.level(volume.level).bricks;
   const auto refuse = [&](const BrickKey& key) {
     throw Error(ErrorCode::kBudget, out, "--memory",
                 fmt::format("{} beside the index is too little: the grid and reading one brick take more (found a "
                             "brick of {}); give --memory {}, which surely suffices, or export a coarser level",
                             formatBytes(memory_bytes), formatBytes(store.readBytes(key)),
-                            roundedUpBytes(sufficientBytes<GridFiller<T, Grid>>(store, level))));
+                            roundedUpBytes(sufficientBytes<GridFiller<T, Grid>>(store, volume))));
   };
   const auto bricks = static_cast<std::uint64_t>(lattice.count());
   for (std::uint64_t i = 0; i < bricks; ++i) {
     progress.throwIfCancelled("exporting");
-    const BrickKey key{level, brickAt(lattice, static_cast<std::int64_t>(i))};
+    const BrickKey key{volume.level, brickAt(lattice, static_cast<std::int64_t>(i))};
     const BrickEntry& entry = store.index().at(key);
+    const VoxelBox part = intersection(store.frame(key).core(), volume.box);
+    if (part.empty()) continue;
     if (entry.constant) {
-      filler.fill(store.frame(key).core(), entry.core.lo);
+      filler.fill(part, entry.core.lo);
     } else {
-      if (!filler.charge(store.frame(key).core(), store.readBytes(key))) refuse(key);
-      filler.take(store.read(key));
+      if (!filler.charge(part, store.readBytes(key))) refuse(key);
+      filler.take(store.read(key), part);
     }
     progress.advance("exporting", "bricks", i + 1, bricks);
   }
@@ -232,8 +236,8 @@ void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem
 
 }  // namespace
 
-ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out, Progress& progress, FileSystem& disk,
-                       bool overwrite, std::uint64_t memory_bytes) {
+VdbReport exportVdb(const StoreReader& store, const ExportedVolume& volume, const fs::path& out, Progress& progress,
+                    FileSystem& disk, bool overwrite, std::uint64_t memory_bytes) {
   if (!overwrite && isThere(out)) {
     throw Error(ErrorCode::kExists, out, "", "is there already; name another output or give --overwrite");
   }
@@ -241,16 +245,16 @@ ExportReport exportVdb(const StoreReader& store, int level, const fs::path& out,
     throw Error(ErrorCode::kUnsupported, out, "", "labels beyond 2147483647 have no OpenVDB grid that others read");
   disk.requirePlaceToRename(out);
   initializeOpenVdb();
-  const GridPlacement place = placementOf(store, level, out);
+  const GridPlacement place = placementOf(store, volume.level, out);
   memory_bytes -= std::min(memory_bytes, store.index().bytes());
   const openvdb::GridBase::Ptr grid =
       withVoxelType(store.manifest().type, [&]<class T>(std::type_identity<T>) -> openvdb::GridBase::Ptr {
         // Labels are whole numbers, exported in the integer type that Kiln can read back.
         if (store.manifest().volume_class == VolumeClass::kLabels)
-          return gridOf<T, openvdb::Int32Grid>(store, level, place, out, memory_bytes, progress);
-        return gridOf<T, GridFor<T>>(store, level, place, out, memory_bytes, progress);
+          return gridOf<T, openvdb::Int32Grid>(store, volume, place, out, memory_bytes, progress);
+        return gridOf<T, GridFor<T>>(store, volume, place, out, memory_bytes, progress);
       });
-  ExportReport report;
+  VdbReport report;
   report.voxels = grid->activeVoxelCount();
   publish(grid, out, disk);
   report.bytes = File(out).size();

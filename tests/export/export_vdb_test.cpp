@@ -1,6 +1,6 @@
 // A store exported to OpenVDB and read back with OpenVDB's own io::File and getValue. Known because the test made the
 // store voxel by voxel: every voxel and the transform must be equal.
-#include "convert/export_vdb.h"
+#include "export/vdb/export_vdb.h"
 
 #include <gtest/gtest.h>
 
@@ -68,8 +68,9 @@ void makeStore(const fs::path& directory, const SourceInfo& info, F&& f) {
 
 class ExportVdb : public ::testing::Test {
  protected:
-  ExportReport exported(bool overwrite = false) {
-    return exportVdb(StoreReader(directory_ / "s.kiln"), 0, out(), silent_, FileSystem::real(), overwrite);
+  VdbReport exported(bool overwrite = false) {
+    return exportVdb(StoreReader(directory_ / "s.kiln"), exportedVolume(StoreReader(directory_ / "s.kiln"), 0, {}),
+                     out(), silent_, FileSystem::real(), overwrite);
   }
   fs::path out() const { return directory_ / "out.vdb"; }
   test::ScratchDirectory directory_;
@@ -103,7 +104,7 @@ TEST_F(ExportVdb, DenseVolumesOfEveryTypeKeepEveryVoxelAndThePlace) {
       const SourceInfo info = denseInfo(type, dims);
       fs::remove_all(directory_ / "s.kiln");
       makeStore<T>(directory_ / "s.kiln", info, denseValue<T>);
-      const ExportReport report = exported(/*overwrite=*/true);
+      const VdbReport report = exported(/*overwrite=*/true);
       EXPECT_EQ(test::gridNames(out()), std::vector<std::string>{"density"});
       const test::DirectGrid grid(out(), "density");
       EXPECT_EQ(grid.type(), kGridTypes[t]);
@@ -205,7 +206,7 @@ void expectRoundTrip(const fs::path& in, const fs::path& store, const fs::path& 
   const auto source = openVdb(in, {});
   makeStore(store, source->info(), [&](const VoxelBox& box, std::span<std::byte> to) { source->read(box, to); });
   Progress silent;
-  exportVdb(StoreReader(store), 0, out, silent);
+  exportVdb(StoreReader(store), exportedVolume(StoreReader(store), 0, {}), out, silent);
   const std::string name = source->info().vdb->grid_name;
   const test::DirectGrid before(in, name), after(out, name);
   EXPECT_EQ(after.type(), before.type());
@@ -245,7 +246,8 @@ TEST_F(ExportVdb, VoxelsTooSmallForOpenVdbAreRefused) {
   for (int axis = 0; axis < 3; ++axis) info.geometry.world_from_index[axis] *= 1e-5;
   makeStore<std::uint8_t>(directory_ / "s.kiln", info, denseValue<std::uint8_t>);
   try {
-    exportVdb(StoreReader(directory_ / "s.kiln"), 0, out(), silent);
+    exportVdb(StoreReader(directory_ / "s.kiln"), exportedVolume(StoreReader(directory_ / "s.kiln"), 0, {}), out(),
+              silent);
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kUnsupported);
@@ -275,7 +277,7 @@ TEST_F(ExportVdb, NamesTheMemoryThatSuffices) {
   makeStore<std::uint8_t>(directory_ / "s.kiln", denseInfo(VoxelType::u8, {40, 33, 20}), denseValue<std::uint8_t>);
   const StoreReader store(directory_ / "s.kiln");
   const auto exportWithin = [&](std::uint64_t bytes) {
-    exportVdb(store, 0, out(), silent_, FileSystem::real(), /*overwrite=*/true, bytes);
+    exportVdb(store, exportedVolume(store, 0, {}), out(), silent_, FileSystem::real(), /*overwrite=*/true, bytes);
   };
   std::string named;
   for (const std::uint64_t bytes : {std::uint64_t{0}, store.index().bytes() + 4096}) {
@@ -302,13 +304,13 @@ TEST_F(ExportVdb, AFailureLeavesNothing) {
   const StoreReader store(directory_ / "s.kiln");
   for (const std::uint64_t change : {0, 1}) {
     test::FaultyFileSystem disk({change, EIO});
-    EXPECT_THROW(exportVdb(store, 0, out(), silent_, disk), Error);
+    EXPECT_THROW(exportVdb(store, exportedVolume(store, 0, {}), out(), silent_, disk), Error);
     EXPECT_EQ(disk.calls(), change + 1);
   }
-  EXPECT_THROW(exportVdb(store, 0, out(), stop), Error);
+  EXPECT_THROW(exportVdb(store, exportedVolume(store, 0, {}), out(), stop), Error);
   EXPECT_FALSE(fs::exists(out()));
   for (const auto& entry : fs::directory_iterator(out().parent_path())) EXPECT_NE(entry.path().extension(), ".tmp");
-  EXPECT_THROW(exportVdb(store, 0, directory_ / "missing/out.vdb", silent_), Error);
+  EXPECT_THROW(exportVdb(store, exportedVolume(store, 0, {}), directory_ / "missing/out.vdb", silent_), Error);
 }
 
 #ifdef KILN_TEST_DATA_DIR

@@ -1,0 +1,136 @@
+#include "export/export_store.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "base/error.h"
+#include "base/memory/large_pages.h"
+#include "base/text.h"
+#include "base/thread/parallel.h"
+#include "export/source/box_plan.h"
+#include "export/source/export_formats.h"
+#include "export/source/store_boxes.h"
+#include "export/vdb/export_vdb.h"
+
+namespace kiln {
+namespace {
+
+// Writes the boxes of a writer's volumes, one after another.
+class BoxExport {
+ public:
+  BoxExport(const StoreReader& store, const ExportRequest& request, VolumeWriter& writer, Progress& progress)
+      : store_(store), request_(request), writer_(writer), progress_(progress) {
+    for (const ExportedVolume& volume : writer.volumes()) total_ += static_cast<std::uint64_t>(volume.box.count());
+  }
+
+  void run() {
+    for (const ExportedVolume& volume : writer_.volumes()) write(volume);
+  }
+
+ private:
+  void write(const ExportedVolume& volume) {
+    const BoxPlan plan = planBoxes(store_, volume, writer_, request_.memory_bytes, request_.out);
+    const ThreadLimit limit(plan.threads);
+    const BoxList boxes(volume.box, plan);
+    UnsetBytes voxels;
+    for (std::int64_t i = 0; i < boxes.count(); ++i) {
+      progress_.throwIfCancelled("exporting");
+      const VoxelBox box = boxes.at(i);
+      if (!writer_.holds(volume, box)) {
+        voxels.resize(static_cast<std::size_t>(box.count()) * sizeOf(volume.type));
+        readBox(store_, volume.level, box, progress_, voxels);
+        writer_.write(volume, box, voxels);
+      }
+      done_ += static_cast<std::uint64_t>(box.count());
+      progress_.advance("exporting", "voxels", done_, total_);
+    }
+  }
+
+  const StoreReader& store_;
+  const ExportRequest& request_;
+  VolumeWriter& writer_;
+  Progress& progress_;
+  std::uint64_t done_ = 0, total_ = 0;
+};
+
+struct ExportParts {
+  const StoreReader& store;
+  const ExportRequest& request;
+  Progress& progress;
+  FileSystem& disk;
+};
+
+template <OpenWriter kOpen>
+ExportReport exportBoxes(const ExportParts& parts) {
+  const ExportRequest& request = parts.request;
+  const ExportedVolume volume = exportedVolume(parts.store, request.level, request.region);
+  const ExportTarget target{.store = parts.store,
+                            .out = request.out,
+                            .disk = parts.disk,
+                            .overwrite = request.overwrite,
+                            .compress = request.compress};
+  requirePlace(target, request.out);
+  ExportNotes notes;
+  const std::unique_ptr<VolumeWriter> writer = kOpen(target, volume, notes);
+  BoxExport(parts.store, request, *writer, parts.progress).run();
+  WrittenFiles files = writer->finish();
+  for (const std::string& note : notes) parts.progress.note(request.out.string() + ": " + note);
+  return {extentText(volume), files.bytes, std::move(files.lines)};
+}
+
+ExportReport exportGrid(const ExportParts& parts) {
+  const ExportRequest& request = parts.request;
+  const VdbReport report = exportVdb(parts.store, exportedVolume(parts.store, request.level, request.region),
+                                     request.out, parts.progress, parts.disk, request.overwrite, request.memory_bytes);
+  return {fmt::format("{} active voxels", report.voxels), report.bytes, {}};
+}
+
+struct ExportFormat {
+  const char* ending;
+  ExportReport (*write)(const ExportParts& parts);
+  bool compresses = false;
+};
+
+// An ending that ends in another stands before it.
+constexpr ExportFormat kExportFormats[] = {
+    {".nrrd", exportBoxes<openNrrdWriter>, true},
+    {".nii.gz", exportBoxes<openGzipNiftiWriter>},
+    {".nii", exportBoxes<openNiftiWriter>},
+    {".mha", exportBoxes<openMetaImageWriter>},
+    {".mhd", exportBoxes<openMetaImagePairWriter>},
+    {".raw", exportBoxes<openRawWriter>},
+    {".tif", exportBoxes<openTiffWriter>},
+    {".tiff", exportBoxes<openTiffWriter>},
+    {".vdb", exportGrid},
+};
+
+const ExportFormat& exportFormatOf(const ExportRequest& request) {
+  const std::string name = lowered(request.out.filename().string());
+  const auto found = std::find_if(std::begin(kExportFormats), std::end(kExportFormats),
+                                  [&](const ExportFormat& format) { return name.ends_with(format.ending); });
+  if (found == std::end(kExportFormats))
+    throw Error(ErrorCode::kUsage, request.out, "",
+                fmt::format("has the ending of no format that is written; write {}", exportEndings()));
+  if (request.compress && !found->compresses)
+    throw Error(ErrorCode::kUsage, request.out, "--compress",
+                fmt::format("is for .nrrd only (found {}); leave it out", found->ending));
+  return *found;
+}
+
+}  // namespace
+
+std::string exportEndings() {
+  std::string out;
+  for (const ExportFormat& format : kExportFormats) out += (out.empty() ? "" : ", ") + std::string(format.ending);
+  return out;
+}
+
+void requireExportFormat(const ExportRequest& request) { exportFormatOf(request); }
+
+ExportReport exportStore(const StoreReader& store, const ExportRequest& request, Progress& progress, FileSystem& disk) {
+  return exportFormatOf(request).write({store, request, progress, disk});
+}
+
+}  // namespace kiln

@@ -1,0 +1,111 @@
+#include "export/linear/linear_writer.h"
+
+#include <bit>
+#include <optional>
+#include <utility>
+
+#include "base/path_status.h"
+#include "export/output/gzip_output.h"
+
+namespace kiln {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "voxels are written in the order of memory");
+
+// The file of a header beside the file of voxels. A crash between the two names leaves voxels without a header, and
+// never a header of other voxels.
+class HeaderBeside {
+ public:
+  HeaderBeside(const std::filesystem::path& path, std::span<const std::byte> header, FileSystem& disk)
+      : path_(path), disk_(disk), file_(path, disk) {
+    file_.append(header);
+  }
+  void publishAfter(PendingFile& voxels) {
+    file_.sync();
+    if (isThere(path_)) disk_.removeAll(behindLinks(path_));
+    voxels.publish();
+    file_.publish();
+  }
+  std::uint64_t size() const { return file_.size(); }
+
+ private:
+  const std::filesystem::path path_;
+  FileSystem& disk_;
+  PendingFile file_;
+};
+
+class LinearWriter : public VolumeWriter {
+ public:
+  LinearWriter(const ExportedVolume& volume, const std::filesystem::path& out, LinearLayout layout, FileSystem& disk)
+      : volumes_{volume}, layout_(std::move(layout)), file_(out, disk) {
+    if (!layout_.header_file.empty()) header_.emplace(layout_.header_file, layout_.header, disk);
+    if (layout_.packing == Packing::kAll) openStream();
+    if (header_) return;
+    append(layout_.header);
+    voxels_begin_ = file_.size();
+    if (layout_.packing == Packing::kVoxels) openStream();
+  }
+
+  const std::vector<ExportedVolume>& volumes() const override { return volumes_; }
+  BoxRule boxes(const ExportedVolume&) const override {
+    return {stream_ ? BoxRule::Kind::kSlices : BoxRule::Kind::kRows, {}};
+  }
+  std::uint64_t workBytes(std::uint64_t, unsigned threads) const override {
+    return stream_ ? GzipOutput::bytes(threads) : 0;
+  }
+  void write(const ExportedVolume& volume, const VoxelBox& box, std::span<const std::byte> voxels) override {
+    if (stream_) return stream_->write(voxels);
+    writeRows(file_, voxels_begin_, volume, box, voxels);
+  }
+  WrittenFiles finish() override {
+    if (stream_) stream_->finish();
+    const std::uint64_t bytes = file_.size() + (header_ ? header_->size() : 0);
+    file_.sync();
+    if (header_)
+      header_->publishAfter(file_);
+    else
+      file_.publish();
+    return {bytes, layout_.lines};
+  }
+
+ private:
+  void openStream() {
+    stream_.emplace([this](std::span<const std::byte> packed) { file_.append(packed); });
+  }
+  void append(std::span<const std::byte> data) {
+    if (stream_)
+      stream_->write(data);
+    else
+      file_.append(data);
+  }
+
+  const std::vector<ExportedVolume> volumes_;
+  const LinearLayout layout_;
+  PendingFile file_;
+  std::optional<HeaderBeside> header_;
+  std::optional<GzipOutput> stream_;
+  std::uint64_t voxels_begin_ = 0;
+};
+
+}  // namespace
+
+void writeRows(PendingFile& file, std::uint64_t offset, const ExportedVolume& volume, const VoxelBox& box,
+               std::span<const std::byte> voxels) {
+  const Extent3 whole = volume.geometry.dims, extent = box.extent();
+  const std::uint64_t voxel_bytes = sizeOf(volume.type);
+  const auto placeOfSlice = [&](std::int64_t z) {
+    const std::int64_t row = (z - volume.box.lo.z) * whole.y + box.lo.y - volume.box.lo.y;
+    return offset + static_cast<std::uint64_t>(row * whole.x) * voxel_bytes;
+  };
+  if (extent.y == whole.y) return file.writeAt(placeOfSlice(box.lo.z), voxels);
+  const std::size_t slice_bytes = static_cast<std::size_t>(extent.x * extent.y) * voxel_bytes;
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z)
+    file.writeAt(placeOfSlice(z), voxels.subspan(static_cast<std::size_t>(z - box.lo.z) * slice_bytes, slice_bytes));
+}
+
+std::unique_ptr<VolumeWriter> linearWriter(const ExportedVolume& volume, const std::filesystem::path& out,
+                                           LinearLayout layout, FileSystem& disk) {
+  return std::make_unique<LinearWriter>(volume, out, std::move(layout), disk);
+}
+
+}  // namespace kiln

@@ -1,0 +1,32 @@
+// Voxels without a header. The command that reads the file again holds all that the file does not.
+#include <fmt/format.h>
+
+#include "base/shell_text.h"
+#include "export/linear/linear_writer.h"
+#include "export/source/export_formats.h"
+
+namespace kiln {
+namespace {
+
+std::string commandToRead(const std::filesystem::path& file, const ExportedVolume& volume) {
+  const Extent3& dims = volume.geometry.dims;
+  const glm::dvec3 spacing = volume.geometry.spacing();
+  const std::string name = shellText(file.string());
+  return fmt::format("kiln convert {0} {0}.kiln --dims {1},{2},{3} --type {4} --endian little --spacing {5},{6},{7}",
+                     name, dims.x, dims.y, dims.z, nameOf(volume.type), spacing.x, spacing.y, spacing.z);
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeWriter> openRawWriter(const ExportTarget& target, const ExportedVolume& volume,
+                                            ExportNotes& notes) {
+  const VolumeGeometry& geometry = volume.geometry;
+  const bool placed = !isUnturned(geometry.world_from_index) || geometry.worldOf({0, 0, 0}) != glm::dvec3(0) ||
+                      geometry.frame != PatientFrame::kUnknown || !geometry.unit.empty();
+  if (placed) notes.push_back("a raw file has no origin, directions, patient frame and unit");
+  LinearLayout layout;
+  layout.lines = {"to read it: " + commandToRead(target.out, volume)};
+  return linearWriter(volume, target.out, std::move(layout), target.disk);
+}
+
+}  // namespace kiln

@@ -1,0 +1,69 @@
+#include "export/output/pending_folder.h"
+
+#include <system_error>
+
+#include "base/error.h"
+#include "base/path_status.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+// The file that tells an unfinished export from folders of users.
+constexpr const char* kContentsFile = "kiln-export.txt";
+
+fs::path plainFolder(const fs::path& out) { return behindLinks(out.has_filename() ? out : out.parent_path()); }
+
+}  // namespace
+
+PendingFolder::PendingFolder(const fs::path& out, const std::string& contents, Leftover leftover, FileSystem& disk)
+    : out_(plainFolder(out)), path_(out_.string() + ".partial"), disk_(disk), lock_(lockOf(out_), refusalOf(out_)) {
+  begin(contents, leftover);
+}
+
+void PendingFolder::begin(const std::string& contents, Leftover leftover) {
+  const fs::path description = path_ / kContentsFile;
+  if (isNameTaken(path_)) {
+    if (!isFolder(path_) || !isThere(description))
+      throw Error(ErrorCode::kExists, path_, "", "is in the way and is no unfinished export; move it");
+    continued_ = leftover == Leftover::kContinue && readTextFile(description) == contents;
+    if (continued_) return;
+    if (leftover == Leftover::kContinue)
+      throw Error(ErrorCode::kExists, path_, "",
+                  "is an unfinished export of another store, level or region; give --overwrite to begin anew");
+    if (leftover == Leftover::kRefuse)
+      throw Error(ErrorCode::kExists, path_, "",
+                  "is an unfinished export; continue it by --resume, or give --overwrite to begin anew");
+    disk_.removeAll(path_);
+  }
+  try {
+    disk_.makeDirectories(path_);
+    disk_.writeOwn(description, contents);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+    throw;
+  }
+}
+
+PendingFolder::~PendingFolder() {
+  std::error_code ignored;
+  if (!kept_) fs::remove_all(path_, ignored);
+}
+
+void PendingFolder::sync() {
+  disk_.removeAll(path_ / kContentsFile);
+  disk_.syncAll(path_);
+}
+
+void PendingFolder::publish() {
+  sync();
+  if (!isNameTaken(out_)) return disk_.rename(path_, out_);
+  if (!disk_.exchange(path_, out_)) {
+    disk_.removeAll(out_);
+    return disk_.rename(path_, out_);
+  }
+  disk_.removeAll(path_);
+}
+
+}  // namespace kiln

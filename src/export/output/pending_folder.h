@@ -1,0 +1,46 @@
+// A folder of files that is filled beside its destination, as OUT.partial, until all files are whole.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "base/file.h"
+#include "base/file_lock.h"
+
+namespace kiln {
+
+/// The treatment of a folder that an interrupted export left.
+enum class Leftover { kRefuse, kRemove, kContinue };
+
+class PendingFolder {
+ public:
+  /// Makes the folder, or continues one of equal `contents`, a text of one line that describes what is written. Holds
+  /// the lock of `out` from here on. throws: Error kExists if another process holds the lock, if the folder is no
+  /// export, or if an export was left that is refused or has other contents; kIo, kNoSpace.
+  PendingFolder(const std::filesystem::path& out, const std::string& contents, Leftover leftover, FileSystem& disk);
+  /// Removes the folder, unless it was kept or moved away.
+  ~PendingFolder();
+  PendingFolder(const PendingFolder&) = delete;
+  PendingFolder& operator=(const PendingFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// True if files of an earlier export may be in the folder.
+  bool continued() const { return continued_; }
+  /// Leaves the folder to a later export.
+  void keep() { kept_ = true; }
+  /// Brings all files onto the disk and gives the folder the name `out`; a folder of this name is replaced in one step
+  /// where the disk can. throws: Error kIo, kNoSpace.
+  void publish();
+  /// Brings all files onto the disk and removes the description: the files can be moved away one by one.
+  void sync();
+
+ private:
+  void begin(const std::string& contents, Leftover leftover);
+
+  const std::filesystem::path out_, path_;
+  FileSystem& disk_;
+  const FileLock lock_;
+  bool continued_ = false, kept_ = false;
+};
+
+}  // namespace kiln

@@ -1,0 +1,33 @@
+// The writers of all formats.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "base/file.h"
+#include "export/source/volume_writer.h"
+
+namespace kiln {
+
+/// The output of a writer, and the choices that formats leave to the user.
+struct ExportTarget {
+  const StoreReader& store;
+  std::filesystem::path out;
+  FileSystem& disk;
+  /// True if files of the output may be replaced.
+  bool overwrite = false;
+  bool compress = false;
+};
+
+/// Checks that a file of the output can be made, before hours of work. throws: Error kExists if it is there and must
+/// not be replaced; as FileSystem::requirePlaceToRename.
+void requirePlace(const ExportTarget& target, const std::filesystem::path& file);
+
+/// Each function opens the output of a volume and appends to `notes` what the format cannot hold.
+/// throws: Error kUnsupported (a volume that the format cannot hold), kExists, kIo, kNoSpace.
+using OpenWriter = std::unique_ptr<VolumeWriter>(const ExportTarget& target, const ExportedVolume& volume,
+                                                 ExportNotes& notes);
+OpenWriter openNrrdWriter, openNiftiWriter, openGzipNiftiWriter, openMetaImageWriter, openMetaImagePairWriter,
+    openRawWriter, openTiffWriter;
+
+}  // namespace kiln

@@ -1,0 +1,88 @@
+#include "export/source/exported_volume.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "ingest/source/header_text.h"
+#include "ingest/source/length_unit.h"
+
+namespace kiln {
+namespace {
+
+std::string voxelText(const VoxelCoord& voxel) { return fmt::format("{},{},{}", voxel.x, voxel.y, voxel.z); }
+
+// The voxels of a level that meet a box of voxels of level 0.
+VoxelBox boxAtLevel(const VoxelBox& finest, const Extent3& span) {
+  VoxelBox out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.lo[axis] = finest.lo[axis] / span[axis];
+    out.hi[axis] = (finest.hi[axis] + span[axis] - 1) / span[axis];
+  }
+  return out;
+}
+
+}  // namespace
+
+ExportedVolume exportedVolume(const StoreReader& store, int level, const std::optional<VoxelBox>& region) {
+  const Manifest& manifest = store.manifest();
+  const VolumeGeometry& geometry = store.level(level).geometry;
+  const VoxelBox whole = boxOf(manifest.geometry().dims);
+  ExportedVolume out{level, boxOf(geometry.dims), geometry, manifest.type, manifest.volume_class, manifest.background};
+  if (!region) return out;
+  const VoxelBox shown = intersection(*region, whole);
+  if (shown.empty())
+    throw Error(ErrorCode::kUsage, store.path(), "--region",
+                fmt::format("must hold voxels of the volume, which is from 0,0,0 to {} (found {} to {})",
+                            voxelText(whole.hi), voxelText(region->lo), voxelText(region->hi)));
+  out.box = intersection(boxAtLevel(shown, manifest.spanOf(level)), boxOf(geometry.dims));
+  out.geometry.dims = out.box.extent();
+  const glm::dvec3 origin = geometry.worldOf({out.box.lo.x, out.box.lo.y, out.box.lo.z});
+  out.geometry.world_from_index[3] = glm::dvec4(origin, 1);
+  return out;
+}
+
+glm::dmat4 affineIn(PatientFrame frame, const VolumeGeometry& geometry) {
+  glm::dmat4 out = geometry.world_from_index;
+  const bool unknown = frame == PatientFrame::kUnknown || geometry.frame == PatientFrame::kUnknown;
+  if (unknown || frame == geometry.frame) return out;
+  for (int column = 0; column < 4; ++column) {
+    out[column].x = 0 - out[column].x;  // no zero becomes -0
+    out[column].y = 0 - out[column].y;
+  }
+  return out;
+}
+
+VolumeGeometry withUnitOf(std::initializer_list<std::string_view> units, const VolumeGeometry& geometry,
+                          ExportNotes& notes) {
+  VolumeGeometry out = geometry;
+  if (geometry.unit.empty() || std::find(units.begin(), units.end(), geometry.unit) != units.end()) return out;
+  const std::optional<UnitRatio> ratio = unitRatio(geometry.unit, *units.begin());
+  if (!ratio) {
+    out.unit.clear();
+    notes.push_back(
+        fmt::format("the format has no unit {}; its lengths are written without a unit", inQuotes(geometry.unit)));
+    return out;
+  }
+  out.unit = *units.begin();
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 3; ++row) out.world_from_index[column][row] = ratio->of(out.world_from_index[column][row]);
+  notes.push_back(
+      fmt::format("the format has no unit {}; lengths are written in {}", inQuotes(geometry.unit), out.unit));
+  return out;
+}
+
+bool isUnturned(const glm::dmat4& world_from_index) {
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row)
+      if (column == row ? !(world_from_index[column][row] > 0) : world_from_index[column][row] != 0) return false;
+  return true;
+}
+
+std::string extentText(const ExportedVolume& volume) {
+  const Extent3& dims = volume.geometry.dims;
+  return fmt::format("{} x {} x {} voxels of {}", dims.x, dims.y, dims.z, nameOf(volume.type));
+}
+
+}  // namespace kiln

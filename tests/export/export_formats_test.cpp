@@ -1,0 +1,339 @@
+// A store exported and read back by Kiln's own readers. Known because the test made the store's voxels and geometry,
+// and because the readers are tested with files that share no code with the writers.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "base/error.h"
+#include "base/memory/memory.h"
+#include "base/thread/parallel.h"
+#include "export/export_store.h"
+#include "export/source/exported_volume.h"
+#include "export/source/store_boxes.h"
+#include "ingest/open_source.h"
+#include "support/system/faulty_file_system.h"
+#include "support/system/impatient_progress.h"
+#include "support/volumes/foreign_files.h"
+#include "support/volumes/procedural.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kSmallBrick = 16;
+constexpr Extent3 kSeveralBricks = {19, 17, 18};
+
+/// A format by an example of a name, and what it keeps of a volume's place.
+struct ExportCase {
+  const char* name = "";
+  bool compress = false;
+  enum class Keeps { kAffine, kFloatAffine, kSpacing } keeps = Keeps::kAffine;
+};
+using Keeps = ExportCase::Keeps;
+
+const ExportCase kExportCases[] = {
+    {"v.nrrd"},
+    {"v.nrrd", true},
+    {"v.nii", false, Keeps::kFloatAffine},
+    {"v.nii.gz", false, Keeps::kFloatAffine},
+    {"v.mha"},
+    {"v.mhd"},
+    {"v.raw", false, Keeps::kSpacing},
+    {"v.tif", false, Keeps::kSpacing},
+    {"v_###.tif", false, Keeps::kSpacing},
+};
+
+class ExportFormats : public ::testing::Test {
+ protected:
+  // Calls `body` for each format, with an empty folder.
+  void forEachFormat(const std::function<void()>& body) {
+    for (const ExportCase& each : kExportCases) {
+      SCOPED_TRACE(fmt::format("{}{}", each.name, each.compress ? ", compressed" : ""));
+      format_ = each;
+      directory_ = freshDirectory("out");
+      body();
+    }
+  }
+
+  fs::path out() const { return directory_ / format_.name; }
+  ExportRequest request() const {
+    ExportRequest out_request;
+    out_request.out = out();
+    out_request.compress = format_.compress;
+    return out_request;
+  }
+  ExportReport exported(const fs::path& store, const ExportRequest& request) {
+    return exportStore(StoreReader(store), request, silent_);
+  }
+  std::unique_ptr<VolumeSource> reopened(const ExportedVolume& volume) const {
+    SourceOptions options;
+    if (fs::path(format_.name).extension() == ".raw") {
+      options.dims = volume.geometry.dims;
+      options.type = volume.type;
+      options.spacing = volume.geometry.spacing();
+    }
+    return openSource(inSlices() ? directory_ : out(), options);
+  }
+  bool inSlices() const { return out().filename().string().find('#') != std::string::npos; }
+  /// The file without which the output cannot be opened.
+  fs::path lastFile() const { return inSlices() ? directory_ / "v_000.tif" : out(); }
+
+  ExportCase format_;
+  fs::path directory_;
+  Progress silent_;
+};
+
+DenseVolume noiseOf(VoxelType type, const VolumeGeometry& geometry) {
+  DenseVolume out = noise({geometry.dims, type}, 7, usualRange(type));
+  out.geometry = geometry;
+  return out;
+}
+
+VolumeGeometry placedAt(const glm::dmat4& affine, PatientFrame frame, const std::string& unit,
+                        const Extent3& dims = kSeveralBricks) {
+  return {dims, affine, frame, unit};
+}
+
+glm::dmat4 exactAffine() { return spacingAffine({0.5, 0.75, 2}, {-12.5, 30, 7.25}); }
+
+DenseVolume volumeOf(VoxelType type) { return noiseOf(type, placedAt(exactAffine(), PatientFrame::kUnknown, "")); }
+
+// Returns the store of a volume, made once for the tests of all formats.
+const fs::path& storeOf(const std::string& name, const DenseVolume& volume) {
+  static std::map<std::string, fs::path> stores;
+  fs::path& out = stores[name];
+  if (out.empty()) out = makeStore(volume, "store_" + name, kSmallBrick);
+  return out;
+}
+const fs::path& storeOf(VoxelType type) { return storeOf(std::string(nameOf(type)), volumeOf(type)); }
+
+// The affine of `found` in the directions of `frame`.
+glm::dmat4 turnedTo(PatientFrame frame, const VolumeGeometry& found) { return affineIn(frame, found); }
+
+void expectNear(const glm::dmat4& found, const glm::dmat4& expected, double relative) {
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 3; ++row)
+      EXPECT_NEAR(found[column][row], expected[column][row], relative * std::abs(expected[column][row]))
+          << column << "," << row;
+}
+
+TEST_F(ExportFormats, EveryTypeComesBack) {
+  forEachFormat([&] {
+    for (const VoxelType type : kAllTypes) {
+      const DenseVolume volume = volumeOf(type);
+      ExportRequest overwriting = request();
+      overwriting.overwrite = true;
+      exported(storeOf(type), overwriting);
+      const auto source = reopened(exportedVolume(StoreReader(storeOf(type)), 0, {}));
+      ASSERT_EQ(source->info().type, type);
+      ASSERT_EQ(source->info().geometry.dims, volume.geometry.dims);
+      EXPECT_TRUE(readWhole(*source) == volume.voxels) << nameOf(type);
+    }
+  });
+}
+
+// The numbers of the first affine survive as floats; the others need doubles.
+TEST_F(ExportFormats, ThePlaceInTheWorldComesBack) {
+  forEachFormat([&] {
+    const std::pair<glm::dmat4, double> affines[] = {
+        {exactAffine(), 0},
+        {mirroredAffine(exactAffine(), 0, kFewVoxels), 0},
+        {anisotropicAffine(), format_.keeps == Keeps::kFloatAffine ? 1e-7 : 0},
+        {obliqueAffine(), format_.keeps == Keeps::kFloatAffine ? 1e-7 : 4e-16}};
+    for (const auto& [affine, error] : affines) {
+      for (const PatientFrame frame : {PatientFrame::kUnknown, PatientFrame::kRas, PatientFrame::kLps}) {
+        const DenseVolume volume = noiseOf(VoxelType::u8, placedAt(affine, frame, "mm", kFewVoxels));
+        ExportRequest overwriting = request();
+        overwriting.overwrite = true;
+        exported(storeOf(fmt::format("affine_{}_{}", affine[0][0], static_cast<int>(frame)), volume), overwriting);
+        const VolumeGeometry& found =
+            reopened({0, boxOf(kFewVoxels), volume.geometry, VoxelType::u8, VolumeClass::kUnknown, 0})->info().geometry;
+        if (format_.keeps == Keeps::kSpacing) {
+          expectNear(found.world_from_index, spacingAffine(volume.geometry.spacing()), 0);
+          continue;
+        }
+        EXPECT_EQ(found.unit, "mm");
+        EXPECT_EQ(found.frame == PatientFrame::kUnknown,
+                  frame == PatientFrame::kUnknown && format_.keeps == Keeps::kAffine);
+        expectNear(frame == PatientFrame::kUnknown ? found.world_from_index : turnedTo(frame, found), affine, error);
+      }
+    }
+  });
+}
+
+TEST_F(ExportFormats, ARegionOfALevelComesBack) {
+  forEachFormat([&] {
+    const DenseVolume volume = noiseOf(VoxelType::u16, placedAt(exactAffine(), PatientFrame::kRas, "mm", {30, 20, 24}));
+    const fs::path& path = storeOf("levels", volume);
+    const StoreReader store(path);
+    // Only x has voxels so short that level 1 halves their number.
+    for (const int level : {0, 1}) {
+      ExportRequest part = request();
+      part.level = level;
+      part.region = VoxelBox{{5, -3, 7}, {25, 15, 90}};
+      part.overwrite = true;
+      exported(path, part);
+      const VoxelBox expected = level == 0 ? VoxelBox{{5, 0, 7}, {25, 15, 24}} : VoxelBox{{2, 0, 7}, {13, 15, 24}};
+      const ExportedVolume wanted = exportedVolume(store, level, part.region);
+      ASSERT_EQ(wanted.box, expected);
+      std::vector<std::byte> voxels(wanted.bytes());
+      readBox(store, level, expected, silent_, voxels);
+      const auto source = reopened(wanted);
+      ASSERT_EQ(source->info().geometry.dims, expected.extent());
+      EXPECT_TRUE(readWhole(*source) == voxels);
+      if (format_.keeps == Keeps::kSpacing) continue;
+      const glm::dvec3 lo(expected.lo.x, expected.lo.y, expected.lo.z);
+      EXPECT_EQ(turnedTo(PatientFrame::kRas, source->info().geometry)[3],
+                glm::dvec4(store.level(level).geometry.worldOf(lo), 1));
+    }
+  });
+}
+
+// Each budget from the least on gives equal bytes.
+TEST_F(ExportFormats, BytesDoNotDependOnMemoryOrThreads) {
+  forEachFormat([&] {
+    const fs::path& store = storeOf(VoxelType::f32);
+    ExportRequest overwriting = request();
+    exported(store, overwriting);
+    const auto expected = filesOf(directory_);
+    overwriting.overwrite = true;
+    std::uint64_t refused = 0;
+    for (std::uint64_t bytes = 64 << 10; bytes < (64 << 20); bytes *= 2) {
+      overwriting.memory_bytes = bytes;
+      const ThreadLimit threads(bytes % 3 + 1);
+      try {
+        exported(store, overwriting);
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::kBudget) << error.what();
+        ++refused;
+      }
+      ASSERT_TRUE(filesOf(directory_) == expected) << bytes;
+    }
+    EXPECT_GT(refused, 0u);
+  });
+}
+
+// Whatever call fails, the folder holds the old files or the new files.
+TEST_F(ExportFormats, AFailingDiskLeavesOldOrNewFiles) {
+  forEachFormat([&] {
+    const fs::path& store = storeOf(VoxelType::u8);
+    FaultyFileSystem counting;
+    exportStore(StoreReader(store), request(), silent_, counting);
+    fs::remove_all(directory_);
+    fs::create_directory(directory_);
+    for (std::uint64_t n = 0; n < counting.calls(); ++n) {
+      FaultyFileSystem disk({n});
+      try {
+        exportStore(StoreReader(store), request(), silent_, disk);
+        ADD_FAILURE() << "call " << n << " did not fail";
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::kNoSpace) << error.what();
+        EXPECT_EQ(std::string(error.what()).find(".kiln-0"), std::string::npos) << error.what();
+      }
+      const auto left = filesOf(directory_);
+      EXPECT_FALSE(left.contains(lastFile().filename().string())) << "after call " << n;
+      for (const auto& [name, bytes] : left) EXPECT_TRUE(name.ends_with(".raw")) << name << " after call " << n;
+    }
+  });
+}
+
+TEST_F(ExportFormats, AnInterruptLeavesNothing) {
+  forEachFormat([&] {
+    const fs::path& store = storeOf(VoxelType::u8);
+    for (const int polls : {0, 1, 7}) {
+      ImpatientProgress progress(polls);
+      try {
+        exportStore(StoreReader(store), request(), progress);
+        ADD_FAILURE() << "not interrupted";
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::kCancelled);
+      }
+      EXPECT_TRUE(filesOf(directory_).empty());
+    }
+  });
+}
+
+TEST_F(ExportFormats, AFileThatIsThereIsKept) {
+  forEachFormat([&] {
+    const fs::path& store = storeOf(VoxelType::u8);
+    writeText(lastFile(), "precious");
+    try {
+      exported(store, request());
+      ADD_FAILURE() << "replaced";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kExists);
+    }
+    EXPECT_EQ(readTextFile(lastFile()), "precious");
+  });
+}
+
+class ExportStore : public ::testing::Test {
+ protected:
+  fs::path store(const VolumeGeometry& geometry) const {
+    constexpr std::int64_t kLargeBrick = 256;
+    return makeStore(noiseOf(VoxelType::u8, geometry), "store", kLargeBrick);
+  }
+  fs::path directory_ = freshDirectory("out");
+  Progress silent_;
+};
+
+// NIfTI-1 has 16 bits for an extent.
+TEST_F(ExportStore, LongVolumesAreNifti2) {
+  const VolumeGeometry geometry = placedAt(spacingAffine({0.1, 0.2, 0.3}), PatientFrame::kRas, "um", {33000, 2, 3});
+  ExportRequest request;
+  request.out = directory_ / "long.nii";
+  exportStore(StoreReader(store(geometry)), request, silent_);
+  const auto source = openSource(request.out);
+  EXPECT_TRUE(source->info().format.starts_with("NIfTI-2"));
+  EXPECT_EQ(source->info().geometry.dims, geometry.dims);
+  EXPECT_EQ(source->info().geometry.world_from_index, geometry.world_from_index);
+  EXPECT_EQ(source->info().geometry.unit, "um");
+  EXPECT_TRUE(readWhole(*source) == noiseOf(VoxelType::u8, geometry).voxels);
+}
+
+// 0.25 nm are 0.00000025 mm.
+TEST_F(ExportStore, UnitsThatAFormatLacksAreConverted) {
+  const fs::path small = store(placedAt(spacingAffine({0.25, 0.5, 1}), PatientFrame::kUnknown, "nm"));
+  for (const char* const name : {"v.mha", "v.nii"}) {
+    ExportRequest request;
+    request.out = directory_ / name;
+    exportStore(StoreReader(small), request, silent_);
+    const VolumeGeometry found = openSource(request.out)->info().geometry;
+    EXPECT_EQ(found.unit, "mm");
+    EXPECT_NEAR(found.spacing().x, 2.5e-7, 1e-14);
+  }
+}
+
+TEST_F(ExportStore, WrongRequestsAreRefused) {
+  const fs::path small = store(placedAt(exactAffine(), PatientFrame::kUnknown, ""));
+  const auto refusal = [&](const std::string& name, const std::function<void(ExportRequest&)>& change = {}) {
+    ExportRequest request;
+    request.out = directory_ / name;
+    if (change) change(request);
+    try {
+      exportStore(StoreReader(small), request, silent_);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+      return std::string(error.what());
+    }
+    return std::string("not refused");
+  };
+  EXPECT_NE(refusal("v.xyz").find("write .nrrd, "), std::string::npos);
+  EXPECT_NE(refusal("v.nii", [](ExportRequest& r) { r.compress = true; }).find("--compress"), std::string::npos);
+  EXPECT_NE(refusal("v.nrrd",
+                    [](ExportRequest& r) {
+                      r.region = VoxelBox{{90, 0, 0}, {99, 9, 9}};
+                    })
+                .find("--region"),
+            std::string::npos);
+  EXPECT_NE(refusal("50%.mhd").find(".mha"), std::string::npos);
+  EXPECT_TRUE(filesOf(directory_).empty());
+}
+
+}  // namespace
+}  // namespace kiln::test
