@@ -30,6 +30,8 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   manifest.type = info.type;
   manifest.background = info.background;
   manifest.volume_class = options.labels ? VolumeClass::kLabels : info.volume_class;
+  manifest.look = info.look;
+  if (!info.look.empty()) manifest.format = kFormatVersion;
   manifest.brick_size = options.brick_size;
   for (const VolumeGeometry& geometry : pyramidOf(info.geometry, options.brick_size, options.most_levels)) {
     LevelInfo level;
@@ -82,10 +84,11 @@ void finishEarlier(OutputDirectory& destination, const fs::path& out, const Sour
     throw Error(ErrorCode::kExists, store, "",
                 fmt::format("is finished, with bricks of {} voxels; give --overwrite to make bricks of {}",
                             manifest.brick_size, options.brick_size));
-  if ((manifest.volume_class == VolumeClass::kLabels) != options.labels)
+  const bool labels = options.labels || info.volume_class == VolumeClass::kLabels;
+  if ((manifest.volume_class == VolumeClass::kLabels) != labels)
     throw Error(ErrorCode::kExists, store, "",
-                options.labels ? "is a store that was made without --labels; give --overwrite"
-                               : "is a store of labels; give --labels, or --overwrite");
+                labels ? "is a store that was made without --labels; give --overwrite"
+                       : "is a store of labels; give --labels, or --overwrite");
   destination.commit();
   progress.note(out.string() + " is finished already");
   report.bricks = brickCount(manifest);

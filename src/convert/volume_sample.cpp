@@ -111,6 +111,7 @@ class Sampler {
     manifest.histogram = counter_.histogram(counter_.commonRange(manifest.range));
     manifest.background = info_.background;
     manifest.volume_class = info_.volume_class;
+    manifest.look = info_.look;
     manifest.levels.resize(1);
     manifest.levels.front().geometry = info_.geometry;
     manifest.source.format = info_.format;

@@ -24,7 +24,7 @@ TransferFunction resolvedFor(const PictureOptions& picture, const TransferFuncti
   const auto* const name = std::get_if<std::string>(&choice);
   if (engine.capabilities().composites || name == nullptr || *name != "auto")
     return resolve(choice, picture.window, manifest);
-  return resolve(displayGrey(manifest), picture.window, manifest);
+  return resolve(displayRamp(manifest), picture.window, manifest);
 }
 
 namespace {

@@ -7,6 +7,7 @@
 #include "base/thread/parallel.h"
 #include "convert/foreign_cache.h"
 #include "ingest/open_source.h"
+#include "store/manifest/read_manifest.h"
 #include "support/system/impatient_progress.h"
 #include "support/volumes/conversions.h"
 #include "support/volumes/test_store.h"
@@ -133,6 +134,25 @@ TEST_F(ZarrConversion, StoreInsideItsOwnSource_IsNoChangeOfTheSource) {
   Progress silent;
   convert(*openSource(folder()), out, smallBricks(), silent);
   EXPECT_TRUE(isStoreOf(out, openSource(folder())->info()));
+}
+
+// Known from FORMAT.md: stores without a look keep the earlier format.
+TEST_F(ZarrConversion, LookOfTheSource_isInTheStore) {
+  const fs::path image = files_.directory() / "image.zarr";
+  writeZarr(image / "0", volume_, {});
+  files_.write("image.zarr/.zgroup", R"({"zarr_format": 2})");
+  const std::string multiscales = R"("multiscales": [{"axes": ["z", "y", "x"], "datasets": [{"path": "0"}]}])";
+  const auto manifestOf = [&](const std::string& more) {
+    files_.write("image.zarr/.zattrs", "{" + multiscales + more + "}");
+    const fs::path out = freshDirectory("look") / "volume.kiln";
+    Progress silent;
+    convert(*openSource(image), out, zarrOptions(), silent);
+    return readManifest(out);
+  };
+  EXPECT_EQ(manifestOf("").format, kFormatWithoutLook);
+  const Manifest with = manifestOf(R"(, "omero": {"channels": [{"window": {"start": 3, "end": 9}}]})");
+  EXPECT_EQ(with.format, kFormatVersion);
+  EXPECT_EQ(with.look, (DeclaredLook{DeclaredLook::Ramp{3, 9, {}}, {}}));
 }
 
 }  // namespace

@@ -422,6 +422,37 @@ TEST_F(IngestZarr, LabelsAreLabels) {
   EXPECT_EQ(info("a.zarr/labels").volume_class, VolumeClass::kLabels);
 }
 
+TEST_F(IngestZarr, ColoursOfLabels_areTheLook) {
+  putImage("a.zarr", few_, imageOf(axesOf("zyx"), kScale), R"(, "image-label": {"colors": [
+      {"label-value": 7, "rgba": [255, 128, 0, 51]}, {"label-value": 2, "rgba": [1, 2, 3, 255]},
+      {"label-value": 7, "rgba": [9, 9, 9, 9]}, {"label-value": 3, "rgba": [256, 0, 0, 0]}, {"rgba": [1, 1, 1, 1]}, 5]})");
+  const std::vector<DeclaredLook::Label> expected = {{2, {1, 2, 3, 255}}, {7, {255, 128, 0, 51}}};
+  EXPECT_EQ(info("a.zarr").look.labels, expected);
+  EXPECT_FALSE(info("a.zarr").look.ramp);
+}
+
+// Known from the keys of OMERO: a window has a start and an end inside the limits min and max.
+TEST_F(IngestZarr, WindowAndColourOfTheChannel_areTheLook) {
+  const auto expectRamp = [&](const std::string& channel, std::optional<DeclaredLook::Ramp> ramp) {
+    putImage("a.zarr", few_, imageOf(axesOf("czyx"), R"({"type": "scale", "scale": [1, 4, 3, 2]})"),
+             fmt::format(R"(, "omero": {{"channels": [{{"label": "DAPI"}}, {}]}})", channel),
+             {.axes = {{'c', 1, 2}, {'z', 2}, {'y', 2}, {'x', 2}}});
+    EXPECT_EQ(info("a.zarr", withChannel("1")).look, (DeclaredLook{ramp, {}})) << channel;
+    EXPECT_TRUE(info("a.zarr", withChannel("DAPI")).look.empty());
+  };
+  const std::string window = R"("window": {"min": 0, "start": 12.5, "end": 4000, "max": 65535})";
+  expectRamp(R"({"color": "00FF80", "family": "linear", "inverted": false, )" + window + "}",
+             DeclaredLook::Ramp{12.5, 4000, {0, 255, 128, 255}});
+  expectRamp("{" + window + "}", DeclaredLook::Ramp{12.5, 4000, {}});
+  expectRamp(R"({"color": "green", )" + window + "}", DeclaredLook::Ramp{12.5, 4000, {}});
+  expectRamp(R"({"color": "00FF80", "inverted": true, )" + window + "}", std::nullopt);
+  expectRamp(R"({"color": "00FF80", "family": "exponential", )" + window + "}", std::nullopt);
+  expectRamp(R"({"window": {"start": 5, "end": 5}})", std::nullopt);
+  expectRamp(R"({"window": {"start": "a"}})", std::nullopt);
+  expectRamp(R"({"window": 3, "color": 7})", std::nullopt);
+  expectRamp("3", std::nullopt);
+}
+
 TEST_F(IngestZarr, ContainersListTheirImagesAndPlatesAreRefused) {
   put("a.zarr/.zgroup", R"({"zarr_format": 2})");
   expectError("a.zarr", ErrorCode::kUnsupported, "is a Zarr or N5 group without an array");

@@ -228,5 +228,18 @@ TEST(LabelStyles, TheTableKnowsWhatARangeShows) {
   EXPECT_EQ(table.at(SampleTable::placeOf(0, 0)).tau, 0);
 }
 
+TEST(LabelStyles, ColoursOfTheSource_areTheDefault) {
+  Manifest manifest = labelManifest();
+  const LabelStyle other = labelPalette(manifest).labels[1];
+  manifest.look.labels = {{0, {255, 255, 255, 255}}, {3, {255, 0, 0, 51}}, {5, {}}};
+  const std::vector<LabelStyle> labels = labelPalette(manifest).labels;
+  ASSERT_EQ(labels.size(), 2u) << "0 is empty, and no voxel is 5";
+  EXPECT_EQ(labels[0].label, 3);
+  EXPECT_EQ(labels[0].color, glm::dvec3(1, 0, 0));
+  EXPECT_EQ(labels[0].opacity, 0.2);
+  EXPECT_EQ(labels[1].color, other.color);
+  EXPECT_EQ(labels[1].opacity, other.opacity);
+}
+
 }  // namespace
 }  // namespace kiln

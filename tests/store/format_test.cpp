@@ -482,7 +482,7 @@ TEST(StoreManifest, ComesBackAsItWas) {
 // Known from FORMAT.md, Versions: a reader refuses an unknown format number and names the number.
 TEST(StoreManifest, RefusesAnotherFormat) {
   Json json = Json::parse(manifestText(unusualManifest()));
-  for (const int format : {0, 5}) {
+  for (const int format : {0, 6}) {
     json["kiln"] = format;
     const std::string said = complaintOf(json, ErrorCode::kUnsupported);
     EXPECT_NE(said.find("kiln: store format " + std::to_string(format)), std::string::npos) << said;
@@ -605,6 +605,36 @@ TEST(StoreManifest, RefusesWhatContradictsItself) {
   EXPECT_NE(with("/apron", 0).find("apron"), std::string::npos) << "kernels read a voxel beside each";
   EXPECT_NE(with("/dimensions/1", 0).find("dimensions"), std::string::npos);
   EXPECT_NE(with("/dimensions/1", 1ll << 40).find("dimensions"), std::string::npos);
+}
+
+// Known from FORMAT.md: a look is in format 5 only, so earlier readers refuse no store that they could draw.
+TEST(StoreManifest, LookComesBackInItsFormatOnly) {
+  Manifest m = unusualManifest();
+  m.look = {DeclaredLook::Ramp{-0.1, 1e9, {1, 2, 255, 255}}, {{-3, {255, 0, 0, 255}}, {12, {0, 255, 0, 7}}}};
+  EXPECT_TRUE(parseManifest(manifestText(m), "m").look.empty());
+  m.format = kFormatVersion;
+  EXPECT_EQ(parseManifest(manifestText(m), "m").look, m.look);
+  m.look = {};
+  EXPECT_TRUE(parseManifest(manifestText(m), "m").look.empty());
+}
+
+TEST(StoreManifest, WrongLook_isNamed) {
+  Manifest m = unusualManifest();
+  m.format = kFormatVersion;
+  m.look = {DeclaredLook::Ramp{0, 1, {}}, {{3, {}}}};
+  const Json whole = Json::parse(manifestText(m));
+  const auto with = [&](const char* place, const Json& value) {
+    Json json = whole;
+    json.at(Json::json_pointer(place)) = value;
+    return complaintOf(json);
+  };
+  EXPECT_NE(with("/look", 3).find("look.: expected an object"), std::string::npos) << with("/look", 3);
+  EXPECT_NE(with("/look/ramp/end", 0).find("look.ramp.end: expected a number above begin"), std::string::npos);
+  EXPECT_NE(with("/look/ramp/begin", "-inf").find("look.ramp.end"), std::string::npos);
+  EXPECT_NE(with("/look/ramp/color", "#12345").find("look.ramp.color: expected #rrggbb"), std::string::npos);
+  EXPECT_NE(with("/look/labels/3", "red").find("look.labels.3: expected #rrggbb"), std::string::npos);
+  EXPECT_NE(with("/look/labels", Json{{"x", "#000000"}}).find("look.labels.x: expected a whole number"),
+            std::string::npos);
 }
 
 }  // namespace

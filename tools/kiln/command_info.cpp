@@ -133,6 +133,10 @@ void printValues(const VolumeValues& values) {
     say("values       {:.9g} to {:.9g}, background {:.6g}, class {}\n", m.range.lo, m.range.hi, m.background,
         className(m.volume_class));
   }
+  if (m.look.ramp)
+    say("window       {:.9g} to {:.9g} in {}, by the source's author\n", m.look.ramp->begin, m.look.ramp->end,
+        textOf(m.look.ramp->color));
+  if (!m.look.labels.empty()) say("colours      of {} labels by the source's author\n", m.look.labels.size());
   if (m.nan_count > 0) say("NaN          {} voxels\n", m.nan_count);
   if (const auto labels = labelsOf(m))
     printLabels(*labels);

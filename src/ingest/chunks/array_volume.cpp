@@ -86,6 +86,7 @@ void chooseIndices(const ArrayName& array, const std::vector<ArrayAxis>& axes, c
     if (isSpace(axes[i])) continue;
     if (name == "c") {
       out.fixed[i] = chosenChannel(options, channelNames(array, count, channels), array.input);
+      out.channel = out.fixed[i];
       out.choice += partOf("channel", out.fixed[i], count);
     } else if (name == "t") {
       out.fixed[i] = chosenTime(options, count, array.input);
@@ -184,6 +185,7 @@ void describe(const ArrayVolume& volume, VoxelType type, SourceInfo& info) {
   info.type = type;
   info.geometry = volume.geometry;
   info.volume_class = volume.volume_class;
+  info.look = volume.look;
   info.format += volume.choice;
   info.notes.insert(info.notes.end(), volume.notes.begin(), volume.notes.end());
 }

@@ -18,6 +18,9 @@ struct ArrayVolume {
   std::array<int, 3> axis_of = {-1, -1, -1};
   /// The index along every other axis; 0 along x, y and z.
   AxisNumbers fixed;
+  /// The index along the axis of channels; 0 without one.
+  std::int64_t channel = 0;
+  DeclaredLook look;
   VolumeClass volume_class = VolumeClass::kUnknown;
   /// For SourceInfo::format: the image, scale, channel and time that were chosen.
   std::string choice;

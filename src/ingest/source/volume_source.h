@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "grid/coords.h"
+#include "grid/declared_look.h"
 #include "grid/geometry.h"
 #include "grid/volume_info.h"
 #include "grid/voxel_type.h"
@@ -32,6 +33,7 @@ struct SourceInfo {
   /// Value of empty space if the source defines a background, else 0.
   double background = 0;
   std::optional<VdbOrigin> vdb;
+  DeclaredLook look;
   /// Sentences for the user: files passed over, choices made.
   std::vector<std::string> notes;
 };

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "base/error.h"
 #include "base/path_status.h"
@@ -74,6 +76,51 @@ ArrayAxis axisOf(const JsonNode& json) {
   return out;
 }
 
+std::optional<JsonNode> objectAt(const JsonNode& json, const char* key) {
+  const std::optional<JsonNode> found = json.isObject() ? json.find(key) : std::nullopt;
+  return found && found->isObject() ? found : std::nullopt;
+}
+
+std::vector<JsonNode> listAt(const JsonNode& json, const char* key) {
+  const std::optional<JsonNode> found = json.isObject() ? json.find(key) : std::nullopt;
+  return found && found->isList() ? found->items() : std::vector<JsonNode>();
+}
+
+std::string textAt(const JsonNode& json, const char* key) {
+  const std::optional<JsonNode> found = json.isObject() ? json.find(key) : std::nullopt;
+  return found && found->isText() ? found->text() : "";
+}
+
+// The window and the colour in which OMERO shows a channel; nothing for curves and inverted windows.
+std::optional<DeclaredLook::Ramp> rampIn(const JsonNode& channel) {
+  const std::optional<JsonNode> window = objectAt(channel, "window");
+  const std::string family = textAt(channel, "family");
+  if (!window || !(family.empty() || family == "linear")) return std::nullopt;
+  const std::optional<JsonNode> begin = window->find("start"), end = window->find("end"),
+                                inverted = channel.find("inverted");
+  if (!begin || !end || !begin->isNumber() || !end->isNumber()) return std::nullopt;
+  if (inverted && inverted->isTruth() && inverted->truth()) return std::nullopt;
+  const DeclaredLook::Ramp out = {begin->number(), end->number(),
+                                  displayColorOf(textAt(channel, "color")).value_or(DisplayColor())};
+  return out.begin < out.end ? std::optional(out) : std::nullopt;
+}
+
+// {"label-value": 3, "rgba": [255, 128, 0, 255]}.
+std::optional<DeclaredLook::Label> labelIn(const JsonNode& color) {
+  const std::optional<JsonNode> label = color.isObject() ? color.find("label-value") : std::nullopt;
+  const std::vector<JsonNode> rgba = listAt(color, "rgba");
+  if (!label || !label->isNumber() || rgba.size() != 4) return std::nullopt;
+  std::array<std::uint8_t, 4> bytes{};
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    const double number = rgba[i].isNumber() ? rgba[i].number() : -1;
+    if (!(number >= 0 && number <= 255)) return std::nullopt;
+    bytes[i] = static_cast<std::uint8_t>(number);
+  }
+  const double number = label->number();
+  if (number != std::floor(number) || std::abs(number) > UINT32_MAX) return std::nullopt;
+  return DeclaredLook::Label{static_cast<std::int64_t>(number), {bytes[0], bytes[1], bytes[2], bytes[3]}};
+}
+
 }  // namespace
 
 std::optional<OmeImage> readOmeImage(const fs::path& group) {
@@ -132,16 +179,28 @@ std::vector<ArrayAxis> OmeImage::axes(std::size_t count) const {
   return out;
 }
 
+// Looks are left out, not refused, if they are not as expected: OMERO's keys are no part of the standard.
+std::vector<JsonNode> OmeImage::omeroChannels() const {
+  const std::optional<JsonNode> omero = objectAt(ome_, "omero");
+  return omero ? listAt(*omero, "channels") : std::vector<JsonNode>();
+}
+
 std::vector<std::string> OmeImage::channels() const {
   std::vector<std::string> out;
-  const std::optional<JsonNode> omero = ome_.find("omero");
-  const std::optional<JsonNode> channels = omero && omero->isObject() ? omero->find("channels") : std::nullopt;
-  if (!channels || !channels->isList()) return out;
-  for (const JsonNode& channel : channels->items()) {
-    const std::optional<JsonNode> label = channel.isObject() ? channel.find("label") : std::nullopt;
-    out.push_back(label && label->isText() ? label->text() : "");
-  }
+  for (const JsonNode& channel : omeroChannels()) out.push_back(textAt(channel, "label"));
   return out;
+}
+
+void OmeImage::addLook(ArrayVolume& volume) const {
+  if (const std::optional<JsonNode> labels = objectAt(ome_, "image-label")) {
+    for (const JsonNode& color : listAt(*labels, "colors"))
+      if (const auto label = labelIn(color)) volume.look.labels.push_back(*label);
+    sortDeclared(volume.look.labels);
+    return;
+  }
+  const std::vector<JsonNode> channels = omeroChannels();
+  const auto index = static_cast<std::size_t>(volume.channel);
+  if (index < channels.size()) volume.look.ramp = rampIn(channels[index]);
 }
 
 ZarrImage OmeImage::open(std::size_t scale, const SourceOptions& options) const {
@@ -156,7 +215,9 @@ ZarrImage OmeImage::open(std::size_t scale, const SourceOptions& options) const 
   ZarrImage out;
   out.volume = volumeOf(array->name(), std::move(image_axes), has_scale, channels(), options);
   out.volume.choice = fmt::format(", OME-Zarr, array {}", inQuotes(dataset.at("path").text())) + out.volume.choice;
-  if (ome_.find("image-label")) out.volume.volume_class = VolumeClass::kLabels;
+  if (ome_.find("image-label") && !isFloating(array->number.voxelType()))
+    out.volume.volume_class = VolumeClass::kLabels;
+  addLook(out.volume);
   if (has_others_) out.volume.notes.push_back("the group describes several images; took the first");
   if (isFolder(group_ / "labels"))
     out.volume.notes.push_back("has labels in its folder 'labels', which is a volume of its own");

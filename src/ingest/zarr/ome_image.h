@@ -21,7 +21,9 @@ class OmeImage {
  private:
   std::filesystem::path arrayOf(const JsonNode& dataset) const;
   std::vector<ArrayAxis> axes(std::size_t count) const;
+  std::vector<JsonNode> omeroChannels() const;
   std::vector<std::string> channels() const;
+  void addLook(ArrayVolume& volume) const;
 
   std::filesystem::path group_;
   JsonNode ome_, multiscale_;

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "grid/declared_look.h"
 #include "grid/value_range.h"
 #include "scene/transfer/color_space.h"
 #include "scene/transfer/transfer_function.h"
@@ -14,6 +15,9 @@ struct ColorNode {
   double value = 0;
   glm::dvec3 srgb{0};  // display values, 0..1
 };
+
+/// Returns the display values of a colour, without its opacity.
+inline glm::dvec3 srgbOf(const DisplayColor& color) { return glm::dvec3(color.red, color.green, color.blue) / 255.0; }
 
 /// Colours at nodes with an interpolation rule; the end nodes extend outside. requires: sorted by value, at least one
 /// node.

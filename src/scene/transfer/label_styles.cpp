@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "image/srgb.h"
 #include "scene/scene_limits.h"
+#include "scene/transfer/color_map.h"
 #include "scene/transfer/label_palette.h"
 
 namespace kiln {
@@ -116,10 +117,24 @@ bool areDistinct(const ValueRange& labels) {
   return labels.empty() || std::max(-labels.lo, labels.hi) <= kLargestLabel;
 }
 
+namespace {
+
+LabelStyle defaultStyle(double label, const std::vector<DeclaredLook::Label>& declared) {
+  const auto before = [](const DeclaredLook::Label& a, double b) { return static_cast<double>(a.label) < b; };
+  const auto found = std::lower_bound(declared.begin(), declared.end(), label, before);
+  if (found == declared.end() || static_cast<double>(found->label) != label)
+    return {label, "", paletteColor(std::abs(label)), 0.95};
+  LabelStyle out{label, "", srgbOf(found->color), found->color.alpha / 255.0};
+  for (int c = 0; c < 3; ++c) out.color[c] = linearFromSrgb(out.color[c]);
+  return out;
+}
+
+}  // namespace
+
 TransferFunction labelPalette(const Manifest& manifest) {
   TransferFunction out;
   const auto add = [&](double label) {
-    if (label != 0) out.labels.push_back({label, "", paletteColor(std::abs(label)), 0.95});
+    if (label != 0) out.labels.push_back(defaultStyle(label, manifest.look.labels));
   };
   if (const auto known = labelsOf(manifest)) {
     for (const LabelCount& count : *known) add(count.label);

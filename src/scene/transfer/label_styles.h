@@ -27,7 +27,8 @@ bool isLabelDescription(const std::string& text);
 /// throws: Error kFormat naming the line. source: the first lines of ITK-SNAP's own files.
 TransferFunction labelDescription(const std::string& text, const std::filesystem::path& path);
 
-/// Returns a distinct colour for each label but 0. throws: Error kUsage if there are too many labels.
+/// Returns the colour that the source declares for each label but 0, else a distinct one. throws: Error kUsage if there
+/// are too many labels.
 TransferFunction labelPalette(const Manifest& manifest);
 
 struct LabelCount {

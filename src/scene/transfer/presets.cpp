@@ -170,10 +170,18 @@ const CtPreset* ctPresetNamed(std::string_view name) {
   return nullptr;
 }
 
+ColorMap declaredColors(const DeclaredLook::Ramp& ramp) {
+  return {ColorSpace::kRgb, {{ramp.begin, glm::dvec3(0)}, {ramp.end, srgbOf(ramp.color)}}};
+}
+
 TransferFunction automatic(const Manifest& manifest) {
   if (manifest.volume_class == VolumeClass::kLabels) return labelPalette(manifest);
   if (manifest.volume_class == VolumeClass::kFog) return fog(manifest);
   if (manifest.volume_class == VolumeClass::kLevelSet) return levelSet(manifest);
+  if (manifest.look.ramp) {
+    const DeclaredLook::Ramp& ramp = *manifest.look.ramp;
+    return {0, sampled(declaredColors(ramp), risingOpacity({ramp.begin, ramp.end}, manifest))};
+  }
   return surfaceOf(manifest);
 }
 
@@ -226,10 +234,10 @@ OpacityCurve risingOpacity(const ValueRange& range, const Manifest& manifest) {
            {range.hi, opacityForDepth(manifest, kEnd)}}};
 }
 
-TransferFunction displayGrey(const Manifest& manifest) {
+TransferFunction displayRamp(const Manifest& manifest) {
   const ValueRange range = usableRange(manifest);
-  const ColorMap grey{ColorSpace::kRgb, {{range.lo, glm::dvec3(0)}, {range.hi, glm::dvec3(1)}}};
-  return {0, sampled(grey, {{{range.lo, 1}, {range.hi, 1}}})};
+  const DeclaredLook::Ramp ramp = manifest.look.ramp.value_or(DeclaredLook::Ramp{range.lo, range.hi, {}});
+  return {0, sampled(declaredColors(ramp), {{{ramp.begin, 1}, {ramp.end, 1}}})};
 }
 
 const std::vector<std::string>& presetNames() {

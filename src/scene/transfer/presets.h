@@ -20,8 +20,9 @@ std::string presetList();
 bool isPreset(std::string_view name);
 
 /// Returns a preset mapped to this volume's values.
-/// - "auto" depends on class and histogram: fog for a fog, the zero surface for a level set, palette colours for
-///   labels, else the surface between empty space (the lower Otsu class) and the object.
+/// - "auto" depends on class, look and histogram: fog for a fog, the zero surface for a level set, palette colours for
+///   labels; the window and colour that the source declares, with rising opacity; else the surface between empty space
+///   (the lower Otsu class) and the object.
 /// - ct- presets are in Hounsfield units.
 /// - "iso:VALUE" is solid from VALUE on.
 /// - mr- presets are found in the histogram.
@@ -29,9 +30,9 @@ bool isPreset(std::string_view name);
 /// throws: Error kUsage naming the presets, or the fault in VALUE.
 TransferFunction presetFor(std::string_view name, const Manifest& manifest);
 
-/// Returns black to white over the range of values in equal display steps, opaque, as viewers of slices and projections
-/// show values.
-TransferFunction displayGrey(const Manifest& manifest);
+/// Returns black to white over the range of values, or to the colour over the window that the source declares, in equal
+/// display steps, opaque, as viewers of slices and projections show values.
+TransferFunction displayRamp(const Manifest& manifest);
 
 /// Returns the volume's range of values without outliers (the range of its histogram), or a substitute for volumes
 /// without values (all NaN) or with a single value. Never empty, lo < hi.

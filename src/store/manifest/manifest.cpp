@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "grid/pyramid.h"
 #include "grid/shared_world.h"
 #include "store/manifest/json_text.h"
@@ -148,6 +149,11 @@ class Reader {
       fail(key, error.what());
     }
   }
+  DisplayColor color(const char* key) {
+    const std::optional<DisplayColor> out = displayColorOf(value<std::string>(key));
+    if (!out) fail(key, "expected #rrggbb or #rrggbbaa");
+    return *out;
+  }
   void finish() const {
     for (const auto& [key, unused] : object_.items()) {
       if (std::find(seen_.begin(), seen_.end(), key) == seen_.end())
@@ -203,6 +209,39 @@ Provenance readSource(Reader source, int format) {
     out.vdb = vdb;
   }
   source.finish();
+  return out;
+}
+
+Json lookJson(const DeclaredLook& look) {
+  Json out = Json::object();
+  if (look.ramp)
+    out["ramp"] = {{"begin", look.ramp->begin}, {"end", look.ramp->end}, {"color", textOf(look.ramp->color)}};
+  Json labels = Json::object();
+  for (const DeclaredLook::Label& label : look.labels) labels[std::to_string(label.label)] = textOf(label.color);
+  if (!labels.empty()) out["labels"] = std::move(labels);
+  return out;
+}
+
+DeclaredLook readLook(Reader look, const std::filesystem::path& path) {
+  DeclaredLook out;
+  if (look.has("ramp")) {
+    Reader ramp(look.get("ramp"), "look.ramp.", path);
+    out.ramp = {ramp.number("begin"), ramp.number("end"), ramp.color("color")};
+    if (!std::isfinite(out.ramp->begin) || !std::isfinite(out.ramp->end) || out.ramp->begin >= out.ramp->end)
+      ramp.fail("end", "expected a number above begin");
+    ramp.finish();
+  }
+  if (look.has("labels")) {
+    const Json& written = look.get("labels");
+    Reader labels(written, "look.labels.", path);
+    for (const auto& [key, unused] : written.items()) {
+      const std::optional<std::int64_t> label = numberOf<std::int64_t>(key);
+      if (!label) labels.fail(key.c_str(), "expected a whole number as key");
+      out.labels.push_back({*label, labels.color(key.c_str())});
+    }
+    sortDeclared(out.labels);
+  }
+  look.finish();
   return out;
 }
 
@@ -315,8 +354,9 @@ std::string manifestText(const Manifest& m) {
       {"codec", {{"container", m.container_version}, {"compression", "blosc"}}},
       {"index", {{"file", "index.bin"}, {"bytes", m.index_bytes}, {"checksum", toHex(m.index_checksum)}}},
       {"source", sourceJson(m.source, m.format)},
-      {"checksum", std::string(kDigits, '0')},
   };
+  if (m.format >= 5) json["look"] = lookJson(m.look);
+  json["checksum"] = std::string(kDigits, '0');
   std::string text = jsonText(std::move(json), 1) + "\n";
   text.replace(digitsOf(text), kDigits, toHex(hashOf(text)));
   return text;
@@ -406,6 +446,7 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   m.index_checksum = index.checksum("checksum");
   index.finish();
   m.source = readSource(Reader(root.get("source"), "source.", path), m.format);
+  if (m.format >= 5) m.look = readLook(Reader(root.get("look"), "look.", path), path);
   root.get("checksum");
   root.finish();
   return m;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "grid/declared_look.h"
 #include "grid/geometry.h"
 #include "grid/value_range.h"
 #include "grid/volume_info.h"
@@ -14,7 +15,9 @@
 
 namespace kiln {
 
-inline constexpr int kFormatVersion = 4;
+inline constexpr int kFormatVersion = 5;
+/// The format of stores whose source declares no look.
+inline constexpr int kFormatWithoutLook = 4;
 /// The oldest format that is still read.
 inline constexpr int kFirstFormatVersion = 1;
 inline constexpr std::int64_t kApron = 6;
@@ -45,13 +48,15 @@ struct Provenance {
 };
 
 struct Manifest {
-  int format = kFormatVersion;
+  int format = kFormatWithoutLook;
   VoxelType type = VoxelType::u8;
   ValueRange range;
   std::uint64_t nan_count = 0;
   ValueHistogram histogram;
   double background = 0;
   VolumeClass volume_class = VolumeClass::kUnknown;
+  /// In stores of format 5.
+  DeclaredLook look;
   std::int64_t brick_size = kDefaultBrickSize;
   std::int64_t apron = kApron;
   std::vector<LevelInfo> levels;
