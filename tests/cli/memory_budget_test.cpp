@@ -15,10 +15,15 @@
 #include "support/system/sanitized.h"
 #include "support/volumes/dicom_files.h"
 #include "support/volumes/foreign_files.h"
+#include "support/volumes/hdf5_files.h"
+#include "support/volumes/mrc_mgh_files.h"
 #include "support/volumes/nifti_files.h"
 #include "support/volumes/npy_files.h"
+#include "support/volumes/packed_bytes.h"
+#include "support/volumes/picture_files.h"
 #include "support/volumes/test_store.h"
 #include "support/volumes/tiff_files.h"
+#include "support/volumes/vti_files.h"
 #include "support/volumes/zarr_files.h"
 
 namespace kiln::test {
@@ -244,6 +249,17 @@ std::vector<BudgetRow> moreConversionRows() {
       converted("convert NumPy", 48, "IN/noise.npy", spacing),
       converted("convert NumPy in Fortran order", 48, "IN/fortran.npy", spacing),
       converted("convert Zarr", 48, "IN/noise.zarr", spacing),
+      converted("convert bzip2 NRRD", 48, "IN/bzip2.nrrd"),
+      converted("convert MRC", 48, "IN/noise.mrc"),
+      converted("convert gzip MGH", 48, "IN/packed.mgz"),
+      converted("convert VTK", 48, "IN/noise.vti"),
+      converted("convert zlib VTK", 48, "IN/packed.vti"),
+      converted("convert legacy VTK", 48, "IN/noise.vtk"),
+      converted("convert PNG stack", 48, "IN/pictures", spacing),
+#ifdef KILN_TEST_HDF5
+      converted("convert HDF5", 48, "IN/noise.h5:/contiguous", spacing),
+      converted("convert deflated HDF5", 48, "IN/noise.h5:/chunked", spacing),
+#endif
       converted("convert TIFF stack", 48, "IN/tiffs", spacing),
       converted("convert multi-page TIFF", 48, "IN/noise.tif", spacing),
       // An unknown spacing is a note, except when the budget is refused.
@@ -331,6 +347,22 @@ class BudgetTable : public ::testing::Test {
     ZarrLayout chunks{.codec = ZarrCodec::kBlosc};
     chunks.axes = {{'z', 64}, {'y', 64}, {'x', 64}};
     writeZarr(in("noise.zarr"), volume, chunks);
+    writeText(in("bzip2.nrrd"), nrrdHeader("bzip2") + bzipped(voxels));
+    writeText(in("noise.mrc"), mrcFile(volume));
+    writeText(in("packed.mgz"), gzipped(mghFile(volume)));
+    writeText(in("noise.vti"), vtiFile(volume));
+    VtiLayout blocks;
+    blocks.codec = 1, blocks.block_bytes = 32768;
+    writeText(in("packed.vti"), vtiFile(volume, blocks));
+    writeText(in("noise.vtk"),
+              "# vtk DataFile Version 3.0\na title\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 160 160 160\n"
+              "SPACING 1 1 1\nORIGIN 0 0 0\nPOINT_DATA 4096000\nSCALARS v unsigned_short\nLOOKUP_TABLE default\n" +
+                  volume.stored(true) + "\n");
+#ifdef KILN_TEST_HDF5
+    Hdf5File arrays(in("noise.h5"));
+    arrays.add("/contiguous", volume);
+    arrays.add("/chunked", volume, {.chunk = {64, 64, 64}, .deflate = 1});
+#endif
     makeSlices(volume, voxels);
   }
 
@@ -370,7 +402,8 @@ class BudgetTable : public ::testing::Test {
   }
 
   void makeSlices(const ForeignVolume& volume, const std::string& voxels) const {
-    for (const char* const folder : {"tiffs", "slices", "packed_slices"}) fs::create_directory(in(folder));
+    for (const char* const folder : {"tiffs", "pictures", "slices", "packed_slices"}) fs::create_directory(in(folder));
+    for (int z = 0; z < kEdge; ++z) writeText(in("pictures") / (std::to_string(z) + ".png"), pngSlice(volume, z));
     TiffLayout layout;
     writeTiff(in("noise.tif"), volume, 0, kEdge, layout);
     for (int z = 0; z < kEdge; ++z) writeTiff(in("tiffs") / (std::to_string(z) + ".tif"), volume, z, z + 1);

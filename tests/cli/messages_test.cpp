@@ -169,13 +169,19 @@ TEST_F(Messages, VolumeInPlaceOfAStoreOrAPicture_IsNamedWithItsCommands) {
   writeTiff(in("a.tif"), randomVolume({16, 16, 1}, VoxelType::u8, 1), 0, 1);
   writeText(in("a.mha"), "ObjectType = Image\nNDims = 3\n");
   writeText(in("a.npy"), npyFile(randomVolume(kFewVoxels, VoxelType::u8, 2)));
+  writeText(in("a.h5"), "\x89HDF\r\n\x1a\n");
+  writeText(in("a.mrc"), std::string(208, '\0') + "MAP ");
+  writeText(in("a.mgh"), "");
+  writeText(in("a.vti"), "<VTKFile type=\"ImageData\">");
+  writeText(in("a.vtk"), "# vtk DataFile Version 3.0\n");
   const auto commandsFor = [&](const std::string& name) {
     return "; kiln convert " + in(name) + " " + in("a.kiln") + " makes a store of it, kiln render " + in(name) +
            " -o " + in("a.png") + " draws it";
   };
-  const std::pair<std::string, std::string> volumes[] = {{"a.nrrd", "a NRRD"},     {"a.nii", "a NIfTI"},
-                                                         {"a.vdb", "an OpenVDB"},  {"a.tif", "a TIFF"},
-                                                         {"a.mha", "a MetaImage"}, {"a.npy", "a NumPy"}};
+  const std::pair<std::string, std::string> volumes[] = {
+      {"a.nrrd", "a NRRD"},     {"a.nii", "a NIfTI"}, {"a.vdb", "an OpenVDB"}, {"a.tif", "a TIFF"},
+      {"a.mha", "a MetaImage"}, {"a.npy", "a NumPy"}, {"a.h5", "an HDF5"},     {"a.mrc", "an MRC"},
+      {"a.mgh", "an MGH"},      {"a.vti", "a VTK"},   {"a.vtk", "a VTK"}};
   for (const auto& [name, format] : volumes) {
     const std::string is = in(name) + ": is " + format + " volume, not ";
     refused({"compare", in(name), in("a.nii")}, 2, is + "a picture" + commandsFor(name));

@@ -1,37 +1,13 @@
 // MGH and MGZ. Known because the test puts each number of the header at its documented offset.
 #include <gtest/gtest.h>
 
-#include <functional>
-
 #include "ingest/open_source.h"
 #include "support/volumes/foreign_files.h"
 #include "support/volumes/header_writer.h"
+#include "support/volumes/mrc_mgh_files.h"
 
 namespace kiln::test {
 namespace {
-
-// Sagittal directions, voxels of 2 x 3 x 4 mm, the middle at (10, 20, 30).
-std::string mghFile(const ForeignVolume& volume, std::int32_t frames = 1,
-                    const std::function<void(std::string&)>& change = {}) {
-  constexpr std::int32_t kMghTypes[] = {0, -1, 10, 4, -1, 1, 3, -1};
-  std::string out(284, '\0');
-  const auto put = [&](std::size_t at, auto value) { putNumber(out, at, value, true); };
-  put(0, 1);
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<std::size_t>(axis);
-    put(4 + 4 * i, static_cast<std::int32_t>(axis == 2 ? volume.dims.z / frames : volume.dims[axis]));
-    put(30 + 4 * i, 2.f + static_cast<float>(axis));
-    put(78 + 4 * i, 10.f * static_cast<float>(axis + 1));
-  }
-  put(16, frames);
-  put(20, kMghTypes[static_cast<int>(volume.type)]);
-  put(28, std::int16_t{1});
-  put(42 + 4, 1.f);  // x steps to the front
-  put(54 + 8, 1.f);  // y steps up
-  put(66, -1.f);     // z steps to the left
-  if (change) change(out);
-  return out + volume.stored(true);
-}
 
 // Four parameters of the scan, as FreeSurfer writes them behind the voxels.
 const std::string kParameters(16, 'p');

@@ -3,52 +3,25 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 
 #include "ingest/open_source.h"
 #include "support/volumes/foreign_files.h"
 #include "support/volumes/header_writer.h"
+#include "support/volumes/mrc_mgh_files.h"
 
 namespace kiln::test {
 namespace {
 
-using Change = std::function<void(std::string&)>;
-
-// A header as mrcfile writes it: a cell of 5 x 6 x 12 ångström, so voxels of 1 x 1.5 x 4 at 5 x 4 x 3 voxels.
-std::string mrcHeader(const Extent3& dims, int mode, bool big = false) {
-  std::string out(1024, '\0');
-  const auto n = [](std::int64_t value) { return static_cast<std::int32_t>(value); };
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto at = 4 * static_cast<std::size_t>(axis);
-    putNumber(out, at, n(dims[axis]), big);
-    putNumber(out, 28 + at, n(dims[axis]), big);
-    putNumber(out, 40 + at, static_cast<float>(dims[axis]) * (axis == 0 ? 1.f : axis == 1 ? 1.5f : 4.f), big);
-    putNumber(out, 52 + at, 90.f, big);
-    putNumber(out, 64 + at, axis + 1, big);
-  }
-  putNumber(out, 12, mode, big);
-  putNumber(out, 88, 1, big);
-  out.replace(208, 8, big ? std::string("MAP \x11\x11\0\0", 8) : std::string("MAP \x44\x44\0\0", 8));
-  return out;
-}
-
-std::string mrcFile(const ForeignVolume& volume, bool big = false, const Change& change = {}) {
-  constexpr int kModes[] = {0, 0, 6, 1, -1, -1, 2, -1};
-  std::string header = mrcHeader(volume.dims, kModes[static_cast<int>(volume.type)], big);
-  if (volume.type == VoxelType::u8) putNumber(header, 80, 255.f, big);
-  if (change) change(header);
-  return header + volume.stored(big);
-}
-
 class IngestMrc : public ::testing::Test {
  protected:
-  VolumeGeometry geometry(const Change& change, const SourceOptions& options = {}) const {
+  VolumeGeometry geometry(const HeaderChange& change, const SourceOptions& options = {}) const {
     return open(change, options)->info().geometry;
   }
-  std::unique_ptr<VolumeSource> open(const Change& change, const SourceOptions& options = {}) const {
+  std::unique_ptr<VolumeSource> open(const HeaderChange& change, const SourceOptions& options = {}) const {
     return openSource(files_.write("a.mrc", mrcFile(volume_, false, change)), options);
   }
-  void refused(const Change& change, ErrorCode code, const std::string& part, const SourceOptions& options = {}) const {
+  void refused(const HeaderChange& change, ErrorCode code, const std::string& part,
+               const SourceOptions& options = {}) const {
     expectRefused(files_.write("a.mrc", mrcFile(volume_, false, change)), code, part, options);
   }
   ForeignFiles files_;

@@ -1,5 +1,4 @@
 // NRRD, written here as text and bytes by the format's definition, and real files with known contents.
-#include <bzlib.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +7,7 @@
 
 #include "ingest/open_source.h"
 #include "support/volumes/foreign_files.h"
+#include "support/volumes/packed_bytes.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {
@@ -26,16 +26,6 @@ std::string nrrdHeader(const ForeignVolume& volume, bool big_endian, const std::
 std::string withCrLf(const std::string& text) {
   std::string out;
   for (const char c : text) out += c == '\n' ? std::string("\r\n") : std::string(1, c);
-  return out;
-}
-
-std::string bzipped(const std::string& bytes) {
-  std::string out(bytes.size() + bytes.size() / 100 + 600, '\0');
-  auto size = static_cast<unsigned>(out.size());
-  EXPECT_EQ(BZ2_bzBuffToBuffCompress(out.data(), &size, const_cast<char*>(bytes.data()),
-                                     static_cast<unsigned>(bytes.size()), 1, 0, 0),
-            BZ_OK);
-  out.resize(size);
   return out;
 }
 

@@ -1,6 +1,7 @@
 #include "support/volumes/packed_bytes.h"
 
 #include <blosc.h>
+#include <bzlib.h>
 #include <lz4.h>
 #include <xxhash.h>
 #include <zstd.h>
@@ -20,6 +21,16 @@ std::string littleEndian(std::uint64_t number, std::size_t bytes) {
 std::string bigEndian(std::uint64_t number, std::size_t bytes) {
   std::string out = littleEndian(number, bytes);
   std::reverse(out.begin(), out.end());
+  return out;
+}
+
+std::string bzipped(std::string_view bytes) {
+  std::string out(bytes.size() + bytes.size() / 100 + 600, '\0');
+  auto size = static_cast<unsigned>(out.size());
+  if (BZ2_bzBuffToBuffCompress(out.data(), &size, const_cast<char*>(bytes.data()), static_cast<unsigned>(bytes.size()),
+                               1, 0, 0) != BZ_OK)
+    throw std::runtime_error("bzip2");
+  out.resize(size);
   return out;
 }
 
