@@ -146,7 +146,7 @@ TEST_F(ZarrConversion, LookOfTheSource_isInTheStore) {
     files_.write("image.zarr/.zattrs", "{" + multiscales + more + "}");
     const fs::path out = freshDirectory("look") / "volume.kiln";
     Progress silent;
-    convert(*openSource(image), out, zarrOptions(), silent);
+    convert(*openSource(image), out, smallBricks(), silent);
     return readManifest(out);
   };
   EXPECT_EQ(manifestOf("").format, kFormatWithoutLook);
