@@ -15,6 +15,7 @@
 #include "support/system/impatient_progress.h"
 #include "support/system/text_of.h"
 #include "support/volumes/conversions.h"
+#include "support/volumes/foreign_files.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
 
@@ -63,15 +64,10 @@ TEST(ChangedSource, WhileItIsConverted_LeavesNoStore) {
     writeText(path, voxels(1));
     ChangingSource source(openSource(path, described()), 8, change);
     Progress silent;
-    try {
-      convert(source, out, options(), silent);
-      ADD_FAILURE() << what;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kFormat);
-      EXPECT_EQ(std::string(error.what()).find(path.string() + ": was changed while it was converted"), 0u)
-          << error.what();
-    }
-    EXPECT_EQ(std::distance(fs::directory_iterator(directory), {}), 1) << what;
+    SCOPED_TRACE(what);
+    expectError([&] { convert(source, out, options(), silent); }, ErrorCode::kFormat,
+                path.string() + ": was changed while it was converted");
+    EXPECT_EQ(std::distance(fs::directory_iterator(directory), {}), 1);
   }
   // Neither a look nor a change of rights is a change of the file.
   ChangingSource source(openSource(path, described()), 8, [&] {
@@ -92,13 +88,8 @@ TEST(ChangedSource, BetweenTwoRuns_IsNotResumed) {
   ConvertOptions resuming = options();
   resuming.resume = true;
   Progress silent;
-  try {
-    convert(*openSource(path, described()), out, resuming, silent);
-    ADD_FAILURE() << "bricks of two files in one store";
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("another source, an older state of it"), std::string::npos)
-        << error.what();
-  }
+  expectError([&] { convert(*openSource(path, described()), out, resuming, silent); }, ErrorCode::kExists,
+              "another source, an older state of it");
 }
 
 TEST(SourceState, IsTheFilesContentAndOrder) {

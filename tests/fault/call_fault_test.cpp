@@ -92,6 +92,12 @@ std::string nifti(bool pair) {
   return std::string(bytes.begin(), bytes.end());
 }
 
+std::string legacyVtk() {
+  return "# vtk DataFile Version 3.0\na title\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 20 18 9\n"
+         "SPACING 1 1 1\nORIGIN 0 0 0\nPOINT_DATA 3240\nSCALARS v unsigned_short\nLOOKUP_TABLE default\n" +
+         volume().stored(true) + "\n";
+}
+
 void putTiffs(const fs::path& folder, const TiffLayout& layout) {
   fs::create_directories(folder);
   for (std::int64_t z = 0; z < kDims.z; ++z) writeTiff(folder / fmt::format("s{}.tif", z), volume(), z, z + 1, layout);
@@ -189,6 +195,7 @@ std::vector<Scenario> readers() {
   VtiLayout zlib;
   zlib.codec = 1;
   out.push_back(file("a.vti", [=] { return vtiFile(volume(), zlib); }));
+  out.push_back(file("a.vtk", [] { return legacyVtk(); }));
   out.push_back(reader("png_folder", "scan", [](const fs::path& f) {
     for (std::int64_t z = 0; z < kDims.z; ++z) put(f / fmt::format("scan/s{}.png", z), pngSlice(volume(), z));
   }));
