@@ -62,6 +62,17 @@ struct ExportParts {
   FileSystem& disk;
 };
 
+WrittenFiles written(const ExportParts& parts, VolumeWriter& writer) {
+  try {
+    BoxExport(parts.store, parts.request, writer, parts.progress).run();
+    return writer.finish();
+  } catch (...) {
+    if (const std::string kept = writer.keepParts(); !kept.empty())
+      parts.progress.note(parts.request.out.string() + ": " + kept);
+    throw;
+  }
+}
+
 template <OpenWriter kOpen>
 ExportReport exportBoxes(const ExportParts& parts) {
   const ExportRequest& request = parts.request;
@@ -70,12 +81,12 @@ ExportReport exportBoxes(const ExportParts& parts) {
                             .out = request.out,
                             .disk = parts.disk,
                             .overwrite = request.overwrite,
-                            .compress = request.compress};
-  requirePlace(target, request.out);
+                            .compress = request.compress,
+                            .resume = request.resume,
+                            .region = request.region};
   ExportNotes notes;
   const std::unique_ptr<VolumeWriter> writer = kOpen(target, volume, notes);
-  BoxExport(parts.store, request, *writer, parts.progress).run();
-  WrittenFiles files = writer->finish();
+  WrittenFiles files = written(parts, *writer);
   for (const std::string& note : notes) parts.progress.note(request.out.string() + ": " + note);
   return {extentText(volume), files.bytes, std::move(files.lines)};
 }
@@ -90,7 +101,8 @@ ExportReport exportGrid(const ExportParts& parts) {
 struct ExportFormat {
   const char* ending;
   ExportReport (*write)(const ExportParts& parts);
-  bool compresses = false;
+  /// The options that this format takes.
+  bool compresses = false, resumes = false;
 };
 
 // An ending that ends in another stands before it.
@@ -103,6 +115,7 @@ constexpr ExportFormat kExportFormats[] = {
     {".raw", exportBoxes<openRawWriter>},
     {".tif", exportBoxes<openTiffWriter>},
     {".tiff", exportBoxes<openTiffWriter>},
+    {".zarr", exportBoxes<openOmeZarrWriter>, false, true},
     {".vdb", exportGrid},
 };
 
@@ -113,9 +126,12 @@ const ExportFormat& exportFormatOf(const ExportRequest& request) {
   if (found == std::end(kExportFormats))
     throw Error(ErrorCode::kUsage, request.out, "",
                 fmt::format("has the ending of no format that is written; write {}", exportEndings()));
-  if (request.compress && !found->compresses)
-    throw Error(ErrorCode::kUsage, request.out, "--compress",
-                fmt::format("is for .nrrd only (found {}); leave it out", found->ending));
+  const auto refuse = [&](const char* option, const char* ending) {
+    throw Error(ErrorCode::kUsage, request.out, option,
+                fmt::format("is for {} only (found {}); leave it out", ending, found->ending));
+  };
+  if (request.compress && !found->compresses) refuse("--compress", ".nrrd");
+  if (request.resume && !found->resumes) refuse("--resume", ".zarr");
   return *found;
 }
 

@@ -21,6 +21,8 @@ struct ExportRequest {
   std::optional<VoxelBox> region;
   /// Replaces files that are there.
   bool overwrite = false;
+  /// Continues an interrupted export, for formats of many files.
+  bool resume = false;
   /// Compresses a format that may be compressed or not.
   bool compress = false;
   std::uint64_t memory_bytes = UINT64_MAX;

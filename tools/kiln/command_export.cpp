@@ -68,7 +68,8 @@ void addExport(CLI::App& app, Context& context) {
   command->add_flag("--compress", a->request.compress, "compress the voxels of a .nrrd by gzip");
   addMemory(*command, a->memory, "a box of voxels, a brick for each thread and the index; the grid of a .vdb")
       ->capture_default_str();
-  command->add_flag("--overwrite", a->request.overwrite, "replace a file that is there");
+  command->add_flag("--resume", a->request.resume, "continue an interrupted export to .zarr");
+  command->add_flag("--overwrite", a->request.overwrite, "replace files that are there");
   addExamples(*command,
               {"kiln export head.kiln head.nrrd", "kiln export head.kiln head.nii.gz",
                "kiln export head.kiln part.mhd --region 0,0,0,32,32,32", "kiln export head.kiln head.vdb --overwrite"});

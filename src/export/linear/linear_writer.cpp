@@ -36,9 +36,11 @@ class HeaderBeside {
 
 class LinearWriter : public VolumeWriter {
  public:
-  LinearWriter(const ExportedVolume& volume, const std::filesystem::path& out, LinearLayout layout, FileSystem& disk)
-      : volumes_{volume}, layout_(std::move(layout)), file_(out, disk) {
-    if (!layout_.header_file.empty()) header_.emplace(layout_.header_file, layout_.header, disk);
+  LinearWriter(const ExportTarget& target, const ExportedVolume& volume, LinearLayout layout)
+      : volumes_{volume},
+        layout_(std::move(layout)),
+        file_(layout_.voxels_file.empty() ? target.out : layout_.voxels_file, target.disk) {
+    if (!layout_.voxels_file.empty()) header_.emplace(target.out, layout_.header, target.disk);
     if (layout_.packing == Packing::kAll) openStream();
     if (header_) return;
     append(layout_.header);
@@ -103,9 +105,11 @@ void writeRows(PendingFile& file, std::uint64_t offset, const ExportedVolume& vo
     file.writeAt(placeOfSlice(z), voxels.subspan(static_cast<std::size_t>(z - box.lo.z) * slice_bytes, slice_bytes));
 }
 
-std::unique_ptr<VolumeWriter> linearWriter(const ExportedVolume& volume, const std::filesystem::path& out,
-                                           LinearLayout layout, FileSystem& disk) {
-  return std::make_unique<LinearWriter>(volume, out, std::move(layout), disk);
+std::unique_ptr<VolumeWriter> linearWriter(const ExportTarget& target, const ExportedVolume& volume,
+                                           LinearLayout layout) {
+  requirePlace(target, target.out);
+  if (!layout.voxels_file.empty()) requirePlace(target, layout.voxels_file);
+  return std::make_unique<LinearWriter>(target, volume, std::move(layout));
 }
 
 }  // namespace kiln

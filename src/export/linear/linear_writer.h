@@ -4,9 +4,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "base/file.h"
 #include "export/output/pending_file.h"
-#include "export/source/volume_writer.h"
+#include "export/source/export_formats.h"
 
 namespace kiln {
 
@@ -23,13 +22,13 @@ enum class Packing {
 struct LinearLayout {
   std::vector<std::byte> header;
   Packing packing = Packing::kNone;
-  /// A header in a file of its own, which gets its name last; empty for a header before the voxels.
-  std::filesystem::path header_file;
+  /// A file of their own for the voxels; empty for voxels behind the header. The header then gets its name last.
+  std::filesystem::path voxels_file;
   std::vector<std::string> lines;
 };
 
-/// Opens the writer of the file `out`. throws: Error kIo, kNoSpace.
-std::unique_ptr<VolumeWriter> linearWriter(const ExportedVolume& volume, const std::filesystem::path& out,
-                                           LinearLayout layout, FileSystem& disk);
+/// Opens the writer of a header and the voxels. throws: Error kExists, kIo, kNoSpace.
+std::unique_ptr<VolumeWriter> linearWriter(const ExportTarget& target, const ExportedVolume& volume,
+                                           LinearLayout layout);
 
 }  // namespace kiln

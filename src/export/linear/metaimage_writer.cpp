@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "export/linear/linear_writer.h"
-#include "export/source/export_formats.h"
 #include "ingest/source/header_text.h"
 
 namespace kiln {
@@ -69,7 +68,7 @@ LinearLayout metaLayout(const ExportedVolume& volume, const std::string& data_fi
 
 std::unique_ptr<VolumeWriter> openMetaImageWriter(const ExportTarget& target, const ExportedVolume& volume,
                                                   ExportNotes& notes) {
-  return linearWriter(volume, target.out, metaLayout(volume, "LOCAL", notes), target.disk);
+  return linearWriter(target, volume, metaLayout(volume, "LOCAL", notes));
 }
 
 std::unique_ptr<VolumeWriter> openMetaImagePairWriter(const ExportTarget& target, const ExportedVolume& volume,
@@ -79,11 +78,10 @@ std::unique_ptr<VolumeWriter> openMetaImagePairWriter(const ExportTarget& target
   if (trimmed(name) != name || name.find_first_of("%\r\n") != std::string::npos)
     throw Error(ErrorCode::kUsage, target.out, "",
                 "a name with %, a line end or outer blanks cannot stand in a header; choose another, or write a .mha");
-  requirePlace(target, voxels);
   LinearLayout layout = metaLayout(volume, name, notes);
-  layout.header_file = target.out;
+  layout.voxels_file = voxels;
   layout.lines = {fmt::format("{}: holds the voxels, keep both files together", voxels.string())};
-  return linearWriter(volume, voxels, std::move(layout), target.disk);
+  return linearWriter(target, volume, std::move(layout));
 }
 
 }  // namespace kiln

@@ -9,7 +9,6 @@
 #include <limits>
 
 #include "export/linear/linear_writer.h"
-#include "export/source/export_formats.h"
 
 namespace kiln {
 namespace {
@@ -139,7 +138,7 @@ std::unique_ptr<VolumeWriter> niftiWriter(const ExportTarget& target, const Expo
   LinearLayout layout;
   layout.header = fits ? nifti1Header(volume, place) : nifti2Header(volume, place);
   layout.packing = packing;
-  return linearWriter(volume, target.out, std::move(layout), target.disk);
+  return linearWriter(target, volume, std::move(layout));
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "export/linear/linear_writer.h"
-#include "export/source/export_formats.h"
 
 namespace kiln {
 namespace {
@@ -48,7 +47,7 @@ std::unique_ptr<VolumeWriter> openNrrdWriter(const ExportTarget& target, const E
   const std::string header = nrrdHeader(volume, target.compress);
   layout.header.assign(bytesOf(header).begin(), bytesOf(header).end());
   layout.packing = target.compress ? Packing::kVoxels : Packing::kNone;
-  return linearWriter(volume, target.out, std::move(layout), target.disk);
+  return linearWriter(target, volume, std::move(layout));
 }
 
 }  // namespace kiln

@@ -3,7 +3,6 @@
 
 #include "base/shell_text.h"
 #include "export/linear/linear_writer.h"
-#include "export/source/export_formats.h"
 
 namespace kiln {
 namespace {
@@ -26,7 +25,7 @@ std::unique_ptr<VolumeWriter> openRawWriter(const ExportTarget& target, const Ex
   if (placed) notes.push_back("a raw file has no origin, directions, patient frame and unit");
   LinearLayout layout;
   layout.lines = {"to read it: " + commandToRead(target.out, volume)};
-  return linearWriter(volume, target.out, std::move(layout), target.disk);
+  return linearWriter(target, volume, std::move(layout));
 }
 
 }  // namespace kiln

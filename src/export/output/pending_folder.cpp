@@ -29,8 +29,9 @@ void PendingFolder::begin(const std::string& contents, Leftover leftover) {
     continued_ = leftover == Leftover::kContinue && readTextFile(description) == contents;
     if (continued_) return;
     if (leftover == Leftover::kContinue)
-      throw Error(ErrorCode::kExists, path_, "",
-                  "is an unfinished export of another store, level or region; give --overwrite to begin anew");
+      throw Error(
+          ErrorCode::kExists, path_, "",
+          "is an unfinished export of another store, level or region; give --overwrite without --resume to begin anew");
     if (leftover == Leftover::kRefuse)
       throw Error(ErrorCode::kExists, path_, "",
                   "is an unfinished export; continue it by --resume, or give --overwrite to begin anew");
@@ -51,19 +52,19 @@ PendingFolder::~PendingFolder() {
   if (!kept_) fs::remove_all(path_, ignored);
 }
 
-void PendingFolder::sync() {
-  disk_.removeAll(path_ / kContentsFile);
-  disk_.syncAll(path_);
-}
+void PendingFolder::sync() { disk_.syncAll(path_); }
 
+// After an exchange the destructor removes the old folder.
 void PendingFolder::publish() {
   sync();
-  if (!isNameTaken(out_)) return disk_.rename(path_, out_);
-  if (!disk_.exchange(path_, out_)) {
+  if (!isNameTaken(out_)) {
+    disk_.rename(path_, out_);
+  } else if (!disk_.exchange(path_, out_)) {
     disk_.removeAll(out_);
-    return disk_.rename(path_, out_);
+    disk_.rename(path_, out_);
   }
-  disk_.removeAll(path_);
+  std::error_code ignored;
+  fs::remove(out_ / kContentsFile, ignored);
 }
 
 }  // namespace kiln

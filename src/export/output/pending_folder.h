@@ -31,7 +31,7 @@ class PendingFolder {
   /// Brings all files onto the disk and gives the folder the name `out`; a folder of this name is replaced in one step
   /// where the disk can. throws: Error kIo, kNoSpace.
   void publish();
-  /// Brings all files onto the disk and removes the description: the files can be moved away one by one.
+  /// Brings all files onto the disk, before they are moved away one by one.
   void sync();
 
  private:

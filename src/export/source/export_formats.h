@@ -17,6 +17,10 @@ struct ExportTarget {
   /// True if files of the output may be replaced.
   bool overwrite = false;
   bool compress = false;
+  /// True if an interrupted export is continued.
+  bool resume = false;
+  /// The region of the request, for further levels of the pyramid.
+  std::optional<VoxelBox> region = {};
 };
 
 /// Checks that a file of the output can be made, before hours of work. throws: Error kExists if it is there and must
@@ -28,6 +32,6 @@ void requirePlace(const ExportTarget& target, const std::filesystem::path& file)
 using OpenWriter = std::unique_ptr<VolumeWriter>(const ExportTarget& target, const ExportedVolume& volume,
                                                  ExportNotes& notes);
 OpenWriter openNrrdWriter, openNiftiWriter, openGzipNiftiWriter, openMetaImageWriter, openMetaImagePairWriter,
-    openRawWriter, openTiffWriter;
+    openRawWriter, openTiffWriter, openOmeZarrWriter;
 
 }  // namespace kiln

@@ -41,6 +41,9 @@ class VolumeWriter {
   virtual bool holds(const ExportedVolume& /*volume*/, const VoxelBox& /*box*/) { return false; }
   /// Takes the voxels of a box. shape: x fastest, densely packed, in the volume's type. throws: Error kNoSpace, kIo.
   virtual void write(const ExportedVolume& volume, const VoxelBox& box, std::span<const std::byte> voxels) = 0;
+  /// Called after a failure. Keeps finished parts for a later run and returns a sentence about them; empty if nothing
+  /// is kept.
+  virtual std::string keepParts() { return {}; }
   /// Writes the rest, brings all files onto the disk and gives them their names. A writer that is destroyed before
   /// leaves the output as it was. throws: Error kNoSpace, kIo.
   virtual WrittenFiles finish() = 0;

@@ -56,6 +56,7 @@ std::unique_ptr<VolumeWriter> openTiffWriter(const ExportTarget& target, const E
   notePlaceOfTiff(volume.geometry, notes);
   const bool in_slices = target.out.filename().string().find('#') != std::string::npos;
   if (in_slices) return tiffSlicesWriter(target, volume);
+  requirePlace(target, target.out);
   return std::make_unique<TiffWriter>(volume, target);
 }
 

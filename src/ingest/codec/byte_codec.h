@@ -34,6 +34,9 @@ class ByteCodec {
   virtual std::uint64_t scratchBytes(std::uint64_t /*bytes*/) const { return 0; }
 };
 
+/// CRC-32C (Castagnoli).
+std::uint32_t crc32cOf(std::span<const std::byte> data);
+
 std::unique_ptr<ByteCodec> gzipCodec();
 std::unique_ptr<ByteCodec> zlibCodec();
 std::unique_ptr<ByteCodec> zstdCodec();

@@ -87,13 +87,15 @@ class ShuffleCodec : public ByteCodec {
   std::size_t number_bytes_;
 };
 
-bool matchesCrc32c(std::span<const std::byte> data, std::uint32_t checksum) {
-  boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true> crc;
-  crc.process_bytes(data.data(), data.size());
-  return crc.checksum() == checksum;
-}
+bool matchesCrc32c(std::span<const std::byte> data, std::uint32_t checksum) { return crc32cOf(data) == checksum; }
 
 }  // namespace
+
+std::uint32_t crc32cOf(std::span<const std::byte> data) {
+  boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true> crc;
+  crc.process_bytes(data.data(), data.size());
+  return crc.checksum();
+}
 
 std::unique_ptr<ByteCodec> gzipCodec() { return deflateCodec("gzip", DeflateWrapper::kGzip); }
 std::unique_ptr<ByteCodec> zlibCodec() { return deflateCodec("zlib", DeflateWrapper::kZlib); }

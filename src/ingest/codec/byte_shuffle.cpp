@@ -18,6 +18,14 @@ KILN_VECTORS void joinPlanesOf(const std::byte* __restrict planes, std::size_t c
   }
 }
 
+template <std::size_t kSize>
+KILN_VECTORS void splitPlanesOf(const std::byte* __restrict numbers, std::size_t count,
+                                std::byte* __restrict planes) noexcept {
+  for (std::size_t b = 0; b < kSize; ++b) {
+    for (std::size_t i = 0; i < count; ++i) planes[b * count + i] = numbers[i * kSize + b];
+  }
+}
+
 namespace {
 
 // Transposes a matrix of 8 × 8 bits, row r in byte r. Source: Warren, Hacker's Delight, 7-3.
@@ -53,6 +61,29 @@ void joinBytePlanes(std::span<const std::byte> planes, std::size_t size, std::by
   }
   const std::size_t joined = size == 1 ? 0 : count * size;
   std::copy(planes.begin() + static_cast<std::ptrdiff_t>(joined), planes.end(), out + joined);
+}
+
+void splitBytePlanes(std::span<const std::byte> numbers, std::size_t size, std::byte* planes) noexcept {
+  const std::size_t count = numbers.size() / size;
+  switch (size) {
+    case 1:
+      break;
+    case 2:
+      splitPlanesOf<2>(numbers.data(), count, planes);
+      break;
+    case 4:
+      splitPlanesOf<4>(numbers.data(), count, planes);
+      break;
+    case 8:
+      splitPlanesOf<8>(numbers.data(), count, planes);
+      break;
+    default:
+      for (std::size_t b = 0; b < size; ++b) {
+        for (std::size_t i = 0; i < count; ++i) planes[b * count + i] = numbers[i * size + b];
+      }
+  }
+  const std::size_t split = size == 1 ? 0 : count * size;
+  std::copy(numbers.begin() + static_cast<std::ptrdiff_t>(split), numbers.end(), planes + split);
 }
 
 void joinBitPlanes(std::span<const std::byte> planes, std::size_t size, std::byte* out) noexcept {

@@ -1,0 +1,176 @@
+// OME-Zarr 0.5: the levels of the store from the exported one on, each an array of shards. A shard gets its name when
+// it is whole, so an interrupted export goes on behind the last shard. The group's header is written last. Chunks have
+// 64³ voxels, and shards at most 32 MiB of voxels: a box that small budgets hold.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+
+#include "base/error.h"
+#include "base/path_status.h"
+#include "base/thread/parallel.h"
+#include "export/output/pending_folder.h"
+#include "export/source/export_formats.h"
+#include "export/source/store_boxes.h"
+#include "export/zarr/blosc_pack.h"
+#include "export/zarr/ome_metadata.h"
+#include "export/zarr/zarr_shard.h"
+
+namespace kiln {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::int64_t kChunkEdge = 64;
+constexpr Extent3 kChunk = {kChunkEdge, kChunkEdge, kChunkEdge};
+
+// Chunks along x, y, z of a shard. A small volume has a smaller shard.
+Extent3 chunksOfShard(const ExportedVolume& volume) {
+  const std::size_t bytes = sizeOf(volume.type);
+  const Extent3 most = {4, bytes > 4 ? 2 : 4, bytes > 2 ? 2 : 4}, all = brickLattice(volume.geometry.dims, kChunkEdge);
+  return {std::min(most.x, all.x), std::min(most.y, all.y), std::min(most.z, all.z)};
+}
+
+Extent3 shardOf(const ExportedVolume& volume) {
+  const Extent3 chunks = chunksOfShard(volume);
+  return {chunks.x * kChunkEdge, chunks.y * kChunkEdge, chunks.z * kChunkEdge};
+}
+
+std::uint64_t inflatedChunkBytes(VoxelType type) { return static_cast<std::uint64_t>(kChunk.count()) * sizeOf(type); }
+
+std::vector<ExportedVolume> exportedPyramid(const ExportTarget& target, const ExportedVolume& finest) {
+  std::vector<ExportedVolume> out;
+  for (int level = finest.level; level < target.store.index().levels(); ++level)
+    out.push_back(exportedVolume(target.store, level, target.region));
+  return out;
+}
+
+// The voxels of an unfinished export must be those of the finished one.
+std::string contentsText(const ExportTarget& target, const ExportedVolume& volume) {
+  const VoxelBox& box = volume.box;
+  return fmt::format("kiln export 1, OME-Zarr, index {}, level {}, {},{},{} to {},{},{}\n",
+                     toHex(target.store.manifest().index_checksum), volume.level, box.lo.x, box.lo.y, box.lo.z,
+                     box.hi.x, box.hi.y, box.hi.z);
+}
+
+Leftover leftoverOf(const ExportTarget& target) {
+  if (target.resume) return Leftover::kContinue;
+  return target.overwrite ? Leftover::kRemove : Leftover::kRefuse;
+}
+
+void requireReplaceable(const ExportTarget& target) {
+  if (!isThere(target.out)) return;
+  if (!target.overwrite)
+    throw Error(ErrorCode::kExists, target.out, "", "is there already; name another output or give --overwrite");
+  if (!isThere(target.out / "zarr.json"))
+    throw Error(ErrorCode::kExists, target.out, "",
+                "is no Zarr of version 3, so it is not replaced; name another output");
+}
+
+class OmeZarrWriter : public VolumeWriter {
+ public:
+  OmeZarrWriter(const ExportTarget& target, const ExportedVolume& finest, ExportNotes& notes)
+      : volumes_(exportedPyramid(target, finest)),
+        group_text_(omeGroupText(volumes_, nameOfImage(target.out), notes)),
+        disk_(target.disk),
+        folder_(target.out, contentsText(target, finest), leftoverOf(target), target.disk) {
+    background_.resize(inflatedChunkBytes(finest.type));
+    withVoxelType(finest.type, [&]<class T>(std::type_identity<T>) {
+      const T value = static_cast<T>(finest.background);
+      for (std::size_t at = 0; at < background_.size(); at += sizeof value)
+        std::memcpy(&background_[at], &value, sizeof value);
+    });
+  }
+
+  const std::vector<ExportedVolume>& volumes() const override { return volumes_; }
+  BoxRule boxes(const ExportedVolume& volume) const override { return {BoxRule::Kind::kGrid, shardOf(volume)}; }
+  std::uint64_t workBytes(std::uint64_t, unsigned threads) const override {
+    const std::uint64_t chunk = inflatedChunkBytes(volumes_.front().type),
+                        chunks = chunksOfShard(volumes_.front()).count();
+    return chunks * packedBloscBytes(chunk) + chunk + threads * (chunk + bloscWorkBytes(chunk));
+  }
+  bool holds(const ExportedVolume& volume, const VoxelBox& box) override {
+    if (!folder_.continued()) return false;
+    const std::uint64_t bytes =
+        wholeShardBytes(shardPath(volume, box), static_cast<std::size_t>(chunksOfShard(volume).count()));
+    bytes_ += bytes;
+    shards_ += bytes > 0 ? 1 : 0;
+    return bytes > 0;
+  }
+  void write(const ExportedVolume& volume, const VoxelBox& box, std::span<const std::byte> voxels) override {
+    const Extent3 lattice = chunksOfShard(volume);
+    std::vector<std::vector<std::byte>> chunks(static_cast<std::size_t>(lattice.count()));
+    parallelFor(chunks.size(), [&](std::size_t i) {
+      chunks[i] = packedChunk(volume.type, chunkAt(box, brickAt(lattice, static_cast<std::int64_t>(i))), box, voxels);
+    });
+    if (std::all_of(chunks.begin(), chunks.end(), [](const auto& chunk) { return chunk.empty(); })) return;
+    bytes_ += writeShard(shardPath(volume, box), chunks, disk_);
+    ++shards_;
+  }
+  std::string keepParts() override {
+    if (shards_ == 0) return "";
+    folder_.keep();
+    return fmt::format("{} shards are kept in {}; continue with --resume", shards_, folder_.path().string());
+  }
+  WrittenFiles finish() override {
+    for (std::size_t i = 0; i < volumes_.size(); ++i) {
+      const fs::path array = arrayFolder(volumes_[i]);
+      disk_.makeDirectories(array);
+      writeText(array / "zarr.json", zarrArrayText(volumes_[i], shardOf(volumes_[i]), kChunk));
+    }
+    writeText(folder_.path() / "zarr.json", group_text_);
+    folder_.publish();
+    return {bytes_, {}};
+  }
+
+ private:
+  static std::string nameOfImage(const fs::path& out) {
+    const std::string name = (out.has_filename() ? out : out.parent_path()).filename().string();
+    return name.substr(0, name.find('.'));
+  }
+  fs::path arrayFolder(const ExportedVolume& volume) const {
+    return folder_.path() / std::to_string(volume.level - volumes_.front().level);
+  }
+  fs::path shardPath(const ExportedVolume& volume, const VoxelBox& box) const {
+    const Extent3 shard = shardOf(volume);
+    const auto number = [&](int axis) { return std::to_string((box.lo[axis] - volume.box.lo[axis]) / shard[axis]); };
+    return arrayFolder(volume) / "c" / number(2) / number(1) / number(0);
+  }
+  static VoxelBox chunkAt(const VoxelBox& shard, const BrickCoord& chunk) {
+    const VoxelCoord lo = {shard.lo.x + chunk.x * kChunkEdge, shard.lo.y + chunk.y * kChunkEdge,
+                           shard.lo.z + chunk.z * kChunkEdge};
+    return {lo, {lo.x + kChunkEdge, lo.y + kChunkEdge, lo.z + kChunkEdge}};
+  }
+  // Empty for a chunk of background, which has no bytes. Voxels beyond the volume are background.
+  std::vector<std::byte> packedChunk(VoxelType type, const VoxelBox& chunk, const VoxelBox& box,
+                                     std::span<const std::byte> voxels) const {
+    const VoxelBox part = intersection(chunk, box);
+    if (part.empty()) return {};
+    std::vector<std::byte> numbers = background_;
+    copyVoxels(part, sizeOf(type), box, voxels.data(), chunk, numbers.data());
+    if (numbers == background_) return {};
+    return packBlosc(numbers, sizeOf(type));
+  }
+  void writeText(const fs::path& path, const std::string& text) {
+    disk_.writeOwn(path, bytesOf(text), WritePolicy::kUnsynced);
+    bytes_ += text.size();
+  }
+
+  const std::vector<ExportedVolume> volumes_;
+  const std::string group_text_;
+  FileSystem& disk_;
+  PendingFolder folder_;
+  std::vector<std::byte> background_;  // a chunk of it
+  std::uint64_t bytes_ = 0, shards_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<VolumeWriter> openOmeZarrWriter(const ExportTarget& target, const ExportedVolume& volume,
+                                                ExportNotes& notes) {
+  requireReplaceable(target);
+  return std::make_unique<OmeZarrWriter>(target, volume, notes);
+}
+
+}  // namespace kiln
