@@ -233,6 +233,7 @@ std::vector<BudgetRow> conversionRows() {
       {"export", 24, {"export", "IN/head.kiln", "IN/o.vdb", "--overwrite"}},
       {"export NRRD", 16, {"export", "IN/head.kiln", "IN/o.nrrd", "--overwrite"}},
       {"export gzip NIfTI", 16, {"export", "IN/head.kiln", "IN/o.nii.gz", "--overwrite"}},
+      {"export OME-Zarr", 32, {"export", "IN/head.kiln", "IN/o.zarr", "--overwrite"}},
       {"export slices", 16, {"export", "IN/head.kiln", "IN/o_###.tif", "--overwrite"}},
   };
 }

@@ -271,6 +271,8 @@ std::vector<Scenario> writers() {
                  {},
                  1});
   out.push_back({"export", {"export", "@/s.kiln", "@/out.vdb"}, store, true, {"out.vdb"}});
+  out.push_back({"export_nrrd", {"export", "@/s.kiln", "@/out.nrrd", "--threads", "1"}, store, true, {}});
+  out.push_back({"export_zarr", {"export", "@/s.kiln", "@/out.zarr", "--threads", "1"}, store, true, {}});
   out.push_back({"export_overwrite",
                  {"export", "@/s.kiln", "@/out.vdb", "--overwrite"},
                  [](const fs::path& f) {

@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "base/memory/memory.h"
+#include "base/thread/parallel.h"
 #include "commands.h"
 #include "examples.h"
 #include "export/export_store.h"
@@ -17,6 +18,7 @@ namespace {
 
 struct ExportArguments {
   std::string store, memory = kDefaultMemory;
+  unsigned threads = 0;
   std::optional<std::string> region;
   ExportRequest request;
 };
@@ -39,6 +41,7 @@ VoxelBox regionOf(const std::string& text) {
 }
 
 void run(const ExportArguments& a, Context& context) {
+  const ThreadLimit threads(a.threads);
   ExportRequest request = a.request;
   requireExportFormat(request);
   if (a.region) request.region = regionOf(*a.region);
@@ -68,11 +71,15 @@ void addExport(CLI::App& app, Context& context) {
   command->add_flag("--compress", a->request.compress, "compress the voxels of a .nrrd by gzip");
   addMemory(*command, a->memory, "a box of voxels, a brick for each thread and the index; the grid of a .vdb")
       ->capture_default_str();
+  command->add_option("--threads", a->threads, "threads; 0 takes all")
+      ->check(wholeNumberFrom(0, kMostThreads))
+      ->capture_default_str();
   command->add_flag("--resume", a->request.resume, "continue an interrupted export to .zarr");
   command->add_flag("--overwrite", a->request.overwrite, "replace files that are there");
-  addExamples(*command,
-              {"kiln export head.kiln head.nrrd", "kiln export head.kiln head.nii.gz",
-               "kiln export head.kiln part.mhd --region 0,0,0,32,32,32", "kiln export head.kiln head.vdb --overwrite"});
+  addExamples(
+      *command,
+      {"kiln export head.kiln head.nrrd", "kiln export head.kiln head.nii.gz", "kiln export head.kiln head.ome.zarr",
+       "kiln export head.kiln part.mhd --region 0,0,0,32,32,32", "kiln export head.kiln head.vdb --overwrite"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 
