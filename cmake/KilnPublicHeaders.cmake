@@ -2,7 +2,7 @@
 # include are installed with them; all others are the library's own.
 set(kiln_public_headers
   base/memory/memory.h base/module.h
-  ingest/open_source.h convert/convert.h export/export_store.h export/vdb/export_vdb.h store/store_reader.h store/verify.h
+  ingest/open_source.h convert/convert.h export/export_store.h store/store_reader.h store/verify.h
   scene/camera/framing.h scene/transfer/presets.h job/render_job.h
   frame/render_frame.h sequence/render_job_run.h composite/composite_parts.h
   image/file/image_file.h image/compare.h)

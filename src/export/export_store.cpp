@@ -12,9 +12,10 @@
 #include "export/source/box_plan.h"
 #include "export/source/export_formats.h"
 #include "export/source/store_boxes.h"
-#include "export/vdb/export_vdb.h"
+#include "export/vdb/vdb_tiles.h"
 
 namespace kiln {
+namespace fs = std::filesystem;
 namespace {
 
 // Writes the boxes of a writer's volumes, one after another.
@@ -62,6 +63,17 @@ struct ExportParts {
   FileSystem& disk;
 };
 
+ExportTarget targetOf(const ExportParts& parts) {
+  const ExportRequest& request = parts.request;
+  return {.store = parts.store,
+          .out = request.out,
+          .disk = parts.disk,
+          .overwrite = request.overwrite,
+          .compress = request.compress,
+          .resume = request.resume,
+          .region = request.region};
+}
+
 WrittenFiles written(const ExportParts& parts, VolumeWriter& writer) {
   try {
     BoxExport(parts.store, parts.request, writer, parts.progress).run();
@@ -77,32 +89,43 @@ template <OpenWriter kOpen>
 ExportReport exportBoxes(const ExportParts& parts) {
   const ExportRequest& request = parts.request;
   const ExportedVolume volume = exportedVolume(parts.store, request.level, request.region);
-  const ExportTarget target{.store = parts.store,
-                            .out = request.out,
-                            .disk = parts.disk,
-                            .overwrite = request.overwrite,
-                            .compress = request.compress,
-                            .resume = request.resume,
-                            .region = request.region};
   ExportNotes notes;
-  const std::unique_ptr<VolumeWriter> writer = kOpen(target, volume, notes);
+  const std::unique_ptr<VolumeWriter> writer = kOpen(targetOf(parts), volume, notes);
   WrittenFiles files = written(parts, *writer);
   for (const std::string& note : notes) parts.progress.note(request.out.string() + ": " + note);
   return {extentText(volume), files.bytes, std::move(files.lines)};
 }
 
-ExportReport exportGrid(const ExportParts& parts) {
+// Tiles are whole files each: those before a failure stay.
+ExportReport exportGrids(const ExportParts& parts) {
   const ExportRequest& request = parts.request;
-  const VdbReport report = exportVdb(parts.store, exportedVolume(parts.store, request.level, request.region),
-                                     request.out, parts.progress, parts.disk, request.overwrite, request.memory_bytes);
-  return {fmt::format("{} active voxels", report.voxels), report.bytes, {}};
+  const ExportedVolume whole = exportedVolume(parts.store, request.level, request.region);
+  const ExportTarget target = targetOf(parts);
+  std::vector<VdbRequest> files;
+  for (int tile = 1; tile <= request.tiles; ++tile) {
+    const fs::path out = request.tiles > 1 ? pathOfTile(request.out, tile) : request.out;
+    files.push_back({out, request.overwrite, request.memory_bytes, request.values});
+    requirePlace(target, out);
+  }
+  VdbReport sum;
+  const std::vector<ExportedVolume> tiles = tilesOf(whole, request.tiles, request.out);
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    const VdbReport report = exportVdb(parts.store, tiles[i], files[i], parts.progress, parts.disk);
+    sum.voxels += report.voxels;
+    sum.bytes += report.bytes;
+    sum.largest_error = std::max(sum.largest_error, report.largest_error);
+  }
+  ExportReport out = {fmt::format("{} active voxels", sum.voxels), sum.bytes, {}};
+  if (request.values.type != VdbType::kExact || request.values.tolerance > 0)
+    out.lines.push_back(fmt::format("the largest error of a voxel is {:.6g}", sum.largest_error));
+  return out;
 }
 
 struct ExportFormat {
   const char* ending;
   ExportReport (*write)(const ExportParts& parts);
   /// The options that this format takes.
-  bool compresses = false, resumes = false;
+  bool compresses = false, resumes = false, holds_grids = false;
 };
 
 // An ending that ends in another stands before it.
@@ -116,7 +139,7 @@ constexpr ExportFormat kExportFormats[] = {
     {".tif", exportBoxes<openTiffWriter>},
     {".tiff", exportBoxes<openTiffWriter>},
     {".zarr", exportBoxes<openOmeZarrWriter>, false, true},
-    {".vdb", exportGrid},
+    {".vdb", exportGrids, false, false, true},
 };
 
 const ExportFormat& exportFormatOf(const ExportRequest& request) {
@@ -132,6 +155,11 @@ const ExportFormat& exportFormatOf(const ExportRequest& request) {
   };
   if (request.compress && !found->compresses) refuse("--compress", ".nrrd");
   if (request.resume && !found->resumes) refuse("--resume", ".zarr");
+  if (found->holds_grids) return *found;
+  if (request.tiles != 1) refuse("--tiles", ".vdb");
+  if (request.values.type != VdbType::kExact) refuse("--type", ".vdb");
+  if (request.values.tolerance != 0) refuse("--tolerance", ".vdb");
+  if (request.values.background) refuse("--background", ".vdb");
   return *found;
 }
 

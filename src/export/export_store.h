@@ -9,6 +9,7 @@
 
 #include "base/file.h"
 #include "base/progress.h"
+#include "export/vdb/export_vdb.h"
 #include "store/store_reader.h"
 
 namespace kiln {
@@ -25,6 +26,9 @@ struct ExportRequest {
   bool resume = false;
   /// Compresses a format that may be compressed or not.
   bool compress = false;
+  /// OpenVDB: the values of the grid, and a number of files side by side instead of one.
+  VdbValues values;
+  int tiles = 1;
   std::uint64_t memory_bytes = UINT64_MAX;
 };
 

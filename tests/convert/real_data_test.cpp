@@ -85,7 +85,7 @@ TEST_P(RealData, ComesBackAsItWas) {
   const StoreReader store(directory / "store.kiln");
   EXPECT_GT(wholeFiles(store.path()), 2u);
   EXPECT_EQ(store.manifest().geometry().world_from_index, info.geometry.world_from_index);
-  exportVdb(store, exportedVolume(store, 0, {}), directory / "export.vdb", silent);
+  exportVdb(store, exportedVolume(store, 0, {}), {.out = directory / "export.vdb"}, silent);
 
   const std::vector<double> expected = allVoxels(*openSource(input, options));
   const auto exported = openSource(directory / "export.vdb");

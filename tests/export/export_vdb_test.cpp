@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -12,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/memory/memory.h"
+#include "export/export_store.h"
 #include "ingest/open_source.h"
 #include "ingest/source/formats.h"
 #include "store/store_writer.h"
@@ -68,9 +70,10 @@ void makeStore(const fs::path& directory, const SourceInfo& info, F&& f) {
 
 class ExportVdb : public ::testing::Test {
  protected:
-  VdbReport exported(bool overwrite = false) {
-    return exportVdb(StoreReader(directory_ / "s.kiln"), exportedVolume(StoreReader(directory_ / "s.kiln"), 0, {}),
-                     out(), silent_, FileSystem::real(), overwrite);
+  VdbReport exported(bool overwrite = false) { return written({.out = out(), .overwrite = overwrite}); }
+  VdbReport written(const VdbRequest& request) {
+    const StoreReader store(directory_ / "s.kiln");
+    return exportVdb(store, exportedVolume(store, 0, {}), request, silent_);
   }
   fs::path out() const { return directory_ / "out.vdb"; }
   test::ScratchDirectory directory_;
@@ -206,7 +209,7 @@ void expectRoundTrip(const fs::path& in, const fs::path& store, const fs::path& 
   const auto source = openVdb(in, {});
   makeStore(store, source->info(), [&](const VoxelBox& box, std::span<std::byte> to) { source->read(box, to); });
   Progress silent;
-  exportVdb(StoreReader(store), exportedVolume(StoreReader(store), 0, {}), out, silent);
+  exportVdb(StoreReader(store), exportedVolume(StoreReader(store), 0, {}), {.out = out}, silent);
   const std::string name = source->info().vdb->grid_name;
   const test::DirectGrid before(in, name), after(out, name);
   EXPECT_EQ(after.type(), before.type());
@@ -246,8 +249,8 @@ TEST_F(ExportVdb, VoxelsTooSmallForOpenVdbAreRefused) {
   for (int axis = 0; axis < 3; ++axis) info.geometry.world_from_index[axis] *= 1e-5;
   makeStore<std::uint8_t>(directory_ / "s.kiln", info, denseValue<std::uint8_t>);
   try {
-    exportVdb(StoreReader(directory_ / "s.kiln"), exportedVolume(StoreReader(directory_ / "s.kiln"), 0, {}), out(),
-              silent);
+    const StoreReader store(directory_ / "s.kiln");
+    exportVdb(store, exportedVolume(store, 0, {}), {.out = out()}, silent);
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::kUnsupported);
@@ -256,6 +259,89 @@ TEST_F(ExportVdb, VoxelsTooSmallForOpenVdbAreRefused) {
         << error.what();
   }
   EXPECT_FALSE(fs::exists(out()));
+}
+
+// A ramp of steps of 0.3 from 100 on: halves have steps of 1/16 between 64 and 128, so the error is at most 1/32.
+TEST_F(ExportVdb, LooserValuesStateTheirLargestError) {
+  const Extent3 dims = {40, 9, 9};
+  const auto ramp = [](std::int64_t x, std::int64_t, std::int64_t) {
+    return static_cast<float>(100 + 0.3 * static_cast<double>(x));
+  };
+  makeStore<float>(directory_ / "s.kiln", denseInfo(VoxelType::f32, dims), ramp);
+  const VdbReport half = written({.out = out(), .values = {.type = VdbType::kHalf}});
+  const test::DirectGrid halves(out(), "density");
+  EXPECT_TRUE(halves.savedAsHalf());
+  double largest = 0;
+  for (std::int64_t x = 0; x < dims.x; ++x)
+    largest = std::max(largest, std::abs(halves.value({x, 4, 4}) - ramp(x, 4, 4)));
+  EXPECT_EQ(half.largest_error, largest);
+  EXPECT_LE(largest, 1.0 / 32);
+  EXPECT_GT(largest, 1.0 / 128);
+
+  const VdbReport sparse = written({.out = out(), .overwrite = true, .values = {VdbType::kFloat, 106.0, 2.5}});
+  const test::DirectGrid grid(out(), "density");
+  EXPECT_FALSE(grid.savedAsHalf());
+  EXPECT_EQ(grid.background(), 106);
+  std::uint64_t active = 0;
+  largest = 0;
+  for (std::int64_t x = 0; x < dims.x; ++x) {
+    const double difference = std::abs(ramp(x, 4, 4) - 106.0);
+    ASSERT_EQ(grid.active({x, 4, 4}), difference > 2.5) << x;
+    EXPECT_EQ(grid.value({x, 4, 4}), difference > 2.5 ? ramp(x, 4, 4) : 106);
+    active += difference > 2.5 ? 81 : 0;
+    if (difference <= 2.5) largest = std::max(largest, difference);
+  }
+  EXPECT_EQ(sparse.voxels, active);
+  EXPECT_EQ(sparse.largest_error, largest);
+}
+
+TEST_F(ExportVdb, ValuesThatAGridCannotHoldAreRefused) {
+  makeStore<double>(directory_ / "s.kiln", denseInfo(VoxelType::f64, {9, 9, 9}),
+                    [](std::int64_t x, std::int64_t, std::int64_t) { return 1e5 + static_cast<double>(x); });
+  const auto refusal = [&](const VdbValues& values) {
+    try {
+      written({.out = out(), .values = values});
+      return std::string("not refused");
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+      return std::string(error.what());
+    }
+  };
+  EXPECT_NE(refusal({.type = VdbType::kHalf}).find("--type"), std::string::npos);
+  EXPECT_NE(refusal({.type = VdbType::kFloat, .background = 1e39}).find("--background"), std::string::npos);
+  EXPECT_FALSE(fs::exists(out()));
+}
+
+// Each active voxel of the whole is active in exactly one tile, with its value.
+TEST_F(ExportVdb, TilesLieSideBySide) {
+  const Extent3 dims = {53, 49, 21};
+  makeStore<std::int16_t>(directory_ / "s.kiln", denseInfo(VoxelType::i16, dims), denseValue<std::int16_t>);
+  ExportRequest request;
+  request.out = directory_ / "t_##.vdb";
+  request.tiles = 5;
+  request.region = VoxelBox{{3, 0, 0}, {53, 49, 20}};
+  const StoreReader store(directory_ / "s.kiln");
+  exportStore(store, request, silent_);
+  std::vector<std::unique_ptr<test::DirectGrid>> grids;
+  for (int tile = 1; tile <= 5; ++tile)
+    grids.push_back(
+        std::make_unique<test::DirectGrid>(directory_ / ("t_0" + std::to_string(tile) + ".vdb").c_str(), "density"));
+  for (std::int64_t i = 0; i < dims.count(); ++i) {
+    const VoxelCoord v = {i % dims.x, i / dims.x % dims.y, i / dims.x / dims.y};
+    const double value = request.region->contains(v) ? denseValue<std::int16_t>(v.x, v.y, v.z) : 0;
+    int holders = 0;
+    for (const auto& grid : grids) {
+      if (!grid->active(v)) continue;
+      ++holders;
+      ASSERT_EQ(grid->value(v), static_cast<std::int16_t>(value));
+    }
+    ASSERT_EQ(holders, static_cast<std::int16_t>(value) != 0 ? 1 : 0) << v.x << " " << v.y << " " << v.z;
+  }
+  request.out = directory_ / "t.vdb";
+  EXPECT_THROW(exportStore(store, request, silent_), Error);
+  request.out = directory_ / "u_#.vdb";
+  request.tiles = 1000;
+  EXPECT_THROW(exportStore(store, request, silent_), Error);
 }
 
 TEST_F(ExportVdb, RefusesAnExistingFileAndReplacesItWhenTold) {
@@ -277,7 +363,7 @@ TEST_F(ExportVdb, NamesTheMemoryThatSuffices) {
   makeStore<std::uint8_t>(directory_ / "s.kiln", denseInfo(VoxelType::u8, {40, 33, 20}), denseValue<std::uint8_t>);
   const StoreReader store(directory_ / "s.kiln");
   const auto exportWithin = [&](std::uint64_t bytes) {
-    exportVdb(store, exportedVolume(store, 0, {}), out(), silent_, FileSystem::real(), /*overwrite=*/true, bytes);
+    exportVdb(store, exportedVolume(store, 0, {}), {.out = out(), .overwrite = true, .memory_bytes = bytes}, silent_);
   };
   std::string named;
   for (const std::uint64_t bytes : {std::uint64_t{0}, store.index().bytes() + 4096}) {
@@ -304,13 +390,13 @@ TEST_F(ExportVdb, AFailureLeavesNothing) {
   const StoreReader store(directory_ / "s.kiln");
   for (const std::uint64_t change : {0, 1}) {
     test::FaultyFileSystem disk({change, EIO});
-    EXPECT_THROW(exportVdb(store, exportedVolume(store, 0, {}), out(), silent_, disk), Error);
+    EXPECT_THROW(exportVdb(store, exportedVolume(store, 0, {}), {.out = out()}, silent_, disk), Error);
     EXPECT_EQ(disk.calls(), change + 1);
   }
-  EXPECT_THROW(exportVdb(store, exportedVolume(store, 0, {}), out(), stop), Error);
+  EXPECT_THROW(exportVdb(store, exportedVolume(store, 0, {}), {.out = out()}, stop), Error);
   EXPECT_FALSE(fs::exists(out()));
   for (const auto& entry : fs::directory_iterator(out().parent_path())) EXPECT_NE(entry.path().extension(), ".tmp");
-  EXPECT_THROW(exportVdb(store, exportedVolume(store, 0, {}), directory_ / "missing/out.vdb", silent_), Error);
+  EXPECT_THROW(exportVdb(store, exportedVolume(store, 0, {}), {.out = directory_ / "missing/out.vdb"}, silent_), Error);
 }
 
 #ifdef KILN_TEST_DATA_DIR

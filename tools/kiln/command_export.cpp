@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/file.h"
 #include "base/memory/memory.h"
@@ -16,10 +18,12 @@
 namespace kiln::tool {
 namespace {
 
+constexpr int kMostTiles = 10000;
+
 struct ExportArguments {
   std::string store, memory = kDefaultMemory;
   unsigned threads = 0;
-  std::optional<std::string> region;
+  std::optional<std::string> region, type;
   ExportRequest request;
 };
 
@@ -43,6 +47,7 @@ VoxelBox regionOf(const std::string& text) {
 void run(const ExportArguments& a, Context& context) {
   const ThreadLimit threads(a.threads);
   ExportRequest request = a.request;
+  if (a.type) request.values.type = *a.type == "half" ? VdbType::kHalf : VdbType::kFloat;
   requireExportFormat(request);
   if (a.region) request.region = regionOf(*a.region);
   OutputFiles outputs;
@@ -69,6 +74,18 @@ void addExport(CLI::App& app, Context& context) {
   command->add_option("--region", a->region, "write this box of voxels of level 0 only; X0 is inside, X1 outside")
       ->type_name("X0,Y0,Z0,X1,Y1,Z1");
   command->add_flag("--compress", a->request.compress, "compress the voxels of a .nrrd by gzip");
+  addNumber(*command, "--tiles", a->request.tiles,
+            ".vdb: files side by side, each within the memory; the name has a # for the tile's number")
+      ->check(wholeNumberFrom(1, kMostTiles))
+      ->capture_default_str();
+  command->add_option("--type", a->type, ".vdb: numbers of the grid; those of the store if not given")
+      ->type_name("float|half")
+      ->check(CLI::IsMember({"float", "half"}));
+  addNumber(*command, "--background", a->request.values.background,
+            ".vdb: value of inactive space; the store's background if not given");
+  addNumber(*command, "--tolerance", a->request.values.tolerance,
+            ".vdb: values that differ from the background by so much become background")
+      ->check(numberFrom(0, std::numeric_limits<double>::max()));
   addMemory(*command, a->memory, "a box of voxels, a brick for each thread and the index; the grid of a .vdb")
       ->capture_default_str();
   command->add_option("--threads", a->threads, "threads; 0 takes all")
@@ -76,10 +93,10 @@ void addExport(CLI::App& app, Context& context) {
       ->capture_default_str();
   command->add_flag("--resume", a->request.resume, "continue an interrupted export to .zarr");
   command->add_flag("--overwrite", a->request.overwrite, "replace files that are there");
-  addExamples(
-      *command,
-      {"kiln export head.kiln head.nrrd", "kiln export head.kiln head.nii.gz", "kiln export head.kiln head.ome.zarr",
-       "kiln export head.kiln part.mhd --region 0,0,0,32,32,32", "kiln export head.kiln head.vdb --overwrite"});
+  addExamples(*command,
+              {"kiln export head.kiln head.nrrd", "kiln export head.kiln head.nii.gz",
+               "kiln export head.kiln head.ome.zarr", "kiln export head.kiln part.mhd --region 0,0,0,32,32,32",
+               "kiln export head.kiln head.vdb --overwrite", "kiln export head.kiln tile_#.vdb --tiles 4 --type half"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

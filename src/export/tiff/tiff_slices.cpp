@@ -4,50 +4,21 @@
 
 #include <fmt/format.h>
 
-#include <limits>
 #include <optional>
 
 #include "base/error.h"
 #include "base/folder.h"
 #include "base/path_status.h"
-#include "base/text.h"
 #include "export/output/pending_folder.h"
+#include "export/source/numbered_name.h"
 #include "export/tiff/tiff_pages.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// The name of a slice: its number, with zeros in front, in place of the last run of #.
-class SliceNames {
- public:
-  explicit SliceNames(const fs::path& pattern) : folder_(pattern.parent_path()) {
-    const std::string name = pattern.filename().string();
-    const std::size_t last = name.find_last_of('#'), first = name.find_last_not_of('#', last) + 1;
-    before_ = name.substr(0, first);
-    width_ = last + 1 - first;
-    behind_ = name.substr(last + 1);
-  }
-  const fs::path& folder() const { return folder_; }
-  std::string name(std::int64_t slice) const { return fmt::format("{}{:0{}}{}", before_, slice, width_, behind_); }
-  fs::path path(std::int64_t slice) const { return folder_ / name(slice); }
-  /// Returns the number in a name of the pattern, of any width; nothing for other names.
-  std::optional<std::int64_t> numberIn(const std::string& name) const {
-    if (name.size() <= before_.size() + behind_.size() || !name.starts_with(before_) || !name.ends_with(behind_))
-      return std::nullopt;
-    const std::string number = name.substr(before_.size(), name.size() - before_.size() - behind_.size());
-    if (number.find_first_not_of("0123456789") != std::string::npos) return std::nullopt;
-    return numberOf<std::int64_t>(number).value_or(std::numeric_limits<std::int64_t>::max());
-  }
-
- private:
-  fs::path folder_;
-  std::string before_, behind_;
-  std::size_t width_ = 0;
-};
-
 // Other slices of the pattern would become a part of the stack.
-void refuseOtherSlices(const ExportTarget& target, const SliceNames& names, std::int64_t slices) {
+void refuseOtherSlices(const ExportTarget& target, const NumberedName& names, std::int64_t slices) {
   const fs::path folder = names.folder().empty() ? "." : names.folder();
   if (!isFolder(folder))
     throw Error(ErrorCode::kNotFound, target.out, "", "cannot be made: there is no directory " + folder.string());
@@ -107,7 +78,7 @@ class TiffSlicesWriter : public VolumeWriter {
   }
 
   const std::vector<ExportedVolume> volumes_;
-  const SliceNames names_;
+  const NumberedName names_;
   const TiffPages pages_;
   FileSystem& disk_;
   PendingFolder folder_;
@@ -117,7 +88,7 @@ class TiffSlicesWriter : public VolumeWriter {
 }  // namespace
 
 std::unique_ptr<VolumeWriter> tiffSlicesWriter(const ExportTarget& target, const ExportedVolume& volume) {
-  refuseOtherSlices(target, SliceNames(target.out), volume.geometry.dims.z);
+  refuseOtherSlices(target, NumberedName(target.out), volume.geometry.dims.z);
   return std::make_unique<TiffSlicesWriter>(volume, target);
 }
 

@@ -1,6 +1,7 @@
 // One file of many pages. The description is ImageJ's; other programs find a page in each directory.
 #include "export/linear/linear_writer.h"
 #include "export/source/export_formats.h"
+#include "export/source/numbered_name.h"
 #include "export/tiff/tiff_pages.h"
 #include "export/tiff/tiff_slices.h"
 
@@ -54,8 +55,7 @@ void notePlaceOfTiff(const VolumeGeometry& geometry, ExportNotes& notes) {
 std::unique_ptr<VolumeWriter> openTiffWriter(const ExportTarget& target, const ExportedVolume& volume,
                                              ExportNotes& notes) {
   notePlaceOfTiff(volume.geometry, notes);
-  const bool in_slices = target.out.filename().string().find('#') != std::string::npos;
-  if (in_slices) return tiffSlicesWriter(target, volume);
+  if (NumberedName::isPattern(target.out)) return tiffSlicesWriter(target, volume);
   requirePlace(target, target.out);
   return std::make_unique<TiffWriter>(volume, target);
 }

@@ -72,10 +72,11 @@ class GridFiller {
  public:
   using Value = typename Grid::ValueType;
 
-  GridFiller(const Manifest& manifest, const GridPlacement& place, std::uint64_t memory_bytes)
+  GridFiller(const Manifest& manifest, const VdbValues& values, const GridPlacement& place, std::uint64_t memory_bytes)
       : memory_bytes_(memory_bytes),
+        values_(values),
         level_set_(manifest.volume_class == VolumeClass::kLevelSet),
-        background_(static_cast<Value>(manifest.background)),
+        background_(gridBackground(manifest, values)),
         place_(place),
         grid_(newGrid<Grid>(background_)) {
     grid_->setName(place.name);
@@ -85,7 +86,7 @@ class GridFiller {
   }
 
   void fill(const VoxelBox& box, double constant) {
-    const auto value = static_cast<Value>(static_cast<T>(constant));
+    const Value value = written(static_cast<T>(constant));
     note(value);
     if (isBackground(value)) return;
     grid_->sparseFill({place_.of(box.lo), place_.of({box.hi.x - 1, box.hi.y - 1, box.hi.z - 1})}, value, active(value));
@@ -99,7 +100,7 @@ class GridFiller {
       for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
         const T* const row = voxels + block.offsetOf({part.lo.x, y, z});
         for (std::int64_t x = part.lo.x; x < part.hi.x; ++x) {
-          const auto value = static_cast<Value>(row[x - part.lo.x]);
+          const Value value = written(row[x - part.lo.x]);
           if (isBackground(value)) continue;
           note(value);
           if (active(value)) {
@@ -131,11 +132,30 @@ class GridFiller {
   typename Grid::Ptr finish() {
     // Merges only nodes of one value and state, compared exactly. Skipped for signed zeros, because == would lose -0.
     if (!signed_zero_) grid_->pruneGrid(0);
-    if constexpr (std::is_same_v<Value, float>) grid_->setSaveFloatAsHalf(half_ && survivesHalf(background_));
+    if constexpr (std::is_same_v<Value, float>)
+      grid_->setSaveFloatAsHalf(values_.type != VdbType::kFloat && half_ && survivesHalf(background_));
     return grid_;
   }
+  double largestError() const { return largest_error_; }
 
  private:
+  static Value gridBackground(const Manifest& manifest, const VdbValues& values) {
+    return rounded(static_cast<Value>(values.background.value_or(manifest.background)), values.type);
+  }
+  static Value rounded(Value value, VdbType type) {
+    if constexpr (std::is_same_v<Value, float>)
+      if (type == VdbType::kHalf) return static_cast<float>(openvdb::math::half(value));
+    return value;
+  }
+  // The value that the grid gets for a voxel. An exact grid changes none.
+  Value written(T voxel) {
+    if (values_.type == VdbType::kExact && values_.tolerance == 0) return static_cast<Value>(voxel);
+    const bool near = std::abs(static_cast<double>(voxel) - static_cast<double>(background_)) <= values_.tolerance;
+    const Value value = near && values_.tolerance > 0 ? background_ : rounded(static_cast<Value>(voxel), values_.type);
+    const double error = std::abs(static_cast<double>(value) - static_cast<double>(voxel));
+    if (error > largest_error_) largest_error_ = error;  // false for NaN
+    return value;
+  }
   bool isBackground(Value value) const { return sameBits(value, background_); }
   bool active(Value value) const {
     if constexpr (std::is_floating_point_v<Value>) {
@@ -150,11 +170,13 @@ class GridFiller {
   }
 
   std::uint64_t memory_bytes_;
+  const VdbValues& values_;
   bool level_set_;
   Value background_;
   const GridPlacement& place_;
   typename Grid::Ptr grid_;
   std::uint64_t held_bytes_ = 0;
+  double largest_error_ = 0;
   bool half_ = true, signed_zero_ = false;
 };
 
@@ -173,13 +195,18 @@ std::uint64_t sufficientBytes(const StoreReader& store, const ExportedVolume& vo
   return grid + read + store.index().bytes();
 }
 
+struct FilledGrid {
+  openvdb::GridBase::Ptr grid;
+  double largest_error = 0;
+};
+
 template <class T, class Grid>
-openvdb::GridBase::Ptr gridOf(const StoreReader& store, const ExportedVolume& volume, const GridPlacement& place,
-                              const fs::path& out, std::uint64_t memory_bytes, Progress& progress) {
-  GridFiller<T, Grid> filler(store.manifest(), place, memory_bytes);
+FilledGrid gridOf(const StoreReader& store, const ExportedVolume& volume, const VdbRequest& request,
+                  const GridPlacement& place, std::uint64_t memory_bytes, Progress& progress) {
+  GridFiller<T, Grid> filler(store.manifest(), request.values, place, memory_bytes);
   const Extent3 lattice = store.level(volume.level).bricks;
   const auto refuse = [&](const BrickKey& key) {
-    throw Error(ErrorCode::kBudget, out, "--memory",
+    throw Error(ErrorCode::kBudget, request.out, "--memory",
                 fmt::format("{} beside the index is too little: the grid and reading one brick take more (found a "
                             "brick of {}); give --memory {}, which surely suffices, or export a coarser level",
                             formatBytes(memory_bytes), formatBytes(store.readBytes(key)),
@@ -200,7 +227,7 @@ openvdb::GridBase::Ptr gridOf(const StoreReader& store, const ExportedVolume& vo
     }
     progress.advance("exporting", "bricks", i + 1, bricks);
   }
-  return filler.finish();
+  return {filler.finish(), filler.largestError()};
 }
 
 // Writes the bytes of openvdb::io::File, which ignores failed writes: a full disk would go unnoticed.
@@ -234,30 +261,68 @@ void publish(const openvdb::GridBase::Ptr& grid, const fs::path& out, FileSystem
   });
 }
 
+// Checks that a grid of this type holds every value of the store, and the background.
+template <class Grid>
+void requireValuesFit(const Manifest& manifest, const VdbRequest& request) {
+  using Value = typename Grid::ValueType;
+  constexpr double kLargestHalf = 65504;
+  const VdbValues& values = request.values;
+  const double most =
+      values.type == VdbType::kHalf ? kLargestHalf : static_cast<double>(std::numeric_limits<Value>::max());
+  const double largest = std::max(std::abs(manifest.range.lo), std::abs(manifest.range.hi));
+  if (values.type != VdbType::kExact && !manifest.range.empty() && largest > most)
+    throw Error(ErrorCode::kUsage, request.out, "--type",
+                fmt::format("values must be at most {:g} (found {:g}); {}", most, largest,
+                            values.type == VdbType::kHalf ? "write --type float" : "leave --type out"));
+  if (!values.background) return;
+  const bool whole = std::is_floating_point_v<Value> || *values.background == std::floor(*values.background);
+  if (!whole || !(std::abs(*values.background) <= most))
+    throw Error(ErrorCode::kUsage, request.out, "--background",
+                fmt::format("must be a value of the grid (found {:g})", *values.background));
+}
+
+FilledGrid filledGrid(const StoreReader& store, const ExportedVolume& volume, const VdbRequest& request,
+                      const GridPlacement& place, std::uint64_t memory_bytes, Progress& progress) {
+  return withVoxelType(store.manifest().type, [&]<class T>(std::type_identity<T>) {
+    const auto filled = [&]<class Grid>(std::type_identity<Grid>) {
+      requireValuesFit<Grid>(store.manifest(), request);
+      return gridOf<T, Grid>(store, volume, request, place, memory_bytes, progress);
+    };
+    // Labels are whole numbers, exported in the integer type that Kiln can read back.
+    if (store.manifest().volume_class == VolumeClass::kLabels) return filled(std::type_identity<openvdb::Int32Grid>());
+    if (request.values.type != VdbType::kExact) return filled(std::type_identity<openvdb::FloatGrid>());
+    return filled(std::type_identity<GridFor<T>>());
+  });
+}
+
+void requireLabelsKept(const StoreReader& store, const VdbRequest& request) {
+  if (store.manifest().volume_class != VolumeClass::kLabels) return;
+  if (store.manifest().range.hi > 2147483647.0)
+    throw Error(ErrorCode::kUnsupported, request.out, "",
+                "labels beyond 2147483647 have no OpenVDB grid that others read");
+  if (request.values.type != VdbType::kExact || request.values.tolerance != 0)
+    throw Error(ErrorCode::kUsage, request.out, request.values.tolerance != 0 ? "--tolerance" : "--type",
+                "is for measured values, and this store holds labels; leave it out");
+}
+
 }  // namespace
 
-VdbReport exportVdb(const StoreReader& store, const ExportedVolume& volume, const fs::path& out, Progress& progress,
-                    FileSystem& disk, bool overwrite, std::uint64_t memory_bytes) {
-  if (!overwrite && isThere(out)) {
-    throw Error(ErrorCode::kExists, out, "", "is there already; name another output or give --overwrite");
+VdbReport exportVdb(const StoreReader& store, const ExportedVolume& volume, const VdbRequest& request,
+                    Progress& progress, FileSystem& disk) {
+  if (!request.overwrite && isThere(request.out)) {
+    throw Error(ErrorCode::kExists, request.out, "", "is there already; name another output or give --overwrite");
   }
-  if (store.manifest().volume_class == VolumeClass::kLabels && store.manifest().range.hi > 2147483647.0)
-    throw Error(ErrorCode::kUnsupported, out, "", "labels beyond 2147483647 have no OpenVDB grid that others read");
-  disk.requirePlaceToRename(out);
+  requireLabelsKept(store, request);
+  disk.requirePlaceToRename(request.out);
   initializeOpenVdb();
-  const GridPlacement place = placementOf(store, volume.level, out);
-  memory_bytes -= std::min(memory_bytes, store.index().bytes());
-  const openvdb::GridBase::Ptr grid =
-      withVoxelType(store.manifest().type, [&]<class T>(std::type_identity<T>) -> openvdb::GridBase::Ptr {
-        // Labels are whole numbers, exported in the integer type that Kiln can read back.
-        if (store.manifest().volume_class == VolumeClass::kLabels)
-          return gridOf<T, openvdb::Int32Grid>(store, volume, place, out, memory_bytes, progress);
-        return gridOf<T, GridFor<T>>(store, volume, place, out, memory_bytes, progress);
-      });
+  const GridPlacement place = placementOf(store, volume.level, request.out);
+  const std::uint64_t memory_bytes = request.memory_bytes - std::min(request.memory_bytes, store.index().bytes());
+  const FilledGrid filled = filledGrid(store, volume, request, place, memory_bytes, progress);
   VdbReport report;
-  report.voxels = grid->activeVoxelCount();
-  publish(grid, out, disk);
-  report.bytes = File(out).size();
+  report.voxels = filled.grid->activeVoxelCount();
+  report.largest_error = filled.largest_error;
+  publish(filled.grid, request.out, disk);
+  report.bytes = File(request.out).size();
   return report;
 }
 

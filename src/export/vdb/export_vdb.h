@@ -1,8 +1,10 @@
-// Exports a store as one OpenVDB grid: value and place of every voxel, bit for bit.
+// Exports a part of a store as one OpenVDB grid: value and place of every voxel, bit for bit unless the request loosens
+// it.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "base/file.h"
 #include "base/progress.h"
@@ -10,24 +12,47 @@
 
 namespace kiln {
 
+/// The numbers of a grid: those of the store, or floats of 32 or 16 bits.
+enum class VdbType { kExact, kFloat, kHalf };
+
+/// The values of a grid.
+struct VdbValues {
+  VdbType type = VdbType::kExact;
+  /// The value of inactive space; by default the store's background.
+  std::optional<double> background = {};
+  /// Values that differ from the background by so much become background.
+  double tolerance = 0;
+};
+
+struct VdbRequest {
+  std::filesystem::path out;
+  bool overwrite = false;
+  std::uint64_t memory_bytes = UINT64_MAX;
+  VdbValues values = {};
+};
+
 struct VdbReport {
   /// Active voxels of the grid, including voxels of active tiles.
   std::uint64_t voxels = 0;
   /// The length of the file. unit: bytes.
   std::uint64_t bytes = 0;
+  /// The largest difference between a voxel and its value in the grid.
+  double largest_error = 0;
 };
 
-/// Writes `volume`, a part of `store`, to `out` as a single grid. At level 0 of a store made from OpenVDB, the grid has
-/// the source's name, class, background, transform and coordinates. All other grids are in the level's coordinates;
-/// without an OpenVDB source the name is "density", or "labels". A voxel is active if its bits differ from the
-/// background's; in a level set, if |value| < background. Inactive voxels keep their values. Grid type: float for u8,
-/// i8, u16, i16 and f32 (saved as half if every value survives), int32 for i32 and labels, int64 for u32, double for
-/// f64. The file is on the disk before it gets its name. throws: Error kExists if `out` exists and `overwrite` is
-/// false, kUnsupported (a volume beyond OpenVDB's coordinates, voxels too small for its transforms), kNoSpace, kIo,
-/// kCancelled, and the exceptions of StoreReader::read. After an error `out` is as before. cost: the whole grid in
-/// memory in sparse form; bricks equal to the background are free. kBudget if the grid exceeds `memory_bytes`.
-VdbReport exportVdb(const StoreReader& store, const ExportedVolume& volume, const std::filesystem::path& out,
-                    Progress& progress, FileSystem& disk = FileSystem::real(), bool overwrite = false,
-                    std::uint64_t memory_bytes = UINT64_MAX);
+/// Writes `volume`, a part of `store`, as a single grid. At level 0 of a store made from OpenVDB, the grid has the
+/// source's name, class, background, transform and coordinates. All other grids are in the level's coordinates; without
+/// an OpenVDB source the name is "density", or "labels".
+/// A voxel is active if its bits differ from the background's; in a level set, if |value| < background. Inactive voxels
+/// keep their values.
+/// Grid type, if exact: float for u8, i8, u16, i16 and f32 (saved as half if every value survives), int32 for i32 and
+/// labels, int64 for u32, double for f64.
+/// The file is on the disk before it gets its name.
+/// throws: Error kExists if the file exists and must not be replaced; kUsage (values that the grid cannot hold);
+/// kUnsupported (a volume beyond OpenVDB's coordinates, voxels too small for its transforms); kNoSpace, kIo,
+/// kCancelled, and the exceptions of StoreReader::read. After an error the output is as before. cost: the whole grid in
+/// memory in sparse form; bricks equal to the background are free. kBudget if the grid exceeds the memory.
+VdbReport exportVdb(const StoreReader& store, const ExportedVolume& volume, const VdbRequest& request,
+                    Progress& progress, FileSystem& disk = FileSystem::real());
 
 }  // namespace kiln
