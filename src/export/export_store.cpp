@@ -104,7 +104,7 @@ ExportReport exportGrids(const ExportParts& parts) {
   std::vector<VdbRequest> files;
   for (int tile = 1; tile <= request.tiles; ++tile) {
     const fs::path out = request.tiles > 1 ? pathOfTile(request.out, tile) : request.out;
-    files.push_back({out, request.overwrite, request.memory_bytes, request.values});
+    files.push_back({out, request.overwrite, request.memory_bytes, request.values, request.baked});
     requirePlace(target, out);
   }
   VdbReport sum;
@@ -116,7 +116,7 @@ ExportReport exportGrids(const ExportParts& parts) {
     sum.largest_error = std::max(sum.largest_error, report.largest_error);
   }
   ExportReport out = {fmt::format("{} active voxels", sum.voxels), sum.bytes, {}};
-  if (request.values.type != VdbType::kExact || request.values.tolerance > 0)
+  if (!request.baked && (request.values.type != VdbType::kExact || request.values.tolerance > 0))
     out.lines.push_back(fmt::format("the largest error of a voxel is {:.6g}", sum.largest_error));
   return out;
 }
@@ -160,6 +160,7 @@ const ExportFormat& exportFormatOf(const ExportRequest& request) {
   if (request.values.type != VdbType::kExact) refuse("--type", ".vdb");
   if (request.values.tolerance != 0) refuse("--tolerance", ".vdb");
   if (request.values.background) refuse("--background", ".vdb");
+  if (request.baked) refuse("--tf", ".vdb");
   return *found;
 }
 

@@ -28,6 +28,7 @@ struct ExportRequest {
   bool compress = false;
   /// OpenVDB: the values of the grid, and a number of files side by side instead of one.
   VdbValues values;
+  std::optional<TransferFunction> baked;
   int tiles = 1;
   std::uint64_t memory_bytes = UINT64_MAX;
 };

@@ -312,6 +312,39 @@ TEST_F(ExportVdb, ValuesThatAGridCannotHoldAreRefused) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
+// Opacity rises from 0 at 100 to 1/2 at 200 over 2 world units, and the colour from black to (1, 0.5, 0): -ln(1 - a) /
+// 2 and the colour at each voxel. A brick of one value becomes a tile.
+TEST_F(ExportVdb, ATransferFunctionIsBakedIntoDensityAndColour) {
+  TransferFunction function;
+  function.unit = 2;
+  function.points = {{100, glm::dvec3(0), 0}, {200, glm::dvec3(1, 0.5, 0), 0.5}};
+  const auto value = [](std::int64_t x, std::int64_t y, std::int64_t) { return x > 31 ? 180 : 80 + 4 * x + y; };
+  const Extent3 dims = {52, 9, 9};
+  for (const VoxelType type : {VoxelType::u8, VoxelType::i32}) {
+    fs::remove_all(directory_ / "s.kiln");
+    withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+      makeStore<T>(directory_ / "s.kiln", denseInfo(type, dims), value);
+    });
+    const VdbReport report = written({.out = out(), .overwrite = true, .baked = function});
+    EXPECT_EQ(test::gridNames(out()), (std::vector<std::string>{"Cd", "density"}));
+    const test::DirectGrid density(out(), "density"), color(out(), "Cd");
+    EXPECT_EQ(report.voxels, color.activeVoxels());
+    for (std::int64_t x = 0; x < dims.x; ++x) {
+      for (std::int64_t y = 0; y < dims.y; ++y) {
+        const double share = std::clamp((static_cast<double>(value(x, y, 3)) - 100) / 100, 0.0, 1.0);
+        ASSERT_EQ(density.active({x, y, 3}), share > 0);
+        ASSERT_NEAR(density.value({x, y, 3}), -std::log(1 - share / 2) / 2, 1e-6) << x << " " << y;
+        const std::array<float, 3> found = color.color({x, y, 3});
+        ASSERT_NEAR(found[0], share, 1e-6);
+        ASSERT_NEAR(found[1], share / 2, 1e-6);
+        ASSERT_EQ(found[2], 0);
+      }
+    }
+  }
+  function.gradient_opacity = {{0, 0}, {1, 1}};
+  EXPECT_THROW(written({.out = out(), .overwrite = true, .baked = function}), Error);
+}
+
 // Each active voxel of the whole is active in exactly one tile, with its value.
 TEST_F(ExportVdb, TilesLieSideBySide) {
   const Extent3 dims = {53, 49, 21};

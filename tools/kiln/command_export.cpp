@@ -11,8 +11,10 @@
 #include "examples.h"
 #include "export/export_store.h"
 #include "job/option_kinds.h"
+#include "job/transfer_function_choice.h"
 #include "output_files.h"
 #include "say.h"
+#include "scene_arguments.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {
@@ -23,7 +25,7 @@ constexpr int kMostTiles = 10000;
 struct ExportArguments {
   std::string store, memory = kDefaultMemory;
   unsigned threads = 0;
-  std::optional<std::string> region, type;
+  std::optional<std::string> region, type, tf;
   ExportRequest request;
 };
 
@@ -57,6 +59,7 @@ void run(const ExportArguments& a, Context& context) {
   request.memory_bytes = parseBytes(a.memory, "--memory");
   const StoreReader store(a.store, request.memory_bytes);
   store.requireLevel(request.level);
+  if (a.tf) request.baked = resolve(transferFunctionNamed(*a.tf, "--tf"), std::nullopt, store.manifest());
   const ExportReport report = exportStore(store, request, context.progress);
   context.progress.clear();
   say("{}: {}, {}\n", request.out.string(), report.contents, formatBytes(report.bytes));
@@ -81,6 +84,10 @@ void addExport(CLI::App& app, Context& context) {
   command->add_option("--type", a->type, ".vdb: numbers of the grid; those of the store if not given")
       ->type_name("float|half")
       ->check(CLI::IsMember({"float", "half"}));
+  command
+      ->add_option("--tf", a->tf,
+                   ".vdb: bake a transfer function into the grids density and Cd; a preset or a file, as for render")
+      ->type_name("NAME");
   addNumber(*command, "--background", a->request.values.background,
             ".vdb: value of inactive space; the store's background if not given");
   addNumber(*command, "--tolerance", a->request.values.tolerance,

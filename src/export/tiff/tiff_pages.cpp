@@ -17,10 +17,22 @@ namespace {
 
 enum class TiffType : std::uint16_t { kAscii = 2, kShort = 3, kLong = 4, kRational = 5, kLong8 = 16 };
 
-constexpr std::uint16_t kWidth = 256, kLength = 257, kBits = 258, kCompression = 259, kPhotometric = 262,
-                        kDescription = 270, kStripOffsets = 273, kSamples = 277, kRowsPerStrip = 278,
-                        kStripByteCounts = 279, kXResolution = 282, kYResolution = 283, kResolutionUnit = 296,
-                        kSampleFormat = 339;
+enum class TiffTag : std::uint16_t {
+  kWidth = 256,
+  kLength = 257,
+  kBits = 258,
+  kCompression = 259,
+  kPhotometric = 262,
+  kDescription = 270,
+  kStripOffsets = 273,
+  kSamples = 277,
+  kRowsPerStrip = 278,
+  kStripByteCounts = 279,
+  kXResolution = 282,
+  kYResolution = 283,
+  kResolutionUnit = 296,
+  kSampleFormat = 339
+};
 
 // Voxels begin at a multiple of this many bytes.
 constexpr std::uint64_t kStripAlignment = 16;
@@ -64,22 +76,18 @@ class EntryList {
  public:
   explicit EntryList(bool big) : big_(big) {}
 
-  void add(std::uint16_t tag, TiffType type, std::uint64_t count, std::uint64_t value) {
+  void add(TiffTag tag, TiffType type, std::uint64_t count, std::uint64_t value) {
     appendValue(bytes_, tag);
     appendValue(bytes_, type);
     appendWord(count);
     appendWord(value);  // little-endian: a shorter value fills the first bytes
     ++count_;
   }
-  void addShort(std::uint16_t tag, std::uint16_t value) { add(tag, TiffType::kShort, 1, value); }
-  void addLong(std::uint16_t tag, std::int64_t value) {
-    add(tag, TiffType::kLong, 1, static_cast<std::uint64_t>(value));
-  }
-  void addOffset(std::uint16_t tag, std::uint64_t value) {
-    add(tag, big_ ? TiffType::kLong8 : TiffType::kLong, 1, value);
-  }
+  void addShort(TiffTag tag, std::uint16_t value) { add(tag, TiffType::kShort, 1, value); }
+  void addLong(TiffTag tag, std::int64_t value) { add(tag, TiffType::kLong, 1, static_cast<std::uint64_t>(value)); }
+  void addOffset(TiffTag tag, std::uint64_t value) { add(tag, big_ ? TiffType::kLong8 : TiffType::kLong, 1, value); }
   // A fraction fits into the entry of a BigTIFF; in a classic file it is at `place`.
-  void addFraction(std::uint16_t tag, const TiffFraction& fraction, std::uint64_t place) {
+  void addFraction(TiffTag tag, const TiffFraction& fraction, std::uint64_t place) {
     std::uint64_t value = place;
     if (big_) std::memcpy(&value, &fraction, sizeof value);
     add(tag, TiffType::kRational, 1, value);
@@ -169,21 +177,22 @@ std::uint64_t TiffPages::directoryBegin(std::int64_t page) const {
 std::vector<std::byte> TiffPages::entries(std::int64_t page, std::uint64_t described_at) const {
   const Extent3& dims = volume_.geometry.dims;
   EntryList list(big_);
-  list.addLong(kWidth, dims.x);
-  list.addLong(kLength, dims.y);
-  list.addShort(kBits, static_cast<std::uint16_t>(8 * sizeOf(volume_.type)));
-  list.addShort(kCompression, 1);
-  list.addShort(kPhotometric, 1);
-  if (described_at != kNotDescribed) list.add(kDescription, TiffType::kAscii, description_.size() + 1, described_at);
-  list.addOffset(kStripOffsets, stripBegin(page));
-  list.addShort(kSamples, 1);
-  list.addLong(kRowsPerStrip, dims.y);
-  list.addOffset(kStripByteCounts, stripBegin(1) - stripBegin(0));
+  list.addLong(TiffTag::kWidth, dims.x);
+  list.addLong(TiffTag::kLength, dims.y);
+  list.addShort(TiffTag::kBits, static_cast<std::uint16_t>(8 * sizeOf(volume_.type)));
+  list.addShort(TiffTag::kCompression, 1);
+  list.addShort(TiffTag::kPhotometric, 1);
+  if (described_at != kNotDescribed)
+    list.add(TiffTag::kDescription, TiffType::kAscii, description_.size() + 1, described_at);
+  list.addOffset(TiffTag::kStripOffsets, stripBegin(page));
+  list.addShort(TiffTag::kSamples, 1);
+  list.addLong(TiffTag::kRowsPerStrip, dims.y);
+  list.addOffset(TiffTag::kStripByteCounts, stripBegin(1) - stripBegin(0));
   const glm::dvec3 spacing = volume_.geometry.spacing();
-  list.addFraction(kXResolution, TiffFraction(spacing.x), resolution_begin_);
-  list.addFraction(kYResolution, TiffFraction(spacing.y), resolution_begin_ + sizeof(TiffFraction));
-  list.addShort(kResolutionUnit, 1);
-  list.addShort(kSampleFormat, sampleFormatOf(volume_.type));
+  list.addFraction(TiffTag::kXResolution, TiffFraction(spacing.x), resolution_begin_);
+  list.addFraction(TiffTag::kYResolution, TiffFraction(spacing.y), resolution_begin_ + sizeof(TiffFraction));
+  list.addShort(TiffTag::kResolutionUnit, 1);
+  list.addShort(TiffTag::kSampleFormat, sampleFormatOf(volume_.type));
   return list.directory(page + 1 < pages_ ? directoryBegin(page + 1) : 0);
 }
 

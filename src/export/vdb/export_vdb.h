@@ -9,6 +9,7 @@
 #include "base/file.h"
 #include "base/progress.h"
 #include "export/source/exported_volume.h"
+#include "scene/transfer/transfer_function.h"
 
 namespace kiln {
 
@@ -29,6 +30,9 @@ struct VdbRequest {
   bool overwrite = false;
   std::uint64_t memory_bytes = UINT64_MAX;
   VdbValues values = {};
+  /// Bakes two grids for renderers in place of the values: `density`, the extinction per world unit, and `Cd`, the
+  /// colour in linear light. The function's unit of length is set.
+  std::optional<TransferFunction> baked = {};
 };
 
 struct VdbReport {

@@ -269,6 +269,12 @@ bool DirectGrid::active(const VoxelCoord& v) const {
   return grid_->with([&](const auto& grid) { return grid.tree().isValueOn(coordOf(v)); });
 }
 
+std::array<float, 3> DirectGrid::color(const VoxelCoord& v) const {
+  const auto grid = openvdb::gridConstPtrCast<openvdb::Vec3SGrid>(grid_->base);
+  const openvdb::Vec3f value = grid->tree().getValue(coordOf(v));
+  return {value.x(), value.y(), value.z()};
+}
+
 std::vector<std::pair<VoxelCoord, double>> DirectGrid::activeValues() const {
   std::vector<std::pair<VoxelCoord, double>> out;
   grid_->with([&](const auto& grid) {

@@ -2,6 +2,7 @@
 // Nothing is shared with the tested reader, neither the stream nor the dense copy.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -77,6 +78,8 @@ class DirectGrid {
   std::uint64_t activeVoxels() const;
   double value(const VoxelCoord& grid_coord) const;
   bool active(const VoxelCoord& grid_coord) const;
+  /// The value of a grid of three floats.
+  std::array<float, 3> color(const VoxelCoord& grid_coord) const;
   /// Returns all active voxels with their values, in the tree's order. throws: std::runtime_error for active tiles.
   std::vector<std::pair<VoxelCoord, double>> activeValues() const;
 

@@ -1,0 +1,133 @@
+// Voxels of bricks in one grid. A leaf overlaps up to eight bricks unless the grid's coordinates are offset by
+// multiples of
+// 8. So voxels are set individually through an accessor; a constant brick is a fill.
+// Invariant: unset voxels have the grid's background value, so bricks of background are free.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+#include "export/vdb/export_vdb.h"
+#include "export/vdb/grid_placement.h"
+
+namespace kiln {
+
+/// Fills a grid of type `Grid` with voxels of type T. Every filler has `fill`, `take`, `charge`, `growthBytes`,
+/// `finish` and `largestError`.
+template <class T, class Grid>
+class GridFiller {
+ public:
+  using Value = typename Grid::ValueType;
+
+  GridFiller(const Manifest& manifest, const VdbValues& values, const GridPlacement& place, std::uint64_t memory_bytes)
+      : memory_bytes_(memory_bytes),
+        values_(values),
+        level_set_(manifest.volume_class == VolumeClass::kLevelSet),
+        background_(gridBackground(manifest, values)),
+        place_(place),
+        grid_(newGrid<Grid>(background_)) {
+    grid_->setName(place.name);
+    grid_->setTransform(transformOf(place.world_from_grid));
+    if (manifest.volume_class == VolumeClass::kFog) grid_->setGridClass(openvdb::GRID_FOG_VOLUME);
+    if (level_set_) grid_->setGridClass(openvdb::GRID_LEVEL_SET);
+  }
+
+  /// Takes a box of one value.
+  void fill(const VoxelBox& box, double constant) {
+    const Value value = written(static_cast<T>(constant));
+    note(value);
+    if (isBackground(value)) return;
+    grid_->sparseFill({place_.of(box.lo), place_.of({box.hi.x - 1, box.hi.y - 1, box.hi.z - 1})}, value, active(value));
+  }
+
+  /// Takes the voxels of `part` of a block.
+  void take(const BrickBlock& block, const VoxelBox& part) {
+    const T* const voxels = block.data<T>();
+    auto accessor = grid_->getAccessor();
+    for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
+      for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
+        const T* const row = voxels + block.offsetOf({part.lo.x, y, z});
+        for (std::int64_t x = part.lo.x; x < part.hi.x; ++x) {
+          const Value value = written(row[x - part.lo.x]);
+          if (isBackground(value)) continue;
+          note(value);
+          if (active(value)) {
+            accessor.setValueOn(place_.of({x, y, z}), value);
+          } else {
+            accessor.setValueOff(place_.of({x, y, z}), value);
+          }
+        }
+      }
+    }
+  }
+
+  /// Charges a part of a brick of which all voxels enter the tree. Called before the brick is read: the tree before,
+  /// its growth and the reading of the brick must fit. The tree is measured only if its upper bound is too large.
+  /// Returns false if the brick does not fit.
+  bool charge(const VoxelBox& part, std::uint64_t read_bytes) {
+    const std::uint64_t needed = growthBytes(part) + read_bytes;
+    if (held_bytes_ + needed > memory_bytes_) held_bytes_ = grid_->memUsage();
+    if (held_bytes_ + needed > memory_bytes_) return false;
+    held_bytes_ += growthBytes(part);
+    return true;
+  }
+
+  /// Upper bound of the leaves of a part of a brick. unit: bytes.
+  static std::uint64_t growthBytes(const VoxelBox& part) {
+    return static_cast<std::uint64_t>(part.count()) * (sizeof(Value) + 1);
+  }
+
+  openvdb::GridPtrVec finish() {
+    // Merges only nodes of one value and state, compared exactly. Skipped for signed zeros, because == would lose -0.
+    if (!signed_zero_) grid_->pruneGrid(0);
+    if constexpr (std::is_same_v<Value, float>)
+      grid_->setSaveFloatAsHalf(values_.type != VdbType::kFloat && half_ && survivesHalf(background_));
+    return {grid_};
+  }
+  double largestError() const { return largest_error_; }
+
+ private:
+  static Value gridBackground(const Manifest& manifest, const VdbValues& values) {
+    return rounded(static_cast<Value>(values.background.value_or(manifest.background)), values.type);
+  }
+  static Value rounded(Value value, VdbType type) {
+    if constexpr (std::is_same_v<Value, float>)
+      if (type == VdbType::kHalf) return static_cast<float>(openvdb::math::half(value));
+    return value;
+  }
+  // The value that the grid gets for a voxel. An exact grid changes none.
+  Value written(T voxel) {
+    if (values_.type == VdbType::kExact && values_.tolerance == 0) return static_cast<Value>(voxel);
+    const bool near = std::abs(static_cast<double>(voxel) - static_cast<double>(background_)) <= values_.tolerance;
+    const Value value = near && values_.tolerance > 0 ? background_ : rounded(static_cast<Value>(voxel), values_.type);
+    const double error = std::abs(static_cast<double>(value) - static_cast<double>(voxel));
+    if (error > largest_error_) largest_error_ = error;  // false for NaN
+    return value;
+  }
+  bool isBackground(Value value) const { return std::memcmp(&value, &background_, sizeof value) == 0; }
+  bool active(Value value) const {
+    if constexpr (std::is_floating_point_v<Value>) {
+      // The negated >= is also true for NaN: a NaN in a level set stays active, so that users see it.
+      if (level_set_) return !(std::abs(value) >= background_);
+    }
+    return !isBackground(value);
+  }
+  void note(Value value) {
+    if constexpr (std::is_floating_point_v<Value>) signed_zero_ |= value == 0 && std::signbit(value);
+    if constexpr (std::is_same_v<Value, float>) half_ = half_ && survivesHalf(value);
+  }
+
+  std::uint64_t memory_bytes_;
+  const VdbValues& values_;
+  bool level_set_;
+  Value background_;
+  const GridPlacement& place_;
+  typename Grid::Ptr grid_;
+  std::uint64_t held_bytes_ = 0;
+  double largest_error_ = 0;
+  bool half_ = true, signed_zero_ = false;
+};
+
+}  // namespace kiln
