@@ -82,13 +82,19 @@ void Conversion::openJournal(const ConversionIdentity& identity) {
       parts_.disk);
 }
 
-// Lists all bricks of a stream, finished or not: the stream must be read to the end to compare the checksum.
+// Lists the bricks in the order of the plan: all bricks of a stream, finished or not: the stream must be read to the
+// end to compare the checksum.
 std::vector<std::int64_t> Conversion::bricksToMake(bool in_order) const {
   std::vector<std::int64_t> out;
   out.reserve(finished_[0].size());
   for (std::size_t i = 0; i < finished_[0].size(); ++i) {
     if (in_order || !finished_[0][i]) out.push_back(static_cast<std::int64_t>(i));
   }
+  const BrickOrder& order = *parts_.plan.order;
+  if (order.isLayers()) return out;
+  const Extent3& lattice = writer_.manifest().levels.front().bricks;
+  const auto time = [&](std::int64_t i) { return order.timeOf(brickAt(lattice, i)); };
+  std::sort(out.begin(), out.end(), [&](std::int64_t a, std::int64_t b) { return time(a) < time(b); });
   return out;
 }
 

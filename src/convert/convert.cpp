@@ -236,6 +236,7 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
       progress.note(
           namedNote(info, "is a stream, so that each rank reads and unpacks all of it, and they share the rest"));
   }
+  source.willRead(*plan.order);
   source.keepDecoded(plan.kept_bytes);
   ConvertReport report;
   Manifest draft = draftOf(info, options);
@@ -263,6 +264,10 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   for (; ranks.first() && notes < info.notes.size(); ++notes) progress.note(namedNote(info, info.notes[notes]));
   if (destination && !destination->leftOld().empty()) progress.note(destination->leftOld());
   report.buffer_bytes = plan.total();
+  const auto voxels = static_cast<std::uint64_t>(info.geometry.dims.count());
+  if (const auto blocks = source.decodedBlocks(); blocks && ranks.alone() && report.voxels == voxels)
+    report.decodings =
+        static_cast<double>(blocks->decodings) / static_cast<double>(blocks->countIn(info.geometry.dims));
   report.seconds = secondsSince(started);
   return report;
 }

@@ -11,6 +11,7 @@
 #include "convert/pyramid/half_brick_store.h"
 #include "convert/stream/forward_window.h"
 #include "grid/pyramid.h"
+#include "ingest/bytes/block_cache.h"
 #include "store/brick_index.h"
 
 namespace kiln {
@@ -37,6 +38,10 @@ std::uint64_t brickVoxels(const SourceInfo& info, const ConvertOptions& options)
 std::uint64_t fileBytes(const SourceInfo& info, const ConvertOptions& options) {
   constexpr std::uint64_t kNodes = 56 << 10;
   return kNodes + brickVoxels(info, options) * (sizeOf(info.type) < 4 ? 4 : 8);
+}
+
+std::uint64_t allSubRangesBytes(const SourceInfo& info, const ConvertOptions& options) {
+  return brickCountOf(info, options) * BrickIndex::subRangesBytes(subBricksOf(options.brick_size));
 }
 
 // A brick is sent to other ranks in pieces of the half brick, overlapping by an apron; meanwhile a piece is being
@@ -106,21 +111,26 @@ std::uint64_t leftBytes(const Extent3& dims, const Extent3& by, std::int64_t bri
          neighbours * HalfBrick::bytesOf({1, 1, 1}, voxel_bytes);
 }
 
-// Upper bound for the bricks of a level that wait at once.
-// Bricks arrive layer by layer. A parent needs one or two layers for its core, and a layer on either side for its
-// apron. The layer below is nearly consumed when the layer above arrives. A volume of a single layer arrives row by
-// row, a single row brick by brick; each thread may be ahead by two.
-std::uint64_t waitingBricks(const Extent3& dims, const Extent3& by, std::int64_t brick_size) {
-  const Extent3 lattice = brickLattice(dims, brick_size);
-  const auto ahead = static_cast<std::int64_t>(lattice.z > 1 ? 0 : 2 * ThreadLimit::active());
-  Extent3 waiting = lattice;
-  if (lattice.z > 1)
-    waiting.z = std::min(by.z + 1, lattice.z);
-  else if (lattice.y > 1)
-    waiting.y = std::min(by.y + 1, lattice.y);
-  else
-    waiting.x = std::min(by.x + 1, lattice.x);
-  return static_cast<std::uint64_t>(std::min(waiting.count() + ahead, lattice.count()));
+// Upper bound for the bricks of a level that wait at once: a finished brick waits for unfinished ones that are at most
+// kReach bricks away, the bricks of its parents' cores and aprons.
+// In one block, bricks arrive layer by layer. A parent needs one or two layers for its core, and a layer on either side
+// for its apron. The layer below is nearly consumed when the layer above arrives. A volume of a single layer arrives
+// row by row, a single row brick by brick; each thread may be ahead by two.
+std::uint64_t waitingBricks(const Extent3& dims, const Extent3& by, const BrickOrder& order) {
+  const Extent3 lattice = brickLattice(dims, order.lattice().brick_size);
+  const int sweep = order.sweep(), across = order.across(0), other = order.across(1);
+  if (!order.isOneBlock()) {
+    constexpr std::int64_t kReach = 3;
+    const std::int64_t width = std::min(order.blockEdge(0), lattice[across]),
+                       height = std::min(order.blockEdge(1), lattice[other]);
+    // Along the borders of blocks that are finished, and at the front of the block in the making.
+    const std::int64_t borders = kReach * lattice[sweep] * (lattice[across] + height + 2 * kReach);
+    return static_cast<std::uint64_t>(std::min(borders + (kReach + 1) * width * height, lattice.count()));
+  }
+  const auto ahead = static_cast<std::int64_t>(lattice[sweep] > 1 ? 0 : 2 * ThreadLimit::active());
+  const int front = lattice[sweep] > 1 ? sweep : lattice[other] > 1 ? other : across;
+  const std::int64_t layers = std::min(by[front] + 1, lattice[front]);
+  return static_cast<std::uint64_t>(std::min(lattice.count() / lattice[front] * layers + ahead, lattice.count()));
 }
 
 struct Waiting {
@@ -128,16 +138,61 @@ struct Waiting {
   std::uint64_t place_bytes = 0;  // of the table of parts
 };
 
-Waiting waitingOf(const SourceInfo& info, const ConvertOptions& options) {
+BrickOrder::Lattice readingLattice(const SourceInfo& info, const ConvertOptions& options) {
+  return {info.geometry.dims, options.brick_size, kApron};
+}
+
+Waiting waitingOf(const SourceInfo& info, const ConvertOptions& options, const BrickOrder& order) {
   Waiting out;
   const std::vector<VolumeGeometry> levels = pyramidOf(info.geometry, options.brick_size, options.most_levels);
   for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
     const Extent3 dims = levels[l].dims, by = halvingOf(levels[l]);
-    const std::uint64_t bricks = waitingBricks(dims, by, options.brick_size);
+    const std::uint64_t bricks = waitingBricks(dims, by, order);
     out.part_bytes += bricks * leftBytes(dims, by, options.brick_size, sizeOf(info.type));
     out.place_bytes += bricks * HalfBrickStore::placesBytes(parentsReached(dims, by, options.brick_size));
   }
   return out;
+}
+
+// Returns the fewest blocks that must be kept to decode each of them once.
+std::uint64_t leastKeptForOnce(const BrickOrder::Lattice& lattice, const Extent3& shape) {
+  std::uint64_t out = UINT64_MAX;
+  for (int sweep = 0; sweep < 3; ++sweep)
+    out = std::min(out, decodingCost(BrickOrder(lattice, sweep, {1, 1}), shape).blocks_kept);
+  return out;
+}
+
+// Chooses the order of bricks, and the memory for decoded blocks. Several processes share layers, whose order they all
+// know.
+void planDecoding(ConversionPlan& plan, const VolumeSource& source, const ConvertOptions& options) {
+  const SourceInfo& info = source.info();
+  const BrickOrder::Lattice lattice = readingLattice(info, options);
+  const std::optional<DecodedBlocks> blocks = source.decodedBlocks();
+  const std::uint64_t left = options.memory_bytes - plan.total();
+  if (!blocks) {
+    // Decoded parts of unknown shape: the slices of two layers.
+    const std::int64_t slices = std::min(2 * (options.brick_size + kApron), info.geometry.dims.z);
+    if (source.decodeBytes() > 0)
+      plan.kept_bytes = std::min(left, static_cast<std::uint64_t>(slices) * sliceBytes(info));
+    return;
+  }
+  const std::uint64_t block_bytes = blocks->bytes + BlockCache::kOwnBytes;
+  if (options.ranks == nullptr || options.ranks->alone()) {
+    const BrickOrder order = cheapestOrder(lattice, blocks->shape, left / block_bytes);
+    const std::uint64_t more = waitingOf(info, options, order).place_bytes;
+    const std::uint64_t tables = kBrickBytes * brickCountOf(info, options) + more;
+    if (tables <= plan.index_bytes + left / 16) {
+      plan.order = order;
+      plan.index_bytes = std::max(plan.index_bytes, tables);
+    }
+  }
+  const std::uint64_t room = options.memory_bytes - plan.total();
+  const DecodingCost cost = decodingCost(*plan.order, blocks->shape);
+  plan.kept_bytes = std::min(room, cost.blocks_kept * block_bytes);
+  plan.decodings = cost.blocks_kept * block_bytes <= left ? cost.decodings : decodingsUnkept(lattice, blocks->shape);
+  plan.once_bytes = plan.source_bytes + usefulLanes(source) * (plan.lane_bytes + fileBytes(info, options)) +
+                    plan.index_bytes + allSubRangesBytes(info, options) +
+                    leastKeptForOnce(lattice, blocks->shape) * block_bytes;
 }
 
 // throws: Error kBudget. If tables dominate, the error also proposes larger bricks.
@@ -181,20 +236,15 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
     plan.unwritten_bricks = plan.lanes;
     plan.unwritten_bytes = unwritten_bytes;
   }
-  const std::uint64_t sub_ranges_bytes =
-      brickCountOf(info, options) * BrickIndex::subRangesBytes(subBricksOf(options.brick_size));
+  const std::uint64_t sub_ranges_bytes = allSubRangesBytes(info, options);
   plan.sub_ranges_on_disk = plan.total() + sub_ranges_bytes > options.memory_bytes;
   if (plan.sub_ranges_on_disk)
     plan.scratch_bytes += brickCountOf(info, options) * SubRanges::bytesOf(subBricksOf(options.brick_size));
   else
     plan.sub_ranges_bytes = sub_ranges_bytes;
-  if (!forward && source.decodeBytes() > 0) {
-    // Bricks come layer by layer, so the slices of two layers suffice to decode everything once.
-    const std::int64_t slices = std::min(2 * (options.brick_size + kApron), info.geometry.dims.z);
-    plan.kept_bytes =
-        std::min(options.memory_bytes - plan.total(), static_cast<std::uint64_t>(slices) * sliceBytes(info));
-  }
-  const std::uint64_t waiting = waitingOf(info, options).part_bytes;
+  plan.order.emplace(readingLattice(info, options));
+  if (!forward) planDecoding(plan, source, options);
+  const std::uint64_t waiting = waitingOf(info, options, *plan.order).part_bytes;
   plan.parts_bytes = std::min(options.memory_bytes - plan.total(), waiting);
   plan.scratch_bytes += waiting - plan.parts_bytes;
   return plan;
@@ -208,7 +258,8 @@ std::uint64_t brickCountOf(const SourceInfo& info, const ConvertOptions& options
 }
 
 std::uint64_t tablesBytes(const SourceInfo& info, const ConvertOptions& options) {
-  return kBrickBytes * brickCountOf(info, options) + waitingOf(info, options).place_bytes;
+  return kBrickBytes * brickCountOf(info, options) +
+         waitingOf(info, options, BrickOrder(readingLattice(info, options))).place_bytes;
 }
 
 void requireRoomForIndex(const SourceInfo& info, const ConvertOptions& options) {

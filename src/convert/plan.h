@@ -2,6 +2,8 @@
 // lane, files waiting to be written, the source's cache, and the parts that coarser bricks are made of.
 #pragma once
 
+#include <optional>
+
 #include "convert/convert.h"
 
 namespace kiln {
@@ -23,8 +25,14 @@ struct ConversionPlan {
   /// size of the waiting bricks. unit: bytes.
   std::size_t unwritten_bricks = 0;
   std::uint64_t unwritten_bytes = 0;
+  /// The order of bricks; a stream is read in the order of layers.
+  std::optional<BrickOrder> order;
   /// Capacity of the source's cache of decoded data. unit: bytes.
   std::uint64_t kept_bytes = 0;
+  /// Times that a block of the source is decoded, on average; 0 if the source decodes no blocks.
+  double decodings = 0;
+  /// Memory that decodes each block once. unit: bytes.
+  std::uint64_t once_bytes = 0;
   /// Memory for parts of bricks that wait for a parent (convert/pyramid/half_brick_store.h). unit: bytes.
   std::uint64_t parts_bytes = 0;
   /// The tables of all bricks: the index without sub-ranges, the state of each brick, and the table of waiting parts.
@@ -47,7 +55,7 @@ struct ConversionPlan {
 /// 2. slices of a stream (else on disk),
 /// 3. a file per lane that waits to be written,
 /// 4. sub-ranges (else on disk),
-/// 5. decoded blocks,
+/// 5. decoded blocks, in the order of bricks that needs fewest decodings,
 /// 6. parts (else on disk).
 /// throws: Error kBudget, naming the smallest memory that works; it depends on the number of bricks, not on the size of
 /// a slice.
@@ -57,7 +65,8 @@ ConversionPlan planConversion(const VolumeSource& source, const ConvertOptions& 
 inline constexpr std::uint64_t kBrickBytes = 96;
 /// Returns the number of bricks of all levels.
 std::uint64_t brickCountOf(const SourceInfo& info, const ConvertOptions& options);
-/// Returns the memory of the tables of bricks and of waiting parts, which cannot be on disk. unit: bytes.
+/// Returns the memory of the tables of bricks and of waiting parts, which cannot be on disk, with bricks in the order
+/// of layers. unit: bytes.
 std::uint64_t tablesBytes(const SourceInfo& info, const ConvertOptions& options);
 
 /// throws: Error kBudget if the index of all bricks exceeds half of the machine's memory. A sparse grid of a few

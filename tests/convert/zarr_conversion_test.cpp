@@ -6,6 +6,7 @@
 
 #include "base/thread/parallel.h"
 #include "convert/foreign_cache.h"
+#include "convert/plan.h"
 #include "ingest/open_source.h"
 #include "store/manifest/read_manifest.h"
 #include "support/system/impatient_progress.h"
@@ -153,6 +154,32 @@ TEST_F(ZarrConversion, LookOfTheSource_isInTheStore) {
   const Manifest with = manifestOf(R"(, "omero": {"channels": [{"window": {"start": 3, "end": 9}}]})");
   EXPECT_EQ(with.format, kFormatVersion);
   EXPECT_EQ(with.look, (DeclaredLook{DeclaredLook::Ramp{3, 9, {}}, {}}));
+}
+
+// Known: no chunk is decoded twice if all fit. The plan is an upper bound for one lane, whatever the memory, and orders
+// of bricks change no byte.
+TEST_F(ZarrConversion, DecodingsAreAsPlanned) {
+  const ForeignVolume volume = randomVolume({140, 120, 100}, VoxelType::u8, 52);
+  fs::remove_all(folder());
+  writeZarr(folder(), volume, ofChunks(16, 16, 16, ZarrVersion::kTwo, ZarrCodec::kRaw));
+  const ThreadLimit one(1);
+  std::map<std::string, std::vector<std::byte>> expected;
+  const std::uint64_t ample = planConversion(*openSource(folder()), smallBricks()).once_bytes;
+  for (const std::uint64_t less : {0u, 400u << 10, 600u << 10, 900u << 10}) {
+    ConvertOptions options = smallBricks();
+    options.memory_bytes = ample - less;
+    const auto source = openSource(folder());
+    const ConversionPlan plan = planConversion(*source, options);
+    const fs::path out = freshDirectory("store") / "volume.kiln";
+    Progress silent;
+    const ConvertReport report = convert(*source, out, options, silent);
+    EXPECT_EQ(plan.order->isLayers(), less == 0) << less;
+    EXPECT_GE(report.decodings, 1) << less;
+    EXPECT_LE(report.decodings, plan.decodings + 1e-9) << less;
+    if (less == 0) EXPECT_EQ(report.decodings, 1);
+    if (expected.empty()) expected = storeFiles(out);
+    EXPECT_TRUE(storeFiles(out) == expected) << less;
+  }
 }
 
 }  // namespace

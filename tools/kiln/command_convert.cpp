@@ -46,11 +46,23 @@ std::string readingOf(const ConversionCost& cost) {
                      cost.plan.window_on_disk ? "in a scratch file" : "in memory");
 }
 
+std::string timesText(double times) {
+  const std::string number = fmt::format("{:.3g}", times);
+  return number == "1" ? "once" : number + " times";
+}
+
+std::string decodingOf(const ConversionPlan& plan, const Extent3& shape) {
+  return fmt::format("each block of {} x {} x {} {}{}", shape.x, shape.y, shape.z, plan.decodings > 1 ? "up to " : "",
+                     timesText(plan.decodings)) +
+         (plan.decodings > 1 ? "; once with --memory " + roundedUpBytes(plan.once_bytes) : "");
+}
+
 void printCost(const ConvertArguments& a, VolumeSource& source, const ConvertOptions& options, Context& context) {
   const ConversionCost cost = conversionCost(source, options, context.progress);
   context.progress.clear();
   say("{}: {}\n", a.input, firstLine(source.info()));
   say("reading      {}\n", readingOf(cost));
+  if (const auto blocks = source.decodedBlocks()) say("decoding     {}\n", decodingOf(cost.plan, blocks->shape));
   say("memory       up to {} in buffers, of {} allowed; {} thread{}\n", formatBytes(cost.plan.total()),
       formatBytes(options.memory_bytes), cost.plan.lanes, cost.plan.lanes == 1 ? "" : "s");
   const std::string bricks = fmt::format("{} brick{} of {} level{}", cost.bricks, cost.bricks == 1 ? "" : "s",
@@ -97,8 +109,9 @@ void printReport(const ConvertArguments& a, const SourceInfo& info, const Conver
                                ? fmt::format("{}, {:.1f} million voxels/s, buffers up to {}",
                                              durationText(report.seconds), rate, formatBytes(report.buffer_bytes))
                                : "nothing was left to do";
-  say("{} of {} bricks stored, {} on disk; {}\n", report.stored_bricks, report.bricks, formatBytes(report.stored_bytes),
-      work);
+  say("{} of {} bricks stored, {} on disk; {}{}\n", report.stored_bricks, report.bricks,
+      formatBytes(report.stored_bytes), work,
+      report.decodings > 0 ? ", each block decoded " + timesText(report.decodings) : "");
   if (report.ranks.size() > 1) printRanks(report);
 }
 

@@ -14,14 +14,14 @@ std::int64_t placeIn(const AxisNumbers& grid, const AxisNumbers& index) {
   return out;
 }
 
-std::shared_ptr<const BlockCache::Bytes> ChunkedArray::chunk(const AxisNumbers& index) {
+std::shared_ptr<const BlockCache::Bytes> ChunkedArray::chunk(const AxisNumbers& index, const BlockCache::Use& use) {
   const std::int64_t place = placeIn(grid_, index);
-  return cache_.get({place, 0}, [&] {
-    BlockCache::Bytes voxels = decode(index, place);
-    ++decoded_;
+  const auto decoded = [&](BlockCache::Bytes spare) {
+    BlockCache::Bytes voxels = decode(index, place, std::move(spare));
     if (voxels.empty()) ++absent_;
     return voxels;
-  });
+  };
+  return cache_.get({place, 0}, decoded, use);
 }
 
 AxisNumbers gridOf(const ChunkLayout& layout) {

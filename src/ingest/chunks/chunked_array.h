@@ -48,26 +48,28 @@ class ChunkedArray {
   virtual const ChunkLayout& layout() const = 0;
   /// Returns the voxels of a chunk in its stored order, in the machine's byte order, decoded or from the cache; no
   /// bytes for a chunk that does not exist and holds the fill value. shape: a whole chunk, also at the border of the
-  /// array. `index` counts chunks along each axis. thread: any. throws: Error kFormat (damaged, with the file), kIo,
-  /// kNotFound if the whole array has gone.
-  std::shared_ptr<const BlockCache::Bytes> chunk(const AxisNumbers& index);
+  /// array. `index` counts chunks along each axis; `use` is the chunk's box in the volume. thread: any. throws: Error
+  /// kFormat (damaged, with the file), kIo, kNotFound if the whole array has gone.
+  std::shared_ptr<const BlockCache::Bytes> chunk(const AxisNumbers& index, const BlockCache::Use& use);
   /// Capacity for decoded chunks. unit: bytes.
   void setCapacity(std::uint64_t bytes) { cache_.setCapacity(bytes); }
+  void setOrder(const BrickOrder& order) { cache_.setOrder(order); }
+  std::uint64_t decodings() const { return cache_.decodings(); }
   /// True if chunks were read and none of them exists.
-  bool isAllAbsent() const { return decoded_ > 0 && absent_ == decoded_; }
+  bool isAllAbsent() const { return decodings() > 0 && absent_ == decodings(); }
   /// Memory of one decoding, with the decoded chunk. unit: bytes.
   virtual std::uint64_t decodeBytes() const = 0;
   /// Memory for tables. unit: bytes.
   virtual std::uint64_t heldBytes() const = 0;
 
  protected:
-  /// Returns and throws as `chunk`. `place` is the chunk's place in the grid.
-  virtual BlockCache::Bytes decode(const AxisNumbers& index, std::int64_t place) = 0;
+  /// Returns and throws as `chunk`. `place` is the chunk's place in the grid, `spare` memory for the voxels.
+  virtual BlockCache::Bytes decode(const AxisNumbers& index, std::int64_t place, BlockCache::Bytes spare) = 0;
 
  private:
   AxisNumbers grid_;
   BlockCache cache_;
-  std::atomic<std::uint64_t> decoded_ = 0, absent_ = 0;
+  std::atomic<std::uint64_t> absent_ = 0;
 };
 
 }  // namespace kiln

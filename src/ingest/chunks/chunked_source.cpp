@@ -44,6 +44,11 @@ class ChunkedSource : public VolumeSource {
   std::uint64_t decodeBytes() const override { return array_->decodeBytes(); }
   std::uint64_t heldBytes() const override { return array_->heldBytes(); }
   Extent3 cheapBox() const override { return chunk_; }
+  std::optional<DecodedBlocks> decodedBlocks() const override {
+    const ChunkLayout& layout = array_->layout();
+    return DecodedBlocks{chunk_, productOf(layout.chunk_shape) * sizeOf(info_.type), array_->decodings()};
+  }
+  void willRead(const BrickOrder& order) override { array_->setOrder(order); }
   void keepDecoded(std::uint64_t bytes) override { array_->setCapacity(bytes); }
 
  private:
@@ -96,7 +101,7 @@ void ChunkedSource::read(const VoxelBox& box, std::span<std::byte> out) {
         setIndex(0, i);
         const VoxelCoord lo = {i * chunk_.x, j * chunk_.y, k * chunk_.z};
         const VoxelBox whole = {lo, {lo.x + chunk_.x, lo.y + chunk_.y, lo.z + chunk_.z}};
-        copy(*array_->chunk(index), whole, intersection(whole, box), box, out.data());
+        copy(*array_->chunk(index, {whole, box.lo}), whole, intersection(whole, box), box, out.data());
       }
     }
   }

@@ -72,6 +72,11 @@ class DicomSource : public VolumeSource {
     const bool deflated = any([](const DicomHeader& h) { return h.pixels.deflated_offset_bytes > 0; });
     return deflated ? frame_bytes + InflateStream::kHeldBytes : 0;
   }
+  std::optional<DecodedBlocks> decodedBlocks() const override {
+    const DicomPixels& pixels = files_.front().pixels;
+    if (decodeBytes() == 0) return std::nullopt;
+    return DecodedBlocks{{pixels.columns, pixels.rows, 1}, pixels.frameBytes(), cache_.decodings()};
+  }
   void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
 
  private:
@@ -121,7 +126,7 @@ void DicomSource::readStored(const VoxelBox& in_slice, std::byte* out) {
   const std::uint64_t row = static_cast<std::uint64_t>(in_slice.extent().x) * size;
   const auto count = static_cast<std::size_t>(in_slice.count());
   if (pixels.packed || pixels.deflated_offset_bytes > 0) {
-    const auto frame_values = cache_.get({in_slice.lo.z, 0}, [&] {
+    const auto frame_values = cache_.get({in_slice.lo.z, 0}, [&](BlockCache::Bytes) {
       return pixels.packed ? decodeDicomFrame(header, slice.frame) : inflatedFrame(slice);
     });
     for (std::uint64_t y = 0; y < rows; ++y) std::memcpy(out + y * row, frame_values->data() + first + y * line, row);

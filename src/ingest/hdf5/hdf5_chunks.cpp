@@ -40,7 +40,7 @@ class PlacedChunks : public Hdf5Chunks {
   std::uint64_t decodeBytes() const override { return decodeVoxelsBytes(codecs_.at(0), layout_.number, chunk_voxels_); }
 
  private:
-  BlockCache::Bytes decode(const AxisNumbers&, std::int64_t place) override {
+  BlockCache::Bytes decode(const AxisNumbers&, std::int64_t place, BlockCache::Bytes spare) override {
     const hdf5::ChunkEntry& entry = layout_.table[static_cast<std::size_t>(place)];
     const ChunkPlace at{path_, fmt::format("{}: chunk {}", layout_.path, place)};
     if (entry.address == UINT64_MAX) {
@@ -57,7 +57,8 @@ class PlacedChunks : public Hdf5Chunks {
           fmt::format("lies at byte {} with {} bytes, but the file has {}", entry.address, entry.bytes, file_.size()));
     std::vector<std::byte> packed(entry.bytes);
     file_.readAt(entry.address, packed);
-    BlockCache::Bytes out(voxelBytes());
+    BlockCache::Bytes out = std::move(spare);
+    out.resize(voxelBytes());
     decodeVoxels(codecs, layout_.number, packed, out, at);
     return out;
   }
@@ -88,7 +89,7 @@ class ServedChunks : public Hdf5Chunks {
   }
 
  private:
-  BlockCache::Bytes decode(const AxisNumbers& index, std::int64_t) override {
+  BlockCache::Bytes decode(const AxisNumbers& index, std::int64_t, BlockCache::Bytes spare) override {
     const ChunkPlace at{path_, layout_.path};
     std::string payload = layout_.path + '\0';
     AxisNumbers n(index.size());
@@ -99,7 +100,8 @@ class ServedChunks : public Hdf5Chunks {
       for (const std::int64_t number : {first, end})
         payload.append(reinterpret_cast<const char*>(&number), sizeof number);
     }
-    BlockCache::Bytes part(productOf(n) * sizeOf(layout_.number.voxelType()));
+    BlockCache::Bytes part = std::move(spare);
+    part.resize(productOf(n) * sizeOf(layout_.number.voxelType()));
     readVoxels(layout_.number, part, at, [&](std::span<std::byte> stored) {
       const auto reader = readers_.take(
           0, [&] { return std::make_unique<Hdf5Reader>(path_, kReaderAddressBytes + 8 * storedBytes()); });

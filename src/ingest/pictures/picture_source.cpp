@@ -31,6 +31,9 @@ class PictureSource : public VolumeSource {
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
   std::uint64_t decodeBytes() const override;
+  std::optional<DecodedBlocks> decodedBlocks() const override {
+    return DecodedBlocks{{slice_.width, slice_.height, 1}, slice_.bytes(), cache_.decodings()};
+  }
   void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
 
  private:
@@ -58,7 +61,7 @@ void PictureSource::read(const VoxelBox& box, std::span<std::byte> out) {
   const std::size_t line = static_cast<std::size_t>(slice_.width) * size;
   std::byte* to = out.data();
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
-    const auto slice = cache_.get({z, 0}, [&] { return decode(z); });
+    const auto slice = cache_.get({z, 0}, [&](BlockCache::Bytes) { return decode(z); });
     const std::byte* from = slice->data() + static_cast<std::size_t>(box.lo.x) * size;
     for (std::int64_t y = box.lo.y; y < box.hi.y; ++y, to += row)
       std::memcpy(to, from + static_cast<std::size_t>(y) * line, row);

@@ -16,6 +16,7 @@
 #include "grid/geometry.h"
 #include "grid/volume_info.h"
 #include "grid/voxel_type.h"
+#include "ingest/source/brick_order.h"
 #include "ingest/source/placement.h"
 
 namespace kiln {
@@ -46,6 +47,22 @@ enum class ReadOrder {
   kForward,  // each voxel once, in file order, by one thread at a time: a compressed stream
 };
 
+/// Chunks, strips, tiles or compressed slices.
+struct DecodedBlocks {
+  /// unit: voxels of the volume.
+  Extent3 shape;
+  /// Size of a decoded block, with voxels outside the volume. unit: bytes.
+  std::uint64_t bytes = 0;
+  /// Decodings so far; a block counts each time.
+  std::uint64_t decodings = 0;
+
+  /// The number of blocks in a volume.
+  std::uint64_t countIn(const Extent3& dims) const {
+    return static_cast<std::uint64_t>(((dims.x - 1) / shape.x + 1) * ((dims.y - 1) / shape.y + 1) *
+                                      ((dims.z - 1) / shape.z + 1));
+  }
+};
+
 class VolumeSource {
  public:
   virtual ~VolumeSource() = default;
@@ -66,6 +83,11 @@ class VolumeSource {
   virtual std::uint64_t heldBytes() const { return 0; }
   /// Returns the shape of box that costs least for its voxels: a slice, unless the source stores blocks or other axes.
   virtual Extent3 cheapBox() const { return {info().geometry.dims.x, info().geometry.dims.y, 1}; }
+  /// Returns the blocks that are decoded as a whole; nothing for a source that decodes nothing, or other parts.
+  virtual std::optional<DecodedBlocks> decodedBlocks() const { return std::nullopt; }
+  /// Announces the boxes that will be read, so that the cache keeps the blocks needed next. requires: no read under
+  /// way.
+  virtual void willRead(const BrickOrder& /*order*/) {}
   /// Lets the source cache up to `bytes` of decoded data, which neighbouring boxes share; has no effect for kForward.
   /// requires: no read under way.
   virtual void keepDecoded(std::uint64_t /*bytes*/) {}

@@ -22,6 +22,8 @@ class WrappedSource : public VolumeSource {
   std::uint64_t decodeBytes() const override { return source_->decodeBytes(); }
   std::uint64_t heldBytes() const override { return source_->heldBytes(); }
   Extent3 cheapBox() const override { return source_->cheapBox(); }
+  std::optional<DecodedBlocks> decodedBlocks() const override { return source_->decodedBlocks(); }
+  void willRead(const BrickOrder& order) override { source_->willRead(order); }
   void keepDecoded(std::uint64_t bytes) override { source_->keepDecoded(bytes); }
 
  protected:

@@ -186,11 +186,14 @@ class TiffSource : public VolumeSource {
   void read(const VoxelBox& box, std::span<std::byte> out) override;
   // Packed and decoded block; packed blocks are hardly longer than decoded blocks.
   std::uint64_t decodeBytes() const override { return 2 * stack_.largest_packed_block_bytes; }
+  std::optional<DecodedBlocks> decodedBlocks() const override;
+  void willRead(const BrickOrder& order) override { cache_.setOrder(order); }
   void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
 
  private:
-  void readSlice(const VoxelBox& box, std::byte* out);
-  void readPart(TiffFile& file, const Slice& slice, const VoxelBox& block, const VoxelBox& part, std::byte* out);
+  /// `first` is the first voxel of the box of which this is a slice or part.
+  void readSlice(const VoxelBox& box, const VoxelCoord& first, std::byte* out);
+  void readPart(TiffFile& file, const Slice& slice, const BlockCache::Use& use, const VoxelBox& part, std::byte* out);
 
   SourceInfo info_;
   std::vector<fs::path> files_;
@@ -198,6 +201,12 @@ class TiffSource : public VolumeSource {
   HandlePool<TiffFile> open_;
   BlockCache cache_;
 };
+
+std::optional<DecodedBlocks> TiffSource::decodedBlocks() const {
+  const TiffPage& page = stack_.first;
+  if (!page.packed) return std::nullopt;
+  return DecodedBlocks{{page.block_width, page.block_height, 1}, page.blockBytes(), cache_.decodings()};
+}
 
 void TiffSource::read(const VoxelBox& box, std::span<std::byte> out) {
   assert(intersection(box, boxOf(info_.geometry.dims)) == box);
@@ -210,7 +219,7 @@ void TiffSource::read(const VoxelBox& box, std::span<std::byte> out) {
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
     const VoxelBox in_slice = {{box.lo.x, box.lo.y, z}, {box.hi.x, box.hi.y, z + 1}};
     std::byte* const to = out.data() + static_cast<std::size_t>(z - box.lo.z) * slice_bytes;
-    readSlice(in_slice, map.copies() ? to : stored.data());
+    readSlice(in_slice, box.lo, map.copies() ? to : stored.data());
     if (map.copies()) continue;
     requireFits(map, stored.data(), count, files_[stack_.slices[static_cast<std::size_t>(z)].file], z);
     map.apply(stored.data(), count, to);
@@ -225,7 +234,7 @@ void TiffSource::read(const VoxelBox& box, std::span<std::byte> out) {
 }
 
 // Reads a box of one slice block by block.
-void TiffSource::readSlice(const VoxelBox& box, std::byte* out) {
+void TiffSource::readSlice(const VoxelBox& box, const VoxelCoord& first, std::byte* out) {
   const Slice& slice = stack_.slices[static_cast<std::size_t>(box.lo.z)];
   const auto file = open_.take(slice.file, [&] { return std::make_unique<TiffFile>(files_[slice.file]); });
   file->select(slice.page, slice.directory);
@@ -240,19 +249,20 @@ void TiffSource::readSlice(const VoxelBox& box, std::byte* out) {
                       static_cast<std::size_t>(part.lo.x - box.lo.x) * size;
       const std::size_t row = static_cast<std::size_t>(part.extent().x) * size;
       if (row == line) {
-        readPart(*file, slice, block, part, to);
+        readPart(*file, slice, {block, first}, part, to);
         continue;
       }
       packed.resize(static_cast<std::size_t>(part.count()) * size);
-      readPart(*file, slice, block, part, packed.data());
+      readPart(*file, slice, {block, first}, part, packed.data());
       for (std::size_t y0 = 0; y0 * row < packed.size(); ++y0) std::memcpy(to + y0 * line, &packed[y0 * row], row);
     }
   }
 }
 
 // Reads the rows of `part`, densely packed.
-void TiffSource::readPart(TiffFile& file, const Slice& slice, const VoxelBox& block, const VoxelBox& part,
+void TiffSource::readPart(TiffFile& file, const Slice& slice, const BlockCache::Use& use, const VoxelBox& part,
                           std::byte* out) {
+  const VoxelBox& block = use.block;
   const TiffPage& page = file.page();
   const std::uint64_t size = sizeOf(page.type), stride = static_cast<std::uint64_t>(page.block_width) * size;
   const std::uint64_t row = static_cast<std::uint64_t>(part.extent().x) * size;
@@ -261,7 +271,8 @@ void TiffSource::readPart(TiffFile& file, const Slice& slice, const VoxelBox& bl
                               static_cast<std::uint64_t>(part.lo.x - block.lo.x) * size;
   const std::int64_t index = block.lo.y / page.block_height * page.blocksAcross() + block.lo.x / page.block_width;
   if (page.packed) {
-    const auto bytes = cache_.get({block.lo.z, index}, [&] { return file.decodeBlock(index); });
+    const auto bytes = cache_.get(
+        {block.lo.z, index}, [&](BlockCache::Bytes) { return file.decodeBlock(index); }, use);
     for (std::uint64_t y = 0; y < rows; ++y) std::memcpy(out + y * row, bytes->data() + first + y * stride, row);
     return;
   }

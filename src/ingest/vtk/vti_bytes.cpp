@@ -148,7 +148,8 @@ void VtiArrayBytes::read(std::uint64_t offset, std::span<std::byte> out) {
   if (codec_ == BlockCodec::kNone) return text_.read(length_bytes_ + offset, out);
   for (std::size_t done = 0; done < out.size();) {
     const std::uint64_t at = offset + done, block = at / block_bytes_;
-    const auto bytes = cache_.get({0, static_cast<std::int64_t>(block)}, [&] { return decode(block); });
+    const auto bytes =
+        cache_.get({0, static_cast<std::int64_t>(block)}, [&](BlockCache::Bytes) { return decode(block); });
     const auto from = static_cast<std::size_t>(at - block * block_bytes_);
     const std::size_t count = std::min(bytes->size() - from, out.size() - done);
     std::memcpy(out.data() + done, bytes->data() + from, count);

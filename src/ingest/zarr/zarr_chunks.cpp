@@ -58,7 +58,7 @@ std::uint64_t ZarrChunks::heldBytes() const {
   return shards > most / entry ? most : shards * entry;
 }
 
-BlockCache::Bytes ZarrChunks::decode(const AxisNumbers& index, std::int64_t) {
+BlockCache::Bytes ZarrChunks::decode(const AxisNumbers& index, std::int64_t, BlockCache::Bytes spare) {
   AxisNumbers file(index.size()), inner(index.size());
   for (std::size_t axis = 0; axis < index.size(); ++axis) {
     file[axis] = index[axis] / in_file_[axis];
@@ -71,7 +71,8 @@ BlockCache::Bytes ZarrChunks::decode(const AxisNumbers& index, std::int64_t) {
     return {};
   }
   if (array_.has_block_headers) return unpackBlock(packed, at);
-  BlockCache::Bytes out(productOf(array_.chunk_shape) * voxelBytes());
+  BlockCache::Bytes out = std::move(spare);
+  out.resize(productOf(array_.chunk_shape) * voxelBytes());
   decodeVoxels(array_.codecs, array_.number, packed, out, at);
   return out;
 }
@@ -107,7 +108,7 @@ void ZarrChunks::requireArray() const {
 }
 
 std::optional<ZarrChunks::Part> ZarrChunks::partOf(const File& shard, std::int64_t file, std::int64_t place) {
-  const auto table = indexes_.get({file, 0}, [&] { return shardIndex(shard); });
+  const auto table = indexes_.get({file, 0}, [&](BlockCache::Bytes) { return shardIndex(shard); });
   ByteTaker entry{std::span(*table).subspan(static_cast<std::uint64_t>(place) * kEntryBytes)};
   Part part;
   part.offset = entry.take<std::uint64_t>();

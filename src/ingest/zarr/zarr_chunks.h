@@ -23,7 +23,7 @@ class ZarrChunks : public ChunkedArray {
   struct Part {
     std::uint64_t offset = 0, bytes = 0;
   };
-  BlockCache::Bytes decode(const AxisNumbers& index, std::int64_t place) override;
+  BlockCache::Bytes decode(const AxisNumbers& index, std::int64_t place, BlockCache::Bytes spare) override;
   std::vector<std::byte> packedChunk(std::int64_t file, std::int64_t place, ChunkPlace& at);
   std::optional<Part> partOf(const File& shard, std::int64_t file, std::int64_t place);
   BlockCache::Bytes shardIndex(const File& shard) const;
