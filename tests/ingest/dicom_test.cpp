@@ -327,6 +327,68 @@ TEST(IngestDicom, DosesAreScaledAndLieWhereTheirOffsetsSay) {
   }
 }
 
+std::string shortsOf(const std::vector<int>& numbers, DicomSyntax syntax) {
+  std::string out;
+  for (const int number : numbers) {
+    const char high = static_cast<char>(number >> 8), low = static_cast<char>(number);
+    out += syntax == DicomSyntax::kExplicitBig ? std::string{high, low} : std::string{low, high};
+  }
+  return out;
+}
+
+// Known from PS3.3, C.11.1: entry i stands for the stored value `first` + i, and the end entries for all beyond.
+TEST(IngestDicom, TableOfTheModality_mapsStoredValues) {
+  for (const DicomSyntax syntax :
+       {DicomSyntax::kExplicitLittle, DicomSyntax::kImplicitLittle, DicomSyntax::kExplicitBig}) {
+    const ForeignFiles files;
+    DicomSpec spec;
+    spec.syntax = syntax;
+    spec.rows = 1;
+    spec.pixel_bytes = shortsOf({-1000, -2, -1, 0, 1000}, syntax);
+    const auto voxels = [&](const std::string& descriptor, const std::string& data) {
+      spec.lut_descriptor = descriptor, spec.lut_data = data;
+      const auto source = openSource(files.write("a.dcm", dicomFile(spec)));
+      std::vector<std::byte> bytes = readWhole(*source);
+      if (source->info().type != VoxelType::u16) return std::vector<int>{static_cast<int>(bytes.size())};
+      std::vector<std::uint16_t> wide(bytes.size() / 2);
+      std::memcpy(wide.data(), bytes.data(), bytes.size());
+      return std::vector<int>(wide.begin(), wide.end());
+    };
+    EXPECT_EQ(voxels(shortsOf({3, -2, 16}, syntax), shortsOf({7, 40000, 9}, syntax)),
+              (std::vector<int>{7, 7, 40000, 9, 9}));
+    // 65536 entries are written as 0.
+    std::vector<int> squares(65536);
+    for (int i = 0; i < 65536; ++i) squares[static_cast<std::size_t>(i)] = i % 251;
+    EXPECT_EQ(voxels(shortsOf({0, -32768, 16}, syntax), shortsOf(squares, syntax)),
+              (std::vector<int>{31768 % 251, 32766 % 251, 32767 % 251, 32768 % 251, 33768 % 251}));
+    EXPECT_EQ(voxels(shortsOf({2, -1, 8}, syntax), shortsOf({7, 9}, syntax)), std::vector<int>{5}) << "bytes";
+    EXPECT_EQ(readWhole(*openSource(files.directory() / "a.dcm")),
+              (std::vector<std::byte>{std::byte{7}, std::byte{7}, std::byte{7}, std::byte{9}, std::byte{9}}));
+  }
+}
+
+TEST(IngestDicom, TableThatOtherSlicesLack_isRefused) {
+  const ForeignFiles files;
+  for (int z = 0; z < 3; ++z) {
+    DicomSpec spec;
+    spec.pixel_bytes = std::string(40, '\1');
+    spec.position = "0\\0\\" + std::to_string(z);
+    if (z == 1) spec.lut_descriptor = std::string("\2\0\0\0\20\0", 6), spec.lut_data = "abcd";
+    files.write("s" + std::to_string(z), dicomFile(spec));
+  }
+  expectRefused(files.directory(), ErrorCode::kFormat, "maps its values by a lookup table");
+}
+
+// Known: a word's second byte is the first pixel. Frames of 9 pixels begin inside words.
+TEST(IngestDicom, BytesInBigEndianWords_readBack) {
+  const ForeignVolume volume = randomVolume({3, 3, 4}, VoxelType::u8, 77);
+  const ForeignFiles files;
+  DicomSpec spec = specOf(volume, 0, 4, DicomSyntax::kExplicitBig);
+  spec.in_words = true;
+  for (std::size_t i = 0; i < spec.pixel_bytes.size(); i += 2) std::swap(spec.pixel_bytes[i], spec.pixel_bytes[i + 1]);
+  expectReadsBack(volume, files.write("a.dcm", dicomFile(spec)), 78);
+}
+
 TEST(IngestDicom, WhatIsNotReadIsRefusedByName) {
   const ForeignFiles files;
   const auto expect = [&](const DicomSpec& spec, ErrorCode code, const std::string& says) {
@@ -341,8 +403,12 @@ TEST(IngestDicom, WhatIsNotReadIsRefusedByName) {
   expect(s, ErrorCode::kUnsupported, "palette");
   s = spec, s.bits_allocated = 12, s.bits_stored = 12;
   expect(s, ErrorCode::kUnsupported, "12 bits");
-  s = spec, s.modality_lut = true;
-  expect(s, ErrorCode::kUnsupported, "lookup table");
+  s = spec, s.lut_descriptor = "xx";
+  expect(s, ErrorCode::kFormat, "(0028,3002): expected 3 numbers (found 1)");
+  s = spec, s.lut_descriptor = std::string("\4\0\0\0\7\0", 6), s.lut_data = "abcd";
+  expect(s, ErrorCode::kFormat, "(0028,3002): expected 8 to 16 bits an entry (found 7)");
+  s = spec, s.lut_descriptor = std::string("\4\0\0\0\14\0", 6), s.lut_data = "abcd";
+  expect(s, ErrorCode::kFormat, "(0028,3006): expected 4 entries (found 4 bytes)");
   s = spec, s.pixels = false;
   expect(s, ErrorCode::kUnsupported, "no pixel data");
   s = spec, s.rows = 0;

@@ -22,7 +22,7 @@ constexpr DicomTag kPixelData = 0x7fe00010, kFloatPixelData = 0x7fe00008, kDoubl
                    kTransferSyntax = 0x00020010;
 constexpr const char* kDeflated = "1.2.840.10008.1.2.1.99";
 constexpr std::uint32_t kUndefined = 0xffffffff;
-constexpr std::uint64_t kMaxValueBytes = 1 << 16;
+constexpr std::uint64_t kMaxValueBytes = 1 << 17;  // a table of 65536 entries
 constexpr int kMaxDepth = 32;
 
 struct Head {
@@ -219,11 +219,19 @@ std::vector<double> DicomSet::numbers(DicomTag tag) const {
   return out;
 }
 
-std::optional<int> DicomSet::number(DicomTag tag) const {
+std::vector<std::uint16_t> DicomSet::shorts(DicomTag tag) const {
   const DicomElement* const element = find(tag);
-  if (element == nullptr || element->value.size() < 2) return std::nullopt;
-  const auto a = static_cast<unsigned char>(element->value[0]), b = static_cast<unsigned char>(element->value[1]);
-  return element->big_endian ? a << 8 | b : b << 8 | a;
+  std::vector<std::uint16_t> out;
+  for (std::size_t i = 0; element != nullptr && i + 1 < element->value.size(); i += 2) {
+    const auto a = static_cast<unsigned char>(element->value[i]), b = static_cast<unsigned char>(element->value[i + 1]);
+    out.push_back(static_cast<std::uint16_t>(element->big_endian ? a << 8 | b : b << 8 | a));
+  }
+  return out;
+}
+
+std::optional<int> DicomSet::number(DicomTag tag) const {
+  const std::vector<std::uint16_t> all = shorts(tag);
+  return all.empty() ? std::nullopt : std::optional<int>(all.front());
 }
 
 DicomFile readDicomElements(const File& file, const std::vector<DicomTag>& wanted) {

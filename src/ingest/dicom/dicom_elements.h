@@ -24,6 +24,8 @@ class DicomSet {
   std::string text(DicomTag tag) const;
   /// Returns the finite numbers of a text value; empty if any of them is not a finite number.
   std::vector<double> numbers(DicomTag tag) const;
+  /// Returns all numbers of a value of unsigned shorts; empty if there is no value.
+  std::vector<std::uint16_t> shorts(DicomTag tag) const;
   /// Returns an unsigned short.
   std::optional<int> number(DicomTag tag) const;
 

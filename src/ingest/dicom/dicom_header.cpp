@@ -25,7 +25,7 @@ constexpr DicomTag kModality = 0x00080060, kDescription = 0x0008103e, kThickness
                    kSamples = 0x00280002, kPhotometric = 0x00280004, kFrames = 0x00280008, kRows = 0x00280010,
                    kColumns = 0x00280011, kSpacing = 0x00280030, kBitsAllocated = 0x00280100, kBitsStored = 0x00280101,
                    kHighBit = 0x00280102, kSigned = 0x00280103, kIntercept = 0x00281052, kSlope = 0x00281053,
-                   kModalityLut = 0x00283000, kFrameOffsets = 0x3004000c, kDoseScaling = 0x3004000e;
+                   kFrameOffsets = 0x3004000c, kDoseScaling = 0x3004000e;
 // Functional groups: shared by all frames, one for each frame, and their members.
 constexpr DicomTag kShared = 0x52009229, kPerFrame = 0x52009230, kPlanePosition = 0x00209113,
                    kPlaneOrientation = 0x00209116, kMeasures = 0x00289110, kTransformation = 0x00289145;
@@ -126,17 +126,12 @@ std::string refusalOf(const DicomFile& file, const DicomPixels& pixels) {
   if (pixels.bits_allocated != 8 && pixels.bits_allocated != 16 && pixels.bits_allocated != 32) {
     return fmt::format("allocates {} bits a pixel; 8, 16 and 32 are read", pixels.bits_allocated);
   }
-  if (file.set.find(kModalityLut) != nullptr)
-    return "maps its values by a lookup table (modality LUT), which is not read";
   if (!among(kPlain) && !among(kPacked)) {
     return fmt::format("has its pixels in transfer syntax {}, which is not read", inQuotes(file.transfer_syntax));
   }
   if (among(kPacked) && pixels.high_bit != pixels.bits_stored - 1) {
     return fmt::format("is compressed with {} bits stored up to bit {}, which is not read", pixels.bits_stored,
                        pixels.high_bit);
-  }
-  if (file.big_endian && pixels.bits_allocated == 8 && file.pixels_representation == "OW") {
-    return "holds bytes in big-endian words, which are not read";
   }
   return "";
 }
@@ -165,6 +160,7 @@ DicomPixels pixelsOf(const DicomFile& file, const fs::path& path) {
          fmt::format("{} bits stored up to bit {} of {} allocated", out.bits_stored, out.high_bit, out.bits_allocated));
   }
   out.big_endian = file.big_endian;
+  out.in_words = file.big_endian && out.bits_allocated == 8 && file.pixels_representation == "OW";
   out.packed = !file.pixels_bytes.has_value();
   out.deflated_offset_bytes = file.deflated_offset_bytes;
   out.offset_bytes = file.pixels_offset_bytes;
@@ -211,12 +207,12 @@ VoxelType DicomPixels::storedType() const {
 
 DicomHeader readDicomHeader(const fs::path& path) {
   const File file(path);
-  const DicomFile parsed =
-      readDicomElements(file, {kModality,  kDescription,   kThickness,        kBetween,      kSeries,        kInstance,
-                               kPosition,  kOrientation,   kSamples,          kPhotometric,  kFrames,        kRows,
-                               kColumns,   kSpacing,       kBitsAllocated,    kBitsStored,   kHighBit,       kSigned,
-                               kIntercept, kSlope,         kModalityLut,      kFrameOffsets, kDoseScaling,   kShared,
-                               kPerFrame,  kPlanePosition, kPlaneOrientation, kMeasures,     kTransformation});
+  const DicomFile parsed = readDicomElements(
+      file, {kModality,         kDescription, kThickness,     kBetween,     kSeries,    kInstance, kPosition,
+             kOrientation,      kSamples,     kPhotometric,   kFrames,      kRows,      kColumns,  kSpacing,
+             kBitsAllocated,    kBitsStored,  kHighBit,       kSigned,      kIntercept, kSlope,    kModalityLut,
+             kLutDescriptor,    kLutData,     kFrameOffsets,  kDoseScaling, kShared,    kPerFrame, kPlanePosition,
+             kPlaneOrientation, kMeasures,    kTransformation});
   DicomHeader out;
   out.path = path;
   out.series = parsed.set.text(kSeries);
@@ -233,6 +229,8 @@ DicomHeader readDicomHeader(const fs::path& path) {
   const auto count = static_cast<std::size_t>(out.pixels.frames);
   try {
     for (std::size_t i = 0; i < count; ++i) out.frames.push_back(checkedFrame(parsed.set, i, out, path));
+    if (std::optional<DicomLut> lut = modalityLut(parsed.set, out.pixels.is_signed, path))
+      out.lut = std::make_shared<const DicomLut>(*std::move(lut));
   } catch (const Error& error) {
     // Only slices taken into the volume must be valid.
     out.fault = error;

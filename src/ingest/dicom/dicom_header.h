@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "grid/voxel_type.h"
 #include "ingest/bytes/value_map.h"
 #include "ingest/dicom/dicom_fragments.h"
+#include "ingest/dicom/dicom_lut.h"
 
 namespace kiln {
 
@@ -24,6 +26,8 @@ struct DicomPixels {
   /// True if the smallest value is shown white (MONOCHROME1).
   bool smallest_is_white = false;
   bool big_endian = false;
+  /// True for bytes in big-endian words: the first of two pixels is the second byte of a word.
+  bool in_words = false;
   /// True for compressed pixels, decoded frame by frame. Uncompressed frames lie at `offset_bytes`, x fastest: in the
   /// file, or, if `deflated_offset_bytes` is not 0, in the elements inflated from there.
   bool packed = false;
@@ -72,6 +76,8 @@ struct DicomHeader {
   std::optional<Error> fault;
   DicomPixels pixels;
   std::vector<DicomFrame> frames;
+  /// Null for values with a slope and an intercept. Slices with equal tables share one.
+  std::shared_ptr<const DicomLut> lut;
 };
 
 /// throws: Error kNotFound, kIo, kFormat if the file is not DICOM, is cut short, or its header contradicts itself;

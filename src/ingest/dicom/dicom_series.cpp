@@ -112,6 +112,11 @@ void requireAlike(const std::vector<DicomHeader>& files) {
     fail(*odd, fmt::format("is {} of {}", extent, type(*odd)), *usual,
          fmt::format("is {} of {}", extent, type(*usual)));
   }
+  const auto table = [](const DicomHeader& file) {
+    return std::string(file.lut ? "maps its values by a lookup table (modality LUT)" : "has no lookup table");
+  };
+  if (const auto found = oddAndUsual(files, table))
+    fail(*found->first, table(*found->first), *found->second, table(*found->second));
   if (const auto found = oddAndUsual(files, white))
     fail(*found->first, white(*found->first), *found->second, white(*found->second));
 }
@@ -226,6 +231,8 @@ std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions
   for (const std::size_t i : taken) out.push_back(std::move(all[i]));
   requireAlike(out);
   requireScaledAlike(out, options, notes);
+  for (std::size_t i = 1; i < out.size(); ++i)
+    if (out[i].lut && *out[i].lut == *out[i - 1].lut) out[i].lut = out[i - 1].lut;
   if (series.size() > 1) notes.push_back(fmt::format("passed over {} other series", series.size() - 1));
   return out;
 }

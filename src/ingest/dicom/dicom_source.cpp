@@ -1,7 +1,7 @@
 // A DICOM series: slices in files of their own, or frames of one file. Uncompressed rows are read in place, any box
 // from any thread. A compressed frame is decoded whole and cached for neighbouring boxes.
-// Values are rescaled, in the narrowest type that holds all of them exactly. Values of MONOCHROME1 images (zero is
-// white) are not inverted; a note reports the fact.
+// Values are rescaled, in the narrowest type that holds all of them exactly, or mapped by a table. Values of
+// MONOCHROME1 images (zero is white) are not inverted; a note reports the fact.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -70,7 +70,8 @@ class DicomSource : public VolumeSource {
     const std::uint64_t frame_bytes = files_.front().pixels.frameBytes();
     if (any([](const DicomHeader& h) { return h.pixels.packed; })) return 3 * frame_bytes;
     const bool deflated = any([](const DicomHeader& h) { return h.pixels.deflated_offset_bytes > 0; });
-    return deflated ? frame_bytes + InflateStream::kHeldBytes : 0;
+    if (deflated) return frame_bytes + InflateStream::kHeldBytes;
+    return any([](const DicomHeader& h) { return h.pixels.in_words; }) ? 2 * frame_bytes : 0;
   }
   std::optional<DecodedBlocks> decodedBlocks() const override {
     const DicomPixels& pixels = files_.front().pixels;
@@ -92,6 +93,8 @@ class DicomSource : public VolumeSource {
   std::vector<DicomHeader> files_;
   std::vector<DicomSlice> slices_;
   std::vector<std::byte> inflatedFrame(const DicomSlice& slice);
+  std::vector<std::byte> frameInWords(const DicomSlice& slice) const;
+  std::vector<std::byte> wholeFrame(const DicomSlice& slice);
 
   static constexpr std::size_t kIdleStreams = 16;  // of InflateStream::kHeldBytes each
 
@@ -114,6 +117,23 @@ std::vector<std::byte> DicomSource::inflatedFrame(const DicomSlice& slice) {
   return out;
 }
 
+// A frame may begin and end inside a word.
+std::vector<std::byte> DicomSource::frameInWords(const DicomSlice& slice) const {
+  const DicomPixels& pixels = files_[slice.file].pixels;
+  const std::uint64_t at = static_cast<std::uint64_t>(slice.frame) * pixels.frameBytes(), first = at / 2 * 2;
+  std::vector<std::byte> words(static_cast<std::size_t>((at + pixels.frameBytes() + 1) / 2 * 2 - first));
+  File(files_[slice.file].path).readAt(pixels.offset_bytes + first, words);
+  swapBytes(words.data(), words.size() / 2, 2);
+  const auto begin = words.begin() + static_cast<std::ptrdiff_t>(at - first);
+  return {begin, begin + static_cast<std::ptrdiff_t>(pixels.frameBytes())};
+}
+
+std::vector<std::byte> DicomSource::wholeFrame(const DicomSlice& slice) {
+  const DicomHeader& header = files_[slice.file];
+  if (header.pixels.packed) return decodeDicomFrame(header, slice.frame);
+  return header.pixels.in_words ? frameInWords(slice) : inflatedFrame(slice);
+}
+
 // Reads the stored values of a part of one slice.
 void DicomSource::readStored(const VoxelBox& in_slice, std::byte* out) {
   const DicomSlice& slice = slices_[static_cast<std::size_t>(in_slice.lo.z)];
@@ -125,10 +145,8 @@ void DicomSource::readStored(const VoxelBox& in_slice, std::byte* out) {
   const auto rows = static_cast<std::uint64_t>(in_slice.extent().y);
   const std::uint64_t row = static_cast<std::uint64_t>(in_slice.extent().x) * size;
   const auto count = static_cast<std::size_t>(in_slice.count());
-  if (pixels.packed || pixels.deflated_offset_bytes > 0) {
-    const auto frame_values = cache_.get({in_slice.lo.z, 0}, [&](BlockCache::Bytes) {
-      return pixels.packed ? decodeDicomFrame(header, slice.frame) : inflatedFrame(slice);
-    });
+  if (pixels.packed || pixels.deflated_offset_bytes > 0 || pixels.in_words) {
+    const auto frame_values = cache_.get({in_slice.lo.z, 0}, [&](BlockCache::Bytes) { return wholeFrame(slice); });
     for (std::uint64_t y = 0; y < rows; ++y) std::memcpy(out + y * row, frame_values->data() + first + y * line, row);
   } else {
     const auto file = open_.take(slice.file, [&] { return std::make_unique<File>(header.path); });
@@ -157,20 +175,28 @@ void DicomSource::read(const VoxelBox& box, std::span<std::byte> out) {
   std::byte* to = out.data();
   for (std::int64_t z = box.lo.z; z < box.hi.z; ++z, to += count * sizeOf(info_.type)) {
     const VoxelBox in_slice = {{box.lo.x, box.lo.y, z}, {box.hi.x, box.hi.y, z + 1}};
-    const DicomFrame& f = frame(slices_[static_cast<std::size_t>(z)]);
-    const ValueMap map = f.map(stored(), info_.type);
-    if (map.copies()) {
+    const DicomSlice& slice = slices_[static_cast<std::size_t>(z)];
+    const ValueMap map = frame(slice).map(stored(), info_.type);
+    const DicomLut* const lut = files_[slice.file].lut.get();
+    if (map.copies() && lut == nullptr) {
       readStored(in_slice, to);
       continue;
     }
     values.resize(count * sizeOf(map.from));
     readStored(in_slice, values.data());
-    map.apply(values.data(), count, to);
+    if (lut != nullptr)
+      lut->apply(map.from.voxel(), values.data(), count, info_.type, to);
+    else
+      map.apply(values.data(), count, to);
   }
 }
 
 // Returns the narrowest type for all possible values, else for all values that occur.
 VoxelType DicomSource::type() {
+  if (files_.front().lut) {
+    const auto is_wide = [](const DicomHeader& file) { return file.lut->type() == VoxelType::u16; };
+    return std::any_of(files_.begin(), files_.end(), is_wide) ? VoxelType::u16 : VoxelType::u8;
+  }
   double least = std::numeric_limits<double>::infinity(), most = -least;
   bool whole = true, same = true, merges = false;
   for (const DicomSlice& s : slices_) {

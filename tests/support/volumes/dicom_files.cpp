@@ -145,14 +145,19 @@ std::string dicomFile(const DicomSpec& spec) {
     out.text(0x28, 0x1052, "DS", spec.intercept);
     out.text(0x28, 0x1053, "DS", spec.slope);
   }
-  if (spec.modality_lut) out.sequence(0x28, 0x3000, {out.empty()});
+  if (!spec.lut_descriptor.empty()) {
+    Elements table = out.empty();
+    table.add(0x28, 0x3002, "US", spec.lut_descriptor);
+    table.add(0x28, 0x3006, "OW", spec.lut_data);
+    out.sequence(0x28, 0x3000, {table});
+  }
   out.text(0x3004, 0x0c, "DS", spec.frame_offsets);
   out.text(0x3004, 0x0e, "DS", spec.dose_scaling);
   if (grouped) addFunctionalGroups(out, spec);
   Elements pixels(spec.syntax);
   if (spec.pixels) {
     const std::string padding(spec.pixel_bytes.size() % 2, '\0');
-    pixels.add(0x7fe0, 0x10, spec.bits_allocated == 8 ? "OB" : "OW", spec.pixel_bytes + padding);
+    pixels.add(0x7fe0, 0x10, spec.bits_allocated == 8 && !spec.in_words ? "OB" : "OW", spec.pixel_bytes + padding);
   }
   const std::string elements = out.bytes() + spec.elements + pixels.bytes();
   return metaHeader(spec.syntax, spec.preamble) +

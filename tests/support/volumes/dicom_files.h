@@ -28,7 +28,9 @@ struct DicomSpec {
   std::vector<std::string> frame_positions;
   bool pixels = true;
   bool image = true;  // false: without rows and columns, as reports are
-  bool modality_lut = false;
+  /// The modality's table: three numbers, and the entries, as bytes of the syntax.
+  std::string lut_descriptor, lut_data;
+  bool in_words = false;  // pixels of 8 bits in words
   /// Attributes of a dose grid.
   std::string frame_offsets, dose_scaling;
   /// Elements right before the pixels, as bytes of the syntax.
