@@ -132,8 +132,8 @@ class Parser {
 
   // Implicit files do not mark sequences; among the wanted tags, the tags below are sequences.
   static bool isGroups(DicomTag tag) {
-    constexpr std::array<DicomTag, 7> kSequences = {0x00209113, 0x00209116, 0x00283000, 0x00289110,
-                                                    0x00289145, 0x52009229, 0x52009230};
+    constexpr std::array<DicomTag, 8> kSequences = {0x00209113, 0x00209116, 0x00283000, 0x00289110,
+                                                    0x00289145, 0x0062000a, 0x52009229, 0x52009230};
     return std::find(kSequences.begin(), kSequences.end(), tag) != kSequences.end();
   }
 

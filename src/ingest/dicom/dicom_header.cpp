@@ -30,6 +30,8 @@ constexpr DicomTag kModality = 0x00080060, kDescription = 0x0008103e, kThickness
 constexpr DicomTag kShared = 0x52009229, kPerFrame = 0x52009230, kPlanePosition = 0x00209113,
                    kPlaneOrientation = 0x00209116, kMeasures = 0x00289110, kTransformation = 0x00289145;
 
+constexpr DicomTag kSegmentation = 0x00620001, kSegmentOfFrame = 0x0062000a, kSegmentNumber = 0x0062000b;
+
 // Places of a frame's attribute, in order of precedence: its own group, the shared group, the top of the file. Null
 // if a group is missing.
 std::array<const DicomSet*, 3> placesOf(const DicomSet& top, std::size_t frame, DicomTag group) {
@@ -123,7 +125,12 @@ std::string refusalOf(const DicomFile& file, const DicomPixels& pixels) {
     return "is deflated, and its pixels are compressed once more";
   if (photometric == "PALETTE COLOR") return "holds indices into a palette of colours, not one value a pixel";
   if (samples != 1) return fmt::format("holds {} samples a pixel ({}); Kiln reads one", samples, inQuotes(photometric));
-  if (pixels.bits_allocated != 8 && pixels.bits_allocated != 16 && pixels.bits_allocated != 32) {
+  const std::string segmentation = file.set.text(kSegmentation);
+  if (segmentation == "FRACTIONAL") return "holds fractions of segments, not labels";
+  if (segmentation == "BINARY" && pixels.bits_allocated == 1) {
+    if (pixels.packed) return "holds compressed bits of segments, which are not read";
+    if (file.big_endian) return "holds bits of segments in big-endian words, which are not read";
+  } else if (pixels.bits_allocated != 8 && pixels.bits_allocated != 16 && pixels.bits_allocated != 32) {
     return fmt::format("allocates {} bits a pixel; 8, 16 and 32 are read", pixels.bits_allocated);
   }
   if (!among(kPlain) && !among(kPacked)) {
@@ -176,8 +183,10 @@ void requirePixels(const DicomPixels& pixels, const DicomFile& parsed, const Fil
                                  : file.size() - pixels.offset_bytes;
   const std::uint64_t said = parsed.pixels_bytes.value_or(room);
   const auto count = static_cast<std::uint64_t>(pixels.frames);
+  const auto frame_bits =
+      static_cast<std::uint64_t>(pixels.columns * pixels.rows) * static_cast<std::uint64_t>(pixels.bits_allocated);
   // Each compressed frame takes at least the tag and the length of one item (8 bytes).
-  if (pixels.packed ? count <= room / 8 : count <= std::min(room, said) / pixels.frameBytes()) return;
+  if (pixels.packed ? count <= room / 8 : count <= std::min({room, said, UINT64_MAX / 8}) * 8 / frame_bits) return;
   throw Error(ErrorCode::kFormat, file.path(), fmt::format("byte {}", pixels.offset_bytes),
               fmt::format("{} x {} x {} pixels of {} bits should follow, but there are {} bytes; the file is cut short "
                           "or its header is wrong",
@@ -197,10 +206,27 @@ DicomFrame checkedFrame(const DicomSet& set, std::size_t index, const DicomHeade
   return out;
 }
 
+// throws: Error kFormat if a frame names no segment.
+std::vector<int> segmentsOf(const DicomSet& top, std::size_t frames, const fs::path& path) {
+  if (top.item(kPerFrame, frames - 1) == nullptr)
+    throw Error(ErrorCode::kFormat, path, fmt::format("frame {}", frames), "has no group of its own, and so no place");
+  std::vector<int> out;
+  for (std::size_t i = 0; i < frames; ++i) {
+    for (const DicomSet* const place : placesOf(top, i, kSegmentOfFrame)) {
+      const int number = place == nullptr ? 0 : place->number(kSegmentNumber).value_or(0);
+      if (number == 0) continue;
+      out.push_back(number);
+      break;
+    }
+    if (out.size() == i) throw Error(ErrorCode::kFormat, path, fmt::format("frame {}", i + 1), "names no segment");
+  }
+  return out;
+}
+
 }  // namespace
 
 VoxelType DicomPixels::storedType() const {
-  if (bits_allocated == 8) return is_signed ? VoxelType::i8 : VoxelType::u8;
+  if (bits_allocated <= 8) return is_signed ? VoxelType::i8 : VoxelType::u8;
   if (bits_allocated == 16) return is_signed ? VoxelType::i16 : VoxelType::u16;
   return is_signed ? VoxelType::i32 : VoxelType::u32;
 }
@@ -208,11 +234,12 @@ VoxelType DicomPixels::storedType() const {
 DicomHeader readDicomHeader(const fs::path& path) {
   const File file(path);
   const DicomFile parsed = readDicomElements(
-      file, {kModality,         kDescription, kThickness,     kBetween,     kSeries,    kInstance, kPosition,
-             kOrientation,      kSamples,     kPhotometric,   kFrames,      kRows,      kColumns,  kSpacing,
-             kBitsAllocated,    kBitsStored,  kHighBit,       kSigned,      kIntercept, kSlope,    kModalityLut,
-             kLutDescriptor,    kLutData,     kFrameOffsets,  kDoseScaling, kShared,    kPerFrame, kPlanePosition,
-             kPlaneOrientation, kMeasures,    kTransformation});
+      file,
+      {kModality,         kDescription, kThickness,      kBetween,      kSeries,         kInstance,     kPosition,
+       kOrientation,      kSamples,     kPhotometric,    kFrames,       kRows,           kColumns,      kSpacing,
+       kBitsAllocated,    kBitsStored,  kHighBit,        kSigned,       kIntercept,      kSlope,        kModalityLut,
+       kLutDescriptor,    kLutData,     kFrameOffsets,   kDoseScaling,  kShared,         kPerFrame,     kPlanePosition,
+       kPlaneOrientation, kMeasures,    kTransformation, kSegmentation, kSegmentOfFrame, kSegmentNumber});
   DicomHeader out;
   out.path = path;
   out.series = parsed.set.text(kSeries);
@@ -228,6 +255,7 @@ DicomHeader readDicomHeader(const fs::path& path) {
   requirePixels(out.pixels, parsed, file);
   const auto count = static_cast<std::size_t>(out.pixels.frames);
   try {
+    if (out.pixels.bits_allocated == 1) out.segments = segmentsOf(parsed.set, count, path);
     for (std::size_t i = 0; i < count; ++i) out.frames.push_back(checkedFrame(parsed.set, i, out, path));
     if (std::optional<DicomLut> lut = modalityLut(parsed.set, out.pixels.is_signed, path))
       out.lut = std::make_shared<const DicomLut>(*std::move(lut));

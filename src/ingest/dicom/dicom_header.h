@@ -35,7 +35,7 @@ struct DicomPixels {
   /// The unique identifier of the encoding (a UID).
   std::string transfer_syntax;
 
-  /// The type of the stored values. requires: 8, 16 or 32 bits allocated.
+  /// The type of the stored values. requires: 1, 8, 16 or 32 bits allocated.
   VoxelType storedType() const;
   std::uint64_t frameBytes() const { return static_cast<std::uint64_t>(columns * rows) * sizeOf(storedType()); }
 };
@@ -76,6 +76,8 @@ struct DicomHeader {
   std::optional<Error> fault;
   DicomPixels pixels;
   std::vector<DicomFrame> frames;
+  /// The segment of each frame of a binary segmentation object, whose pixels are bits; empty for images.
+  std::vector<int> segments;
   /// Null for values with a slope and an intercept. Slices with equal tables share one.
   std::shared_ptr<const DicomLut> lut;
 };

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "ingest/dicom/dicom_segmentation.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"
 
@@ -249,6 +250,7 @@ std::vector<ListedVolume> listDicom(const std::vector<fs::path>& files) {
     volume.kind = fmt::format("{} {}", first.modality, inQuotes(first.description));
     volume.dims = Extent3{first.pixels.columns, first.pixels.rows, entry.slices};
     volume.refusal = first.refusal;
+    if (!first.segments.empty()) volume.dims = segmentationDims(first);
     if (first.refusal.empty()) volume.type = first.pixels.storedType();
     if (series.size() > 1 && !uid.empty()) volume.option = "--series " + uid;
   }

@@ -21,6 +21,7 @@
 #include "ingest/bytes/value_map.h"
 #include "ingest/dicom/dicom_bytes.h"
 #include "ingest/dicom/dicom_decode.h"
+#include "ingest/dicom/dicom_segmentation.h"
 #include "ingest/dicom/dicom_series.h"
 #include "ingest/source/formats.h"
 
@@ -247,12 +248,24 @@ bool DicomSource::storedFit(double lo, double hi) {
   return fit;
 }
 
+// Each segmentation object is a volume.
+const DicomHeader& onlyOf(const std::vector<DicomHeader>& files, const fs::path& input) {
+  if (files.size() == 1) return files.front();
+  throw Error(ErrorCode::kUsage, input, "",
+              fmt::format("holds {} segmentation objects in one series; name the file of one, as {}", files.size(),
+                          files.front().path.string()));
+}
+
 }  // namespace
 
 std::unique_ptr<VolumeSource> openDicom(const SliceFiles& input, const SourceOptions& options) {
   SourceInfo info;
   info.notes = input.notes;
   std::vector<DicomHeader> files = readSeries(input, options, info.notes);
+  if (input.files.size() != 1 || input.files.front() != input.input) info.files.push_back(input.input);
+  for (const DicomHeader& header : files) info.files.push_back(header.path);
+  info.format = fmt::format("DICOM, series {}", files.front().series);
+  if (!files.front().segments.empty()) return openSegmentation(std::move(info), onlyOf(files, input.input), options);
   if (files.front().pixels.smallest_is_white)
     info.notes.push_back(
         "the DICOM files show their smallest values white (MONOCHROME1); the values are taken as stored, and a "
@@ -260,9 +273,6 @@ std::unique_ptr<VolumeSource> openDicom(const SliceFiles& input, const SourceOpt
   std::vector<DicomSlice> slices;
   info.geometry = arrangeSlices(input.input, files, options, slices, info.notes);
   checkedBytes(info.geometry.dims, files.front().pixels.storedType(), input.input);
-  info.format = fmt::format("DICOM, series {}", files.front().series);
-  if (input.files.size() != 1 || input.files.front() != input.input) info.files.push_back(input.input);
-  for (const DicomHeader& header : files) info.files.push_back(header.path);
   return std::make_unique<DicomSource>(std::move(info), std::move(files), std::move(slices));
 }
 

@@ -102,10 +102,14 @@ void addFunctionalGroups(Elements& out, const DicomSpec& spec) {
   wrapped(0x28, 0x9110, measures, shared);
   wrapped(0x28, 0x9145, values, shared);
   std::vector<Elements> frames;
-  for (const std::string& text : spec.frame_positions) {
-    Elements position = out.empty(), frame = out.empty();
-    position.text(0x20, 0x32, "DS", text);
+  for (std::size_t i = 0; i < spec.frame_positions.size(); ++i) {
+    Elements position = out.empty(), segment = out.empty(), frame = out.empty();
+    position.text(0x20, 0x32, "DS", spec.frame_positions[i]);
     wrapped(0x20, 0x9113, position, frame);
+    if (i < spec.frame_segments.size()) {
+      segment.number(0x62, 0x0b, spec.frame_segments[i]);
+      wrapped(0x62, 0x0a, segment, frame);
+    }
     frames.push_back(frame);
   }
   out.sequence(0x5200, 0x9229, {shared});
@@ -151,6 +155,7 @@ std::string dicomFile(const DicomSpec& spec) {
     table.add(0x28, 0x3006, "OW", spec.lut_data);
     out.sequence(0x28, 0x3000, {table});
   }
+  out.text(0x62, 0x01, "CS", spec.segmentation);
   out.text(0x3004, 0x0c, "DS", spec.frame_offsets);
   out.text(0x3004, 0x0e, "DS", spec.dose_scaling);
   if (grouped) addFunctionalGroups(out, spec);

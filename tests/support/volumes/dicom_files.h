@@ -28,6 +28,9 @@ struct DicomSpec {
   std::vector<std::string> frame_positions;
   bool pixels = true;
   bool image = true;  // false: without rows and columns, as reports are
+  /// BINARY for a segmentation object; the segment of each frame, in functional groups.
+  std::string segmentation;
+  std::vector<int> frame_segments;
   /// The modality's table: three numbers, and the entries, as bytes of the syntax.
   std::string lut_descriptor, lut_data;
   bool in_words = false;  // pixels of 8 bits in words

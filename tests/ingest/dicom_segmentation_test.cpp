@@ -1,0 +1,118 @@
+// Binary segmentation objects. Known because the test writes the bits of each frame, the lowest bit of a byte first and
+// without padding between frames, and the position and the segment of each frame.
+#include <gtest/gtest.h>
+
+#include "ingest/open_source.h"
+#include "ingest/volume_list.h"
+#include "support/volumes/dicom_files.h"
+#include "support/volumes/foreign_files.h"
+
+namespace kiln::test {
+namespace {
+
+// Bits of frames of 5 x 3 pixels, a text each of '.' and '#'.
+std::string bitsOf(const std::vector<std::string>& frames) {
+  std::string out;
+  std::size_t bit = 0;
+  for (const std::string& frame : frames) {
+    for (const char pixel : frame) {
+      if (bit % 8 == 0) out += '\0';
+      if (pixel == '#') out.back() = static_cast<char>(out.back() | 1 << bit % 8);
+      ++bit;
+    }
+  }
+  return out;
+}
+
+// Frames in no order, at heights 0, 3 and 1 planes of 2 mm; plane 2 is left out, and two segments share plane 1.
+DicomSpec segmentation(DicomSyntax syntax = DicomSyntax::kExplicitLittle) {
+  DicomSpec spec;
+  spec.syntax = syntax;
+  spec.segmentation = "BINARY";
+  spec.modality = "SEG";
+  spec.columns = 5, spec.rows = 3, spec.frames = 4;
+  spec.bits_allocated = spec.bits_stored = 1;
+  spec.is_signed = false;
+  spec.thickness = "2";
+  spec.spacing = "0.5\\0.25";
+  spec.frame_positions = {"1\\2\\36", "1\\2\\30", "1\\2\\32", "1\\2\\32"};
+  spec.frame_segments = {3, 9, 9, 3};
+  spec.pixel_bytes = bitsOf({"#.............#", ".....#####.....", "..#.....#......", "###............"});
+  return spec;
+}
+
+constexpr const char* kExpected[] = {".....99999.....", "339.....9......", "...............", "3.............3"};
+
+ForeignVolume expectedVolume() {
+  ForeignVolume out{{5, 3, 4}, VoxelType::u8, {}};
+  for (const std::string plane : kExpected)
+    for (const char c : plane) out.voxels.push_back(static_cast<std::byte>(c == '.' ? 0 : c - '0'));
+  return out;
+}
+
+TEST(DicomSegmentation, FramesBecomeLabelsInTheirPlanes) {
+  const ForeignFiles files;
+  for (const DicomSyntax syntax :
+       {DicomSyntax::kExplicitLittle, DicomSyntax::kImplicitLittle, DicomSyntax::kDeflated}) {
+    const auto path = files.write("seg.dcm", dicomFile(segmentation(syntax)));
+    expectReadsBack(expectedVolume(), path, 811);
+    const auto source = openSource(path);
+    EXPECT_EQ(source->info().volume_class, VolumeClass::kLabels);
+    EXPECT_EQ(source->info().geometry.worldOf({0, 0, 0}), glm::dvec3(1, 2, 30));
+    EXPECT_EQ(source->info().geometry.worldOf({1, 1, 1}), glm::dvec3(1.25, 2.5, 32));
+    EXPECT_EQ(source->info().notes, std::vector<std::string>{"where segments overlap, the one with the greatest number "
+                                                             "is taken"});
+    EXPECT_EQ(volumesIn(path, {}).at(0).dims, (Extent3{5, 3, 4}));
+  }
+}
+
+TEST(DicomSegmentation, NumbersBeyondAByte_takeTwo) {
+  const ForeignFiles files;
+  DicomSpec spec = segmentation();
+  spec.frame_segments = {300, 9, 9, 300};
+  const auto source = openSource(files.write("seg.dcm", dicomFile(spec)));
+  ASSERT_EQ(source->info().type, VoxelType::u16);
+  const std::vector<std::byte> voxels = readWhole(*source);
+  EXPECT_EQ(voxels[2 * 45], std::byte{300 % 256});
+  EXPECT_EQ(voxels[2 * 45 + 1], std::byte{1});
+  EXPECT_EQ(voxels[2 * 5], std::byte{9});
+}
+
+TEST(DicomSegmentation, FramesThatAreNoVolume_areRefused) {
+  const ForeignFiles files;
+  const auto refused = [&](const DicomSpec& spec, ErrorCode code, const std::string& part) {
+    expectRefused(files.write("seg.dcm", dicomFile(spec)), code, part);
+  };
+  DicomSpec spec = segmentation();
+  spec.segmentation = "FRACTIONAL", spec.bits_allocated = spec.bits_stored = 8;
+  refused(spec, ErrorCode::kUnsupported, "holds fractions of segments");
+  spec = segmentation(), spec.frame_segments.pop_back();
+  refused(spec, ErrorCode::kFormat, "frame 4: names no segment");
+  spec = segmentation(), spec.frame_positions[0] = "1\\2\\35";
+  refused(spec, ErrorCode::kFormat, "frame 1: lies 5 mm above the lowest frame");
+  spec = segmentation(), spec.frame_positions[2] = "1\\3\\32";
+  refused(spec, ErrorCode::kFormat, "frame 3: lies beside the line");
+  spec = segmentation(), spec.frame_positions[1] = "1\\2\\-1e300";
+  refused(spec, ErrorCode::kFormat, "frame 1: ");
+  spec = segmentation(), spec.frame_positions.pop_back();
+  refused(spec, ErrorCode::kFormat, "frame 4: has no group of its own");
+  refused(segmentation(DicomSyntax::kExplicitBig), ErrorCode::kUnsupported, "bits of segments in big-endian words");
+  spec = segmentation(), spec.pixel_bytes.resize(6);
+  refused(spec, ErrorCode::kFormat, "there are 6 bytes");
+  SourceOptions options;
+  options.spacing = glm::dvec3(1);
+  expectRefused(files.write("seg.dcm", dicomFile(segmentation())), ErrorCode::kUsage, "--spacing", options);
+  files.write("two.dcm", dicomFile(segmentation()));
+  expectRefused(files.directory(), ErrorCode::kUsage, "holds 2 segmentation objects in one series; name the file");
+}
+
+TEST(DicomSegmentation, EveryCutIsNoticedAndFlipsAreHarmless) {
+  const ForeignFiles files;
+  const std::string whole = dicomFile(segmentation());
+  const auto path = files.write("seg.dcm", whole);
+  expectNoCutGoesUnnoticed(expectedVolume(), files, "seg.dcm", whole, path);
+  expectBitFlipsAreHarmless(files, "seg.dcm", whole, whole.size(), path, 812);
+}
+
+}  // namespace
+}  // namespace kiln::test
