@@ -245,7 +245,7 @@ TEST_F(ExportFormats, AFailingDiskLeavesOldOrNewFiles) {
     ExportRequest thin = request();
     thin.region = VoxelBox{{0, 0, 0}, {19, 17, 4}};
     exportStore(StoreReader(store), thin, silent_, counting);
-    // Of the many equal calls of formats of several files, each third.
+    // Each third of the many equal calls of formats of several files.
     for (std::uint64_t n = 0; n<counting.calls(); n += counting.calls()> 20 ? 3 : 1) {
       fs::remove_all(directory_);
       fs::create_directory(directory_);
@@ -366,6 +366,21 @@ TEST_F(ExportStore, AnInterruptedZarrGoesOnBehindItsLastShard) {
   EXPECT_GT(kept, 0);
 }
 
+// A kill before the mark of an export leaves an empty folder; other folders are kept.
+TEST_F(ExportStore, AFolderInTheWayIsReplacedOnlyIfItIsEmpty) {
+  const fs::path small = store(placedAt(exactAffine(), PatientFrame::kUnknown, ""));
+  ExportRequest request;
+  request.out = directory_ / "v.zarr";
+  fs::create_directory(directory_ / "v.zarr.partial");
+  exportStore(StoreReader(small), request, silent_);
+  EXPECT_FALSE(fs::exists(directory_ / "v.zarr.partial"));
+  fs::create_directory(directory_ / "v.zarr.partial");
+  writeText(directory_ / "v.zarr.partial/precious", "precious");
+  request.overwrite = true;
+  EXPECT_THROW(exportStore(StoreReader(small), request, silent_), Error);
+  EXPECT_TRUE(fs::exists(directory_ / "v.zarr.partial/precious"));
+}
+
 TEST_F(ExportStore, AnUnfinishedZarrIsNotMixedWithAnother) {
   const fs::path several = store(placedAt(exactAffine(), PatientFrame::kRas, "mm", {400, 5, 3}));
   ExportRequest request;
@@ -387,6 +402,10 @@ TEST_F(ExportStore, AnUnfinishedZarrIsNotMixedWithAnother) {
   request.region = VoxelBox{{0, 0, 0}, {399, 5, 3}};
   EXPECT_NE(refusal().find("another store, level or region"), std::string::npos);
   request.region.reset();
+  request.memory_bytes = 1 << 20;
+  EXPECT_NE(refusal().find("--memory"), std::string::npos);
+  request.memory_bytes = UINT64_MAX;
+  ASSERT_TRUE(fs::exists(shard)) << "kept for a run with more memory";
   fs::resize_file(shard, fs::file_size(shard) - 1);
   exportStore(StoreReader(several), request, silent_);
   EXPECT_TRUE(voxelsIn(request.out) == noiseOf(VoxelType::u8, StoreReader(several).manifest().geometry()).voxels);

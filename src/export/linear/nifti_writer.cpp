@@ -75,7 +75,7 @@ class HeaderPutter {
   std::vector<std::byte> bytes_;
 };
 
-// The header, and four bytes that tell of no extensions.
+// The header, and four zeros: no extensions follow.
 constexpr std::size_t kNifti1Bytes = 348 + 4, kNifti2Bytes = 540 + 4;
 
 std::vector<std::byte> nifti1Header(const ExportedVolume& volume, const NiftiPlace& place) {

@@ -3,14 +3,25 @@
 #include <system_error>
 
 #include "base/error.h"
+#include "base/folder.h"
 #include "base/path_status.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// The file that tells an unfinished export from folders of users.
+// The mark of an unfinished export, which no folder of a user has.
 constexpr const char* kContentsFile = "kiln-export.txt";
+
+// True if a process was killed before it wrote the mark.
+bool isBarelyBegun(const fs::path& folder) {
+  bool out = true;
+  forEachEntry(folder, [&](const fs::directory_entry& entry) {
+    out = entry.path().filename().string().starts_with(kContentsFile);
+    return out ? Walk::kGoOn : Walk::kStop;
+  });
+  return out;
+}
 
 fs::path plainFolder(const fs::path& out) { return behindLinks(out.has_filename() ? out : out.parent_path()); }
 
@@ -23,10 +34,10 @@ PendingFolder::PendingFolder(const fs::path& out, const std::string& contents, L
 
 void PendingFolder::begin(const std::string& contents, Leftover leftover) {
   const fs::path description = path_ / kContentsFile;
-  if (isNameTaken(path_)) {
+  if (isNameTaken(path_) && !(isFolder(path_) && isBarelyBegun(path_))) {
     if (!isFolder(path_) || !isThere(description))
       throw Error(ErrorCode::kExists, path_, "", "is in the way and is no unfinished export; move it");
-    continued_ = leftover == Leftover::kContinue && readTextFile(description) == contents;
+    continued_ = kept_ = leftover == Leftover::kContinue && readTextFile(description) == contents;
     if (continued_) return;
     if (leftover == Leftover::kContinue)
       throw Error(
@@ -59,7 +70,9 @@ void PendingFolder::publish() {
   sync();
   if (!isNameTaken(out_)) {
     disk_.rename(path_, out_);
-  } else if (!disk_.exchange(path_, out_)) {
+  } else if (disk_.exchange(path_, out_)) {
+    kept_ = false;
+  } else {
     disk_.removeAll(out_);
     disk_.rename(path_, out_);
   }

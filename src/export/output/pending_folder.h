@@ -15,10 +15,10 @@ enum class Leftover { kRefuse, kRemove, kContinue };
 class PendingFolder {
  public:
   /// Makes the folder, or continues one of equal `contents`, a text of one line that describes what is written. Holds
-  /// the lock of `out` from here on. throws: Error kExists if another process holds the lock, if the folder is no
-  /// export, or if an export was left that is refused or has other contents; kIo, kNoSpace.
+  /// the lock of `out` from here on. throws: Error kExists if another process holds the lock, or if the folder
+  /// is no export, is refused, or has other contents; kIo, kNoSpace.
   PendingFolder(const std::filesystem::path& out, const std::string& contents, Leftover leftover, FileSystem& disk);
-  /// Removes the folder, unless it was kept or moved away.
+  /// Removes the folder, unless it was kept, continued or moved away.
   ~PendingFolder();
   PendingFolder(const PendingFolder&) = delete;
   PendingFolder& operator=(const PendingFolder&) = delete;

@@ -1,4 +1,4 @@
-// A file for each slice. The files are made in a folder of their own and get their names when all are whole, so a part
+// A file for each slice. The files are made in a folder of their own and get their names when all are whole. So a part
 // of a stack is never taken for the whole.
 #include "export/tiff/tiff_slices.h"
 

@@ -95,7 +95,6 @@ class OmeZarrWriter : public VolumeWriter {
     const std::uint64_t bytes =
         wholeShardBytes(shardPath(volume, box), static_cast<std::size_t>(chunksOfShard(volume).count()));
     bytes_ += bytes;
-    shards_ += bytes > 0 ? 1 : 0;
     return bytes > 0;
   }
   void write(const ExportedVolume& volume, const VoxelBox& box, std::span<const std::byte> voxels) override {
@@ -106,12 +105,12 @@ class OmeZarrWriter : public VolumeWriter {
     });
     if (std::all_of(chunks.begin(), chunks.end(), [](const auto& chunk) { return chunk.empty(); })) return;
     bytes_ += writeShard(shardPath(volume, box), chunks, disk_);
-    ++shards_;
+    wrote_ = true;
   }
   std::string keepParts() override {
-    if (shards_ == 0) return "";
+    if (!wrote_ && !folder_.continued()) return "";
     folder_.keep();
-    return fmt::format("{} shards are kept in {}; continue with --resume", shards_, folder_.path().string());
+    return fmt::format("whole shards are kept in {}; continue with --resume", folder_.path().string());
   }
   WrittenFiles finish() override {
     for (std::size_t i = 0; i < volumes_.size(); ++i) {
@@ -162,7 +161,8 @@ class OmeZarrWriter : public VolumeWriter {
   FileSystem& disk_;
   PendingFolder folder_;
   std::vector<std::byte> background_;  // a chunk of it
-  std::uint64_t bytes_ = 0, shards_ = 0;
+  std::uint64_t bytes_ = 0;
+  bool wrote_ = false;
 };
 
 }  // namespace
