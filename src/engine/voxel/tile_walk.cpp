@@ -8,7 +8,7 @@ namespace {
 // Visibility is tested once more for each eighth of a cell; the eighths are visited in the cell's own order.
 static_assert(kCellSize / 2 == kSplatCellSize);
 
-struct Walk {
+struct BlockWalk {
   const SplatContext& context;
   const BrickBlock& block;
   const TileTarget& target;
@@ -89,7 +89,7 @@ struct Walk {
 
 void walkTile(const SplatContext& context, const BrickBlock& block, const TileTarget& target, TilePlanes& planes,
               DrawCounts& counts, NodeLog* log) noexcept {
-  Walk walk{context, block, target, planes, counts, log};
+  BlockWalk walk{context, block, target, planes, counts, log};
   walk.node(block.octree.depth() - 1, block.core, walk.brick_rect);
   if (walk.taken) planes.putBack();
 }

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kMrcHeaderBytes = 1024;
 
 // Offsets of the fields. unit: bytes.
-constexpr std::size_t kDims = 0, kMode = 12, kStart = 16, kSamples = 28, kCell = 40, kAngles = 52, kMap = 64,
+constexpr std::size_t kDims = 0, kMode = 12, kStart = 16, kSampleCounts = 28, kCell = 40, kAngles = 52, kMap = 64,
                       kLeast = 76, kMost = 80, kSpaceGroup = 88, kExtended = 92, kImodStamp = 152, kImodFlags = 156,
                       kOrigin = 196, kStamp = 212;
 constexpr std::int32_t kImod = 1146047817, kImodSigned = 1, kImodOriginAsHere = 4;
@@ -115,7 +115,7 @@ void takeAngles(const HeaderBytes& bytes, MrcHeader& out) {
 
 void takeCell(const HeaderBytes& bytes, MrcHeader& out) {
   const glm::dvec3 cell = bytes.vector(kCell);
-  const auto samples = threeIntegers(bytes, kSamples);
+  const auto samples = threeIntegers(bytes, kSampleCounts);
   takeAngles(bytes, out);
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (!(cell[static_cast<int>(axis)] > 0) || !isFinite(cell) || samples[axis] < 1) return;
@@ -138,7 +138,7 @@ void takeOrigin(const HeaderBytes& bytes, MrcHeader& out) {
 
 // A stack of volumes has space groups of its own; the cell then counts the sections of one volume.
 std::int64_t sectionsOfVolume(const HeaderBytes& bytes, std::int64_t sections) {
-  const auto group = bytes.get<std::int32_t>(kSpaceGroup), of_cell = bytes.get<std::int32_t>(kSamples + 8);
+  const auto group = bytes.get<std::int32_t>(kSpaceGroup), of_cell = bytes.get<std::int32_t>(kSampleCounts + 8);
   if (group < kFirstGroupOfStacks || group > kLastGroupOfStacks) return sections;
   if (of_cell < 1 || sections % of_cell != 0)
     bytes.fail("byte 36", fmt::format("a stack of volumes has {} sections, which are not volumes of {} sections",

@@ -21,7 +21,7 @@ namespace {
 constexpr std::string_view kNpyMagic = "\x93NUMPY";
 constexpr std::size_t kVersionBytes = 2;
 // Most bytes of a header of version 1.0. Only records of many fields, which are not read, have longer headers.
-constexpr std::uint64_t kMostHeaderBytes = 65535;
+constexpr std::uint64_t kMostNpyBytes = 65535;
 // NPY_MAXDIMS of NumPy 2.
 constexpr std::size_t kMostNpyAxes = 64;
 
@@ -182,9 +182,9 @@ std::string readText(const File& file, std::uint64_t& begin) {
   std::uint64_t bytes = 0;
   for (std::size_t i = length_bytes; i-- > 0;) bytes = bytes << 8 | std::to_integer<std::uint64_t>(length[i]);
   begin = start.size() + length_bytes;
-  if (bytes > kMostHeaderBytes)
+  if (bytes > kMostNpyBytes)
     throw Error(ErrorCode::kFormat, file.path(), fmt::format("byte {}", start.size()),
-                fmt::format("the header has {} bytes; the header of a volume has at most {}", bytes, kMostHeaderBytes));
+                fmt::format("the header has {} bytes; the header of a volume has at most {}", bytes, kMostNpyBytes));
   std::string text(bytes, '\0');
   file.readAt(begin, std::as_writable_bytes(std::span(text)));
   return text;
