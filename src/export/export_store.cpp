@@ -143,7 +143,8 @@ constexpr ExportFormat kExportFormats[] = {
 };
 
 const ExportFormat& exportFormatOf(const ExportRequest& request) {
-  const std::string name = lowered(request.out.filename().string());
+  const fs::path out = request.out.has_filename() ? request.out : request.out.parent_path();  // a folder's slash
+  const std::string name = lowered(out.filename().string());
   const auto found = std::find_if(std::begin(kExportFormats), std::end(kExportFormats),
                                   [&](const ExportFormat& format) { return name.ends_with(format.ending); });
   if (found == std::end(kExportFormats))

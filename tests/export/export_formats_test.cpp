@@ -417,7 +417,7 @@ TEST_F(ExportStore, ZarrHoldsThePyramid) {
   volume.geometry.frame = PatientFrame::kLps;
   const StoreReader labels(makeStore(volume, "labels", kSmallBrick, /*labels=*/true));
   ExportRequest request;
-  request.out = directory_ / "v.ome.zarr";
+  request.out = directory_ / "v.ome.zarr/";
   exportStore(labels, request, silent_);
   ASSERT_GT(labels.index().levels(), 1);
   for (int level = 0; level < labels.index().levels(); ++level) {
