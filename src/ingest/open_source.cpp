@@ -263,6 +263,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   refuse(options.grid_name && !vdb, "--grid", "OpenVDB files");
   refuse(options.series.has_value() && !dicom, "--series", "DICOM files");
   refuse(options.allow_irregular && !stack && !dicom, "--allow-irregular", "slices of TIFF, DICOM, PNG and JPEG");
+  refuse(options.luminance && format != "TIFF", "--luminance", "TIFF files of RGB colours");
   refusePart(options.channel && !has_channels, path, "--channel", format, "channels");
   refusePart(options.time && !has_times, path, "--time", format, "times");
   refusePart(options.scale && !has_scales, path, "--scale", format, "scales");

@@ -378,6 +378,44 @@ TEST(IngestTiff, FlippedBitsNeverCrash) {
   }
 }
 
+// Known by the weights of ITU-R BT.709 on each pixel. Equal samples are their own luminance.
+TEST(IngestTiff, ColoursAreLuminanceWhereAsked) {
+  const ForeignFiles files;
+  const fs::path path = files.directory() / "a.tif";
+  SourceOptions options;
+  options.luminance = true;
+  for (const VoxelType type : {VoxelType::u8, VoxelType::u16}) {
+    for (const int samples : {3, 4}) {
+      const ForeignVolume colours = randomVolume({21 * samples, 19, 3}, type, 71);
+      ForeignVolume expected{{21, 19, 3}, type, {}};
+      withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+        for (std::size_t at = 0; at < colours.voxels.size(); at += static_cast<std::size_t>(samples) * sizeof(T)) {
+          T rgb[3];
+          std::memcpy(rgb, &colours.voxels[at], sizeof rgb);
+          const double tenthousandths = 2126.0 * rgb[0] + 7152.0 * rgb[1] + 722.0 * rgb[2];
+          const auto luminance = static_cast<T>(std::floor(tenthousandths / 10000 + 0.5));
+          const auto* const bytes = reinterpret_cast<const std::byte*>(&luminance);
+          expected.voxels.insert(expected.voxels.end(), bytes, bytes + sizeof luminance);
+        }
+      });
+      for (const auto& [compression, tile, big] :
+           {std::tuple(1, 0, false), {1, 0, true}, {5, 16, true}, {8, 0, false}}) {
+        SCOPED_TRACE(testing::Message() << nameOf(type) << " " << samples << " " << compression << " " << tile);
+        TiffLayout layout;
+        layout.photometric = 2, layout.samples = samples, layout.holds_samples = true;
+        layout.compression = compression, layout.tile = tile, layout.big_endian = big;
+        writeTiff(path, colours, 0, 3, layout);
+        expectReadsBack(
+            expected, [&] { return openSource(path, options); }, 72);
+      }
+    }
+  }
+  EXPECT_EQ(openSource(path, options)->info().format, "TIFF, 3 slices, luminance");
+  expectRefused(path, ErrorCode::kUnsupported, "holds RGB colours, not one value a pixel; --luminance reads");
+  writeTiff(path, randomVolume(kStackDims, VoxelType::u8, 73), 0, 1);
+  expectRefused(path, ErrorCode::kUnsupported, "holds no colours, of which --luminance could be read", options);
+}
+
 TEST(IngestTiff, PagesOfOtherKindsAreRefusedByName) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kStackDims, VoxelType::u8, 15);

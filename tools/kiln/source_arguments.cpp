@@ -151,6 +151,7 @@ SourceOptions SourceArguments::resolve() const {
   out.scale = scale;
   out.placement = parsePlacement(*this);
   out.allow_irregular = allow_irregular;
+  out.luminance = luminance;
   return out;
 }
 
@@ -177,6 +178,7 @@ void addSourceArguments(CLI::App& command, SourceArguments& a) {
   const bool taken = command.get_option_no_throw("--up") != nullptr;
   add(taken ? "--up-axis" : "--up-axis,--up", "AXIS", a.up,
       "World axis of the file that points up: z (default), or y as in files of graphics.");
+  command.add_flag("--luminance", a.luminance, "TIFF: read RGB colours as luminance.")->group(group);
   command
       .add_flag("--allow-irregular", a.allow_irregular,
                 "DICOM: accept slices that are tilted, missing, unequally spaced (the median distance is used) or "

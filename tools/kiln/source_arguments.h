@@ -49,7 +49,7 @@ struct SourceArguments {
   std::optional<std::string> channel;
   std::optional<std::int64_t> time, scale;
   std::uint64_t skip = 0;
-  bool allow_irregular = false;
+  bool allow_irregular = false, luminance = false;
   /// throws: Error kUsage naming the option.
   SourceOptions resolve() const;
 };

@@ -107,6 +107,7 @@ struct SourceOptions {
   std::optional<std::int64_t> scale;     // of several resolutions: 0 is the finest
   Placement placement;                   // the place in the world by the user
   bool allow_irregular = false;          // DICOM, TIFF: accept slices unequally spaced, tilted, different or missing
+  bool luminance = false;                // TIFF: RGB colours as luminance
   /// Upper bound for VolumeSource::heldBytes. unit: bytes.
   std::uint64_t memory_bytes = UINT64_MAX;
 };

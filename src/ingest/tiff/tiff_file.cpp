@@ -105,7 +105,8 @@ struct TiffFile::Handle {
   }
 };
 
-TiffFile::TiffFile(const std::filesystem::path& path) : handle_(std::make_unique<Handle>(path)) {
+TiffFile::TiffFile(const std::filesystem::path& path, TiffColours colours)
+    : handle_(std::make_unique<Handle>(path)), colours_(colours) {
   using Options = std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)>;
   const Options options(TIFFOpenOptionsAlloc(), &TIFFOpenOptionsFree);
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), &Handle::error, handle_.get());
@@ -172,14 +173,16 @@ void TiffFile::readPage() {
                          static_cast<int>(std::min(h.field<std::uint32_t>(TIFFTAG_IMAGEDEPTH, 1), 1u << 30)),
                          h.field<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE),
                          h.field<std::uint16_t>(TIFFTAG_BITSPERSAMPLE, 1),
-                         h.field<std::uint16_t>(TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT)};
-  if (const std::string refusal = refusalOf(kind); !refusal.empty()) {
+                         h.field<std::uint16_t>(TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT),
+                         h.field<std::uint16_t>(TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG)};
+  if (const std::string refusal = refusalOf(kind, colours_); !refusal.empty()) {
     throw Error(ErrorCode::kUnsupported, h.file.path(), fmt::format("page {}", page_.number), refusal);
   }
   TiffPage page;
   page.number = page_.number;
   page.directory = TIFFCurrentDirOffset(h.tiff);
   page.type = *storedTypeOf(kind);
+  page.samples = kind.samples;
   page.width = h.field<std::uint32_t>(TIFFTAG_IMAGEWIDTH, 0);
   page.height = h.field<std::uint32_t>(TIFFTAG_IMAGELENGTH, 0);
   page.tiled = TIFFIsTiled(h.tiff) != 0;
@@ -190,7 +193,7 @@ void TiffFile::readPage() {
   checkedBytes({page.width, page.height, 1}, page.type, h.file.path());
   if (page.block_width < 1 || page.block_height < 1) fail("has strips or tiles of no size");
   checkedBytes({page.block_width, page.block_height, 1}, page.type, h.file.path());
-  page_.packed = kind.compression != COMPRESSION_NONE ||
+  page_.packed = kind.compression != COMPRESSION_NONE || page_.samples > 1 ||
                  h.field<std::uint16_t>(TIFFTAG_FILLORDER, FILLORDER_MSB2LSB) != FILLORDER_MSB2LSB;
   page_.swapped = TIFFIsByteSwapped(h.tiff) != 0 && sizeOf(page_.type) > 1;
   page_.x_resolution = static_cast<double>(h.field<float>(TIFFTAG_XRESOLUTION, 0));
@@ -210,9 +213,10 @@ void TiffFile::readPage() {
 }
 
 std::uint64_t TiffFile::rowsBytes(std::int64_t block) const {
-  if (page_.tiled) return page_.blockBytes();
-  const std::int64_t rows = std::min(page_.block_height, page_.height - block * page_.block_height);
-  return static_cast<std::uint64_t>(rows * page_.width) * sizeOf(page_.type);
+  const std::uint64_t pixel = static_cast<std::uint64_t>(page_.samples) * sizeOf(page_.type);
+  const std::int64_t height = page_.block_height,
+                     rows = page_.tiled ? height : std::min(height, page_.height - block * height);
+  return static_cast<std::uint64_t>(rows * page_.block_width) * pixel;
 }
 
 std::uint64_t TiffFile::blockOffset(std::int64_t block) const {
@@ -251,6 +255,7 @@ std::vector<std::byte> TiffFile::decodeBlock(std::int64_t block) const {
   handle_->rethrow();
   if (got != length || !handle_->complaint.empty())
     fail(fmt::format("{} {} cannot be decoded; the file is cut short or damaged", kind, block));
+  if (page_.samples > 1) return luminanceOf(std::move(out), page_.type.voxel(), page_.samples);
   return out;
 }
 

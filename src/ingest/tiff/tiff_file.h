@@ -7,6 +7,7 @@
 
 #include "base/file.h"
 #include "ingest/bytes/stored_type.h"
+#include "ingest/tiff/tiff_kind.h"
 
 namespace kiln {
 
@@ -21,7 +22,9 @@ struct TiffPage {
   /// Tiles of the last row and column may reach beyond the page; the last strip ends with the page.
   std::int64_t block_width = 0, block_height = 0;
   bool tiled = false;
-  /// True for compressed pages, and for bit orders that only libtiff can reverse.
+  /// Samples of a stored pixel, of which a page of colours has several; `type` is that of one.
+  int samples = 1;
+  /// True for compressed pages, for colours, and for bit orders that only libtiff can reverse.
   bool packed = false;
   /// True if the values of an unpacked page are in the opposite byte order of the machine.
   bool swapped = false;
@@ -37,10 +40,12 @@ struct TiffPage {
   std::uint64_t bytes() const { return static_cast<std::uint64_t>(width * height) * sizeOf(type); }
   /// Size of a whole block, decoded. unit: bytes.
   std::uint64_t blockBytes() const { return static_cast<std::uint64_t>(block_width * block_height) * sizeOf(type); }
+  /// Memory of the decoding of a block: packed bytes, hardly longer than the samples, and the samples.
+  std::uint64_t decodingBytes() const { return 2 * blockBytes() * static_cast<std::uint64_t>(samples); }
   /// True if both pages may be slices of one volume. Their blocks may differ.
   bool isLike(const TiffPage& other) const {
-    return width == other.width && height == other.height && type == other.type && orientation == other.orientation &&
-           smallest_is_white == other.smallest_is_white;
+    return width == other.width && height == other.height && type == other.type && samples == other.samples &&
+           orientation == other.orientation && smallest_is_white == other.smallest_is_white;
   }
 };
 
@@ -50,13 +55,14 @@ class TiffFile {
   /// Opens the file at its first page. The constructor and `next` pass over masks and reduced copies of other pages.
   /// throws: Error kNotFound, kIo, kFormat (not a TIFF file, damaged), kUnsupported naming the kind of page (colour, a
   /// palette, several samples a pixel, an unknown compression, 12-bit integers).
-  explicit TiffFile(const std::filesystem::path& path);
+  explicit TiffFile(const std::filesystem::path& path, TiffColours colours = TiffColours::kRefused);
   ~TiffFile();
   TiffFile(const TiffFile&) = delete;
   TiffFile& operator=(const TiffFile&) = delete;
 
   const File& file() const;
   const TiffPage& page() const { return page_; }
+  TiffColours colours() const { return colours_; }
   /// Returns the page's ImageDescription; empty without the tag.
   std::string description() const;
   /// Goes to the next page; false after the last. throws: as the constructor.
@@ -81,9 +87,11 @@ class TiffFile {
   /// Called after each read of a directory. throws: Error kIo if a read failed, kFormat if `is_read` is false or
   /// a part of the directory lies beyond the end of the file.
   void checkDirectory(bool is_read) const;
+  /// Size of the samples of a block in the page. unit: bytes.
   std::uint64_t rowsBytes(std::int64_t block) const;
 
   std::unique_ptr<Handle> handle_;
+  TiffColours colours_;
   TiffPage page_;
 };
 

@@ -6,7 +6,9 @@
 #include <tiffio.h>
 
 #include <algorithm>
+#include <cstring>
 #include <iterator>
+#include <type_traits>
 
 namespace kiln {
 namespace {
@@ -91,9 +93,20 @@ std::optional<StoredType> storedTypeOf(const TiffKind& kind) {
   return std::nullopt;
 }
 
-std::string refusalOf(const TiffKind& kind) {
-  if (const char* colour = colourName(kind.photometric)) return fmt::format("holds {}, not one value a pixel", colour);
-  if (kind.samples != 1) return fmt::format("holds {} samples a pixel; Kiln reads one", kind.samples);
+bool TiffKind::hasLuminance() const {
+  const bool unsigned_integers = sample_format == SAMPLEFORMAT_UINT || sample_format == SAMPLEFORMAT_VOID;
+  return photometric == PHOTOMETRIC_RGB && (samples == 3 || samples == 4) && (bits == 8 || bits == 16) &&
+         unsigned_integers && planes == PLANARCONFIG_CONTIG;
+}
+
+std::string refusalOf(const TiffKind& kind, TiffColours colours) {
+  const bool as_luminance = colours == TiffColours::kLuminance && kind.hasLuminance();
+  if (const char* colour = colourName(kind.photometric); colour != nullptr && !as_luminance)
+    return fmt::format("holds {}, not one value a pixel{}", colour,
+                       kind.hasLuminance() ? "; --luminance reads their luminance" : "");
+  if (colours == TiffColours::kLuminance && !as_luminance)
+    return "holds no colours, of which --luminance could be read; leave the option out";
+  if (kind.samples != 1 && !as_luminance) return fmt::format("holds {} samples a pixel; Kiln reads one", kind.samples);
   if (kind.depth != 1) return "is a page with a depth of its own; save its slices as pages";
   const auto known = std::find_if(std::begin(kCompressions), std::end(kCompressions),
                                   [&](const Compression& c) { return c.code == kind.compression; });
@@ -107,6 +120,23 @@ std::string refusalOf(const TiffKind& kind) {
                        formatName(kind.sample_format));
   }
   return "";
+}
+
+std::vector<std::byte> luminanceOf(std::vector<std::byte> pixels, VoxelType type, int samples) {
+  withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+    if constexpr (std::is_integral_v<T> && sizeof(T) <= 2) {
+      const std::size_t pixel = static_cast<std::size_t>(samples) * sizeof(T), count = pixels.size() / pixel;
+      for (std::size_t i = 0; i < count; ++i) {
+        T rgb[3];
+        std::memcpy(rgb, pixels.data() + i * pixel, sizeof rgb);
+        const auto value = static_cast<T>((2126u * rgb[0] + 7152u * rgb[1] + 722u * rgb[2] + 5000u) / 10000u);
+        std::memcpy(pixels.data() + i * sizeof(T), &value, sizeof value);
+      }
+      pixels.resize(count * sizeof(T));
+    }
+  });
+  pixels.shrink_to_fit();
+  return pixels;
 }
 
 }  // namespace kiln

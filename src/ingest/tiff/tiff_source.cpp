@@ -37,7 +37,8 @@ struct Stack {
   std::optional<StackNotes> notes;
   /// The number of pages of each file.
   std::vector<std::size_t> pages;
-  std::uint64_t largest_packed_block_bytes = 0;
+  std::uint64_t decoding_bytes = 0;  // of the largest packed block
+  TiffColours colours = TiffColours::kRefused;
   /// True if the names of the files chose a channel or time.
   bool chosen_by_name = false;
   /// ", channel 1": the part of several for SourceInfo::format.
@@ -65,7 +66,7 @@ void requireAlike(const TiffPage& first, const std::vector<fs::path>& files, std
   const auto fail = [](const fs::path& path, int number, const std::string& what) {
     throw Error(ErrorCode::kFormat, path, fmt::format("page {}", number), what + "; slices of one volume are alike");
   };
-  if (index == 1 && files.size() > 2 && TiffFile(files[2]).page().isLike(page))
+  if (index == 1 && files.size() > 2 && TiffFile(files[2], file.colours()).page().isLike(page))
     fail(files[0], first.number,
          fmt::format("slice 0 is {}, but the next, in {}, is {}", describe(first), files[1].filename().string(),
                      describe(page)));
@@ -149,7 +150,7 @@ void requireImages(Stack& stack, const StackNotes& notes, std::size_t found, con
 }
 
 void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index, const SourceOptions& options) {
-  TiffFile file(files[index]);
+  TiffFile file(files[index], stack.colours);
   const std::optional<StackNotes> notes = stackNotes(file.description());
   if (index == 0) {
     stack.first = file.page();
@@ -162,7 +163,7 @@ void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index
   do {
     const TiffPage& page = file.page();
     requireAlike(stack.first, files, index, file, stack.slices.size());
-    if (page.packed) stack.largest_packed_block_bytes = std::max(stack.largest_packed_block_bytes, page.blockBytes());
+    if (page.packed) stack.decoding_bytes = std::max(stack.decoding_bytes, page.decodingBytes());
     stack.slices.push_back({index, page.number, page.directory, 0});
   } while (file.next());
   stack.pages.push_back(stack.slices.size() - before);
@@ -184,8 +185,7 @@ class TiffSource : public VolumeSource {
   const SourceInfo& info() const override { return info_; }
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
-  // Packed and decoded block; packed blocks are hardly longer than decoded blocks.
-  std::uint64_t decodeBytes() const override { return 2 * stack_.largest_packed_block_bytes; }
+  std::uint64_t decodeBytes() const override { return stack_.decoding_bytes; }
   std::optional<DecodedBlocks> decodedBlocks() const override;
   void willRead(const BrickOrder& order) override { cache_.setOrder(order); }
   void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
@@ -236,7 +236,8 @@ void TiffSource::read(const VoxelBox& box, std::span<std::byte> out) {
 // Reads a box of one slice block by block.
 void TiffSource::readSlice(const VoxelBox& box, const VoxelCoord& first, std::byte* out) {
   const Slice& slice = stack_.slices[static_cast<std::size_t>(box.lo.z)];
-  const auto file = open_.take(slice.file, [&] { return std::make_unique<TiffFile>(files_[slice.file]); });
+  const auto file =
+      open_.take(slice.file, [&] { return std::make_unique<TiffFile>(files_[slice.file], stack_.colours); });
   file->select(slice.page, slice.directory);
   const std::int64_t bw = file->page().block_width, bh = file->page().block_height;
   const std::size_t size = sizeOf(stack_.first.type), line = static_cast<std::size_t>(box.extent().x) * size;
@@ -285,6 +286,7 @@ void TiffSource::readPart(TiffFile& file, const Slice& slice, const BlockCache::
 std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOptions& options) {
   Stack stack;
   stack.part = input.part;
+  if (options.luminance) stack.colours = TiffColours::kLuminance;
   stack.chosen_by_name = !input.part.empty();
   for (std::size_t i = 0; i < input.files.size(); ++i) addFile(stack, input.files, i, options);
   if (stack.notes && stack.notes->counts_all_files) {
@@ -305,7 +307,8 @@ std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOpti
   if (stack.notes && !stack.notes->line.empty())
     info.notes.push_back(fmt::format("by {}'s description values are {} what is stored; they are taken as stored",
                                      stack.notes->writer, stack.notes->line));
-  info.format = fmt::format("TIFF, {} {}{}", dims.z, dims.z == 1 ? "slice" : "slices", stack.part);
+  info.format = fmt::format("TIFF, {} {}{}{}", dims.z, dims.z == 1 ? "slice" : "slices", stack.part,
+                            options.luminance ? ", luminance" : "");
   if (input.files.size() != 1 || input.files.front() != input.input) info.files.push_back(input.input);
   info.files.insert(info.files.end(), input.files.begin(), input.files.end());
   if (log) info.files.push_back(log->log);

@@ -15,8 +15,11 @@ int sampleFormat(VoxelType type) {
   return is_signed ? SAMPLEFORMAT_INT : SAMPLEFORMAT_UINT;
 }
 
+std::int64_t valuesOfPixel(const TiffLayout& layout) { return layout.holds_samples ? layout.samples : 1; }
+
 void setFields(TIFF* tiff, const ForeignVolume& volume, const TiffLayout& layout) {
-  const auto width = static_cast<std::uint32_t>(volume.dims.x), height = static_cast<std::uint32_t>(volume.dims.y);
+  const auto width = static_cast<std::uint32_t>(volume.dims.x / valuesOfPixel(layout)),
+             height = static_cast<std::uint32_t>(volume.dims.y);
   TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, width);
   TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, height);
   TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, layout.bits > 0 ? layout.bits : static_cast<int>(sizeOf(volume.type)) * 8);
@@ -46,7 +49,7 @@ void setFields(TIFF* tiff, const ForeignVolume& volume, const TiffLayout& layout
 
 void writeBlocks(TIFF* tiff, const ForeignVolume& volume, std::int64_t z, const TiffLayout& layout) {
   const Extent3& dims = volume.dims;
-  const std::int64_t width = layout.tile > 0 ? layout.tile : dims.x;
+  const std::int64_t width = layout.tile > 0 ? layout.tile * valuesOfPixel(layout) : dims.x;
   const std::int64_t height = layout.tile > 0 ? layout.tile : layout.strip_rows > 0 ? layout.strip_rows : dims.y;
   std::uint32_t index = 0;
   for (std::int64_t y = 0; y < dims.y; y += height) {
@@ -59,7 +62,7 @@ void writeBlocks(TIFF* tiff, const ForeignVolume& volume, std::int64_t z, const 
       const std::int64_t lines = layout.tile > 0 ? height : part.extent().y;
       std::vector<std::byte> block(line * static_cast<std::size_t>(lines));
       for (std::size_t i = 0; i * row < rows.size(); ++i) std::copy_n(&rows[i * row], row, &block[i * line]);
-      if (layout.bits > 0 || layout.samples > 1) {
+      if (layout.bits > 0 || layout.samples > valuesOfPixel(layout)) {
         const tmsize_t bytes =
             layout.tile > 0 ? TIFFTileSize(tiff) : TIFFVStripSize(tiff, static_cast<std::uint32_t>(lines));
         block.assign(static_cast<std::size_t>(bytes), std::byte{0});

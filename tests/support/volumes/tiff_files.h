@@ -25,6 +25,8 @@ struct TiffLayout {
   /// 0 white is zero, 1 black is zero, 2 RGB, 3 palette.
   int photometric = 1;
   int samples = 1;
+  /// True if the volume holds the samples, those of a pixel one behind the other along x; else samples are zero.
+  bool holds_samples = false;
   /// Bits a sample, if different from the type's; the samples are then bytes of zero.
   int bits = 0;
   /// 2 signed integers, 3 floating-point numbers; 0 is the volume's own.
