@@ -29,7 +29,7 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   Manifest manifest;
   manifest.type = info.type;
   manifest.background = info.background;
-  manifest.volume_class = options.labels ? VolumeClass::kLabels : info.volume_class;
+  manifest.volume_class = makesLabels(info, options) ? VolumeClass::kLabels : info.volume_class;
   manifest.look = info.look;
   if (!info.look.empty()) manifest.format = kFormatVersion;
   manifest.brick_size = options.brick_size;
@@ -48,11 +48,14 @@ Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
   return manifest;
 }
 
-// Gives each label a bin, if the labels are few enough.
-ValueHistogram histogramOf(const Manifest& manifest, const ValueCounter& counter, const ValueRange& range) {
-  if (!countsEachLabel(manifest.volume_class, manifest.type, range))
-    return counter.histogram(counter.commonRange(range));
-  return counter.histogram({range.lo - 0.5, range.hi + 0.5}, static_cast<std::size_t>(range.hi - range.lo) + 1);
+void requireLabels(const SourceInfo& info, const ConvertOptions& options) {
+  const fs::path file = info.files.empty() ? fs::path() : info.files.front();
+  if (isFloating(info.type))
+    throw Error(ErrorCode::kUsage, file, options.labels ? "--labels" : "",
+                fmt::format("labels are whole numbers, and this volume has {}; write it as integers first{}",
+                            nameOf(info.type), options.labels ? ", or leave --labels out" : ""));
+  if (options.half)
+    throw Error(ErrorCode::kUsage, file, "--half", "labels are names, and are not rounded; leave --half out");
 }
 
 std::uint64_t brickCount(const Manifest& manifest) {
@@ -84,7 +87,7 @@ void finishEarlier(OutputDirectory& destination, const fs::path& out, const Sour
     throw Error(ErrorCode::kExists, store, "",
                 fmt::format("is finished, with bricks of {} voxels; give --overwrite to make bricks of {}",
                             manifest.brick_size, options.brick_size));
-  const bool labels = options.labels || info.volume_class == VolumeClass::kLabels;
+  const bool labels = makesLabels(info, options);
   if ((manifest.volume_class == VolumeClass::kLabels) != labels)
     throw Error(ErrorCode::kExists, store, "",
                 labels ? "is a store that was made without --labels; give --overwrite"
@@ -209,6 +212,10 @@ void runTogether(Build& build, OutputDirectory* destination, Ranks& ranks, const
 
 }  // namespace
 
+bool makesLabels(const SourceInfo& info, const ConvertOptions& options) {
+  return options.labels || info.volume_class == VolumeClass::kLabels;
+}
+
 ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOptions& options, Progress& progress,
                       FileSystem& disk) {
   const auto started = std::chrono::steady_clock::now();
@@ -217,12 +224,7 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
     throw Error(ErrorCode::kUsage,
                 "--brick-size: " + std::to_string(options.brick_size) + " is not a power of two from 8 to 4096");
   }
-  if (options.labels && isFloating(source.info().type)) {
-    throw Error(ErrorCode::kUsage, source.info().files.empty() ? fs::path() : source.info().files.front(), "--labels",
-                fmt::format("labels are whole numbers, and this volume has {}; write it as integers first, or leave "
-                            "--labels out",
-                            nameOf(source.info().type)));
-  }
+  if (makesLabels(source.info(), options)) requireLabels(source.info(), options);
   const std::unique_ptr<Ranks> alone = oneRank();
   Ranks& ranks = options.ranks != nullptr ? *options.ranks : *alone;
   const SourceInfo& info = source.info();

@@ -65,13 +65,16 @@ struct ConvertReport {
   std::vector<RankConversion> ranks;  // by rank
 };
 
+/// Returns whether the store will hold labels, by the options or by the header of the source.
+bool makesLabels(const SourceInfo& info, const ConvertOptions& options);
+
 /// Converts `source` to a store at `out`. On any error nothing at `out` can be mistaken for a store, and an existing
 /// store is untouched. After an interrupt or a disk failure (also a full disk) the finished bricks are kept for
 /// `resume`, and a note names their place. After any other error nothing is left.
 /// With several processes, a failed process must end all (cluster/ranks.h); finished bricks are kept after any error.
 /// The report is complete on the first rank and empty on the others.
 /// throws: Error kExists (also if another process writes to `out`), kBudget (naming the smallest memory that works),
-/// kUsage (brick size, labels that are no whole numbers), and the exceptions of source and disk.
+/// kUsage (brick size, labels that are no whole numbers or to be rounded), and the exceptions of source and disk.
 ConvertReport convert(VolumeSource& source, const std::filesystem::path& out, const ConvertOptions& options,
                       Progress& progress, FileSystem& disk = FileSystem::real());
 

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/memory/memory.h"
 #include "convert/stream/value_counter.h"
+#include "store/ranges/minmax_octree.h"
 
 namespace kiln {
 namespace {
@@ -38,7 +39,11 @@ std::set<std::int64_t> spread(std::int64_t count, std::int64_t wanted) {
 class Sampler {
  public:
   Sampler(VolumeSource& source, std::uint64_t memory_bytes, Progress& progress)
-      : source_(source), info_(source.info()), box_(boxOfSample(source)), progress_(progress), counter_(info_.type) {
+      : source_(source),
+        info_(source.info()),
+        box_(boxOfSample(source)),
+        progress_(progress),
+        counter_(info_.type, info_.volume_class == VolumeClass::kLabels) {
     const std::uint64_t bytes = bytesOf(box_) + source.decodeBytes();
     if (bytes > memory_bytes)
       throw Error(ErrorCode::kBudget, info_.files.empty() ? std::filesystem::path() : info_.files.front(), "--memory",
@@ -97,10 +102,7 @@ class Sampler {
     voxels_.resize(static_cast<std::size_t>(bytesOf(box.extent())));
     source_.read(box, voxels_);
     counter_.count(voxels_, box, box);
-    withVoxelType(info_.type, [&]<class T>(std::type_identity<T>) {
-      const T* const first = reinterpret_cast<const T*>(voxels_.data());
-      for (std::int64_t i = 0; i < box.count(); ++i) out_.manifest.range.include(static_cast<double>(first[i]));
-    });
+    out_.manifest.range.include(rangeOf(voxels_, info_.type, box, box));
     out_.voxels += static_cast<std::uint64_t>(box.count());
   }
 
@@ -108,10 +110,10 @@ class Sampler {
     Manifest& manifest = out_.manifest;
     manifest.type = info_.type;
     manifest.nan_count = counter_.nanCount();
-    manifest.histogram = counter_.histogram(counter_.commonRange(manifest.range));
     manifest.background = info_.background;
     manifest.volume_class = info_.volume_class;
     manifest.look = info_.look;
+    manifest.histogram = histogramOf(manifest, counter_, manifest.range);
     manifest.levels.resize(1);
     manifest.levels.front().geometry = info_.geometry;
     manifest.source.format = info_.format;

@@ -15,7 +15,7 @@ namespace kiln {
 inline constexpr std::uint64_t kSampleBytes = 64ull << 20, kStreamSampleBytes = 256ull << 20;
 
 struct VolumeSample {
-  /// As of a store with a single level; range and histogram are those of the sample.
+  /// Describes the volume as a store of one level; range and histogram are those of the sample.
   Manifest manifest;
   /// Voxels counted, NaN included.
   std::uint64_t voxels = 0;

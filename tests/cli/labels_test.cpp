@@ -5,6 +5,7 @@
 
 #include "image/file/image_file.h"
 #include "support/system/tool_test.h"
+#include "support/volumes/zarr_files.h"
 
 namespace kiln::test {
 namespace {
@@ -167,6 +168,15 @@ TEST_F(LabelsCli, WhatMakesNoSenseIsRefused) {
           "--half");
   refused({"convert", in("l.raw"), in("l.kiln"), "--dims", "36,30,32", "--type", "u8", "--brick-size", "8", "--resume"},
           1, "is a store of labels");
+}
+
+TEST_F(LabelsCli, OfAHeaderThatCannotBeDrawn_AreWarnedOf) {
+  writeBelow(in("a.zarr/.zgroup"), R"({"zarr_format": 2})");
+  writeBelow(in("a.zarr/.zattrs"), R"({"image-label": {"version": "0.4"}, "multiscales": [{"version": "0.4",
+      "axes": [{"name": "z", "type": "space"}, {"name": "y", "type": "space"}, {"name": "x", "type": "space"}],
+      "datasets": [{"path": "0", "coordinateTransformations": [{"type": "scale", "scale": [1, 1, 1]}]}]}]})");
+  writeZarr(in("a.zarr/0"), randomVolume(kFewVoxels, VoxelType::u32, 7));
+  EXPECT_NE(done({"convert", in("a.zarr"), in("a.kiln")}).err.find("cannot be drawn"), std::string::npos);
 }
 
 }  // namespace

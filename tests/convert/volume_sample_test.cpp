@@ -9,6 +9,7 @@
 #include "base/progress.h"
 #include "convert/convert.h"
 #include "ingest/open_source.h"
+#include "ingest/source/wrapped_source.h"
 #include "store/manifest/read_manifest.h"
 #include "support/volumes/foreign_files.h"
 #include "support/volumes/test_store.h"
@@ -79,6 +80,29 @@ TEST(VolumeSample, OfALongStream_IsItsBegin) {
   EXPECT_TRUE(sample.from_begin);
   EXPECT_EQ(sample.voxels, kStreamSampleBytes);
   EXPECT_EQ(sample.manifest.range, (ValueRange{0, 7}));
+}
+
+// A volume whose header states labels.
+class LabelledSource : public WrappedSource {
+ public:
+  explicit LabelledSource(std::unique_ptr<VolumeSource> source) : WrappedSource(std::move(source)) {
+    info_.volume_class = VolumeClass::kLabels;
+  }
+};
+
+TEST(VolumeSample, OfLabels_HasABinForEachLabel) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({31, 17, 9}, VoxelType::u16, 6);
+  SourceOptions described;
+  described.dims = volume.dims, described.type = volume.type;
+  LabelledSource source(openSource(files.write("v.raw", volume.stored(false)), described));
+  Progress silent;
+  const VolumeSample sample = sampleOf(source, UINT64_MAX, silent);
+  convert(source, files.directory() / "v.kiln", {}, silent);
+  const Manifest whole = readManifest(files.directory() / "v.kiln");
+  EXPECT_EQ(sample.manifest.histogram.lo, whole.histogram.lo);
+  EXPECT_EQ(sample.manifest.histogram.hi, whole.histogram.hi);
+  EXPECT_EQ(sample.manifest.histogram.counts, whole.histogram.counts);
 }
 
 TEST(VolumeSample, OfASmallVolume_IsWhatAConversionCounts) {

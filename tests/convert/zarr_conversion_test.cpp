@@ -66,7 +66,7 @@ TEST_F(ZarrConversion, InterruptedAndResumed_GivesTheSameStore) {
   resuming.overwrite = false;
   Progress silent;
   convert(*openSource(folder()), out, resuming, silent);
-  EXPECT_TRUE(storeFiles(out) == expected);
+  EXPECT_TRUE(filesOf(out) == expected);
   // A chunk of another time is another source.
   ImpatientProgress again(5);
   EXPECT_THROW(convert(*openSource(folder()), out, smallBricks(), again), Error);
@@ -110,7 +110,7 @@ TEST_F(ZarrConversion, ChunkChangedLater_MakesTheStoreAnew) {
   };
   const fs::path store = stored(folder());
   EXPECT_EQ(store, folder().string() + ".kiln");
-  const auto first = storeFiles(store);
+  const auto first = filesOf(store);
   const fs::file_time_type written = fs::last_write_time(store / "manifest.json");
   stored(folder() / "");
   EXPECT_EQ(fs::last_write_time(store / "manifest.json"), written) << "made again without a change";
@@ -118,7 +118,7 @@ TEST_F(ZarrConversion, ChunkChangedLater_MakesTheStoreAnew) {
   EXPECT_FALSE(isStoreOf(store, openSource(folder())->info()));
   EXPECT_EQ(stored(folder()), store);
   EXPECT_TRUE(isStoreOf(store, openSource(folder())->info()));
-  EXPECT_FALSE(storeFiles(store) == first);
+  EXPECT_FALSE(filesOf(store) == first);
 }
 
 // A file that vanishes between its listing and a look at it must not end the program.
@@ -180,6 +180,49 @@ TEST_F(ZarrConversion, DecodingsAreAsPlanned) {
     if (expected.empty()) expected = storeFiles(out);
     EXPECT_TRUE(storeFiles(out) == expected) << less;
   }
+}
+
+constexpr const char* kLabelImage = R"({"image-label": {"version": "0.4"}, "multiscales": [{"version": "0.4",
+    "axes": [{"name": "z", "type": "space"}, {"name": "y", "type": "space"}, {"name": "x", "type": "space"}],
+    "datasets": [{"path": "0", "coordinateTransformations": [{"type": "scale", "scale": [4, 3, 2]}]}]}]})";
+
+// An image of OME-Zarr that states "image-label".
+fs::path writeLabelImage(const fs::path& folder, VoxelType type) {
+  writeBelow(folder / ".zgroup", R"({"zarr_format": 2})");
+  writeBelow(folder / ".zattrs", kLabelImage);
+  writeZarr(folder / "0", randomVolume(kFewVoxels, type, 53));
+  return folder;
+}
+
+TEST_F(ZarrConversion, FinishedStoreOfLabelsByTheHeader_IsResumed) {
+  const fs::path image = writeLabelImage(folder(), VoxelType::u16), out = freshDirectory("labels") / "volume.kiln";
+  ConvertOptions options = zarrOptions();
+  Progress silent;
+  convert(*openSource(image), out, options, silent);
+  const auto expected = filesOf(out);
+  options.overwrite = false;
+  options.resume = true;
+  EXPECT_GT(convert(*openSource(image), out, options, silent).bricks, 0u);
+  EXPECT_TRUE(filesOf(out) == expected);
+}
+
+TEST_F(ZarrConversion, LabelsByTheHeaderThatAreFractionsOrRounded_AreRefused) {
+  const auto expectNoStore = [&](VoxelType type, bool half, const std::string& mention) {
+    const fs::path image = writeLabelImage(folder() / nameOf(type), type), out = freshDirectory("labels") / "v.kiln";
+    ConvertOptions options = zarrOptions();
+    options.half = half;
+    Progress silent;
+    try {
+      convert(*openSource(image), out, options, silent);
+      ADD_FAILURE() << "converted";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kUsage);
+      EXPECT_NE(std::string(error.what()).find(mention), std::string::npos) << error.what();
+    }
+    EXPECT_FALSE(fs::exists(out));
+  };
+  expectNoStore(VoxelType::f32, false, "labels are whole numbers, and this volume has f32");
+  expectNoStore(VoxelType::u16, true, "--half: ");
 }
 
 }  // namespace

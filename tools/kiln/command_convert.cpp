@@ -19,6 +19,7 @@
 #include "say.h"
 #include "scene/transfer/label_styles.h"
 #include "source_arguments.h"
+#include "store/manifest/json_text.h"
 #include "store/manifest/read_manifest.h"
 #include "store/store_reader.h"
 
@@ -145,7 +146,7 @@ std::string listForPrograms(const std::string& input, const std::vector<ListedVo
                     {"option", volume.option},
                     {"refusal", volume.refusal}});
   }
-  return Json({{"input", input}, {"volumes", list}}).dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return jsonText(Json({{"input", utf8OfName(input)}, {"volumes", list}}), 1) + "\n";
 }
 
 void list(const ConvertArguments& a, Context& context) {
@@ -214,7 +215,7 @@ void run(const ConvertArguments& a, Context& context) {
     say("rounded to half: no value changed by more than {:g}, no mean of a coarser level by more than {:g}\n",
         loss.largest_error, report.half_error);
   if (const std::string lost = loss.warning(); !lost.empty()) context.progress.warn(a.output + ": " + lost);
-  if (a.labels) warnOfLabels(a.output, context);
+  if (makesLabels(source->info(), options)) warnOfLabels(a.output, context);
   if (report.nan_count > 0) say("{} voxels are NaN and will be transparent\n", report.nan_count);
 }
 
@@ -249,8 +250,10 @@ void addConvert(CLI::App& app, Context& context) {
       ->excludes("--half");
   command->add_flag("--dry-run", a->dry_run,
                     "write nothing; say how it would be read, what memory, disk and time it takes");
-  CLI::Option* const list = command->add_flag(
-      "--list", a->list, "convert nothing; list the volumes in the file or folder, their sizes, and how to choose one");
+  CLI::Option* const list =
+      command->add_flag("--list", a->list,
+                        "convert nothing; list the volumes in the file or folder, their sizes, and the option that "
+                        "chooses each");
   command->add_flag("--json", a->json, "print the list for programs")->needs(list);
   auto* overwrite =
       command->add_flag("--overwrite", a->overwrite, "replace a store that is there, once the new one is whole");

@@ -234,4 +234,10 @@ ValueHistogram ValueCounter::histogram(const ValueRange& range, std::size_t bins
   return out;
 }
 
+ValueHistogram histogramOf(const Manifest& manifest, const ValueCounter& counter, const ValueRange& range) {
+  if (!countsEachLabel(manifest.volume_class, manifest.type, range))
+    return counter.histogram(counter.commonRange(range));
+  return counter.histogram({range.lo - 0.5, range.hi + 0.5}, static_cast<std::size_t>(range.hi - range.lo) + 1);
+}
+
 }  // namespace kiln

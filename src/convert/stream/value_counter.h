@@ -76,4 +76,8 @@ class ValueCounter {
   std::uint64_t nan_count_ = 0;
 };
 
+/// Returns the histogram of a manifest: a bin for each label, if the labels are few enough, else the common range in
+/// equal bins. requires: `range` is the range of all counted values.
+ValueHistogram histogramOf(const Manifest& manifest, const ValueCounter& counter, const ValueRange& range);
+
 }  // namespace kiln
