@@ -62,7 +62,9 @@ void RankedSequence::findKept() {
   if (resume_) {
     const auto count = static_cast<std::size_t>(ranks_.count());
     for (auto i = static_cast<std::size_t>(ranks_.rank()); i < numbers.size(); i += count) {
-      if (frames_.isThere(numbers[i])) kept.push_back(numbers[i]);
+      if (!frames_.isThere(numbers[i])) continue;
+      frames_.removeLeftovers(numbers[i]);
+      kept.push_back(numbers[i]);
     }
   }
   kept = gatherLists(ranks_, kept);

@@ -70,6 +70,7 @@ class Sequence {
   void handle(int frame) {
     progress_.throwIfCancelled("rendering");
     if (resume_ && frames_.isThere(frame)) {
+      frames_.removeLeftovers(frame);
       if (checkpoint_) FileSystem::real().removeAll(checkpointOf(job_, frame));
       result_.statistics.kept.push_back(frame);
       listener_.frameKept(job_, frame, ++done_);

@@ -101,10 +101,11 @@ bool SequenceFrames::isThere(int frame) {
   bool whole = true;
   for (const OutputFile& file : filesOf(job_, frame))
     whole = findFile(job, file, scene, opened.store()) == FoundFile::kWhole && whole;
-  if (!whole) return false;
-  // Drawing a frame would remove them.
+  return whole;
+}
+
+void SequenceFrames::removeLeftovers(int frame) const {
   for (const OutputFile& file : filesOf(job_, frame)) TemporaryFile::removeLeftovers(behindLinks(file.path));
-  return true;
 }
 
 FrameScene SequenceFrames::sceneToWrite(const OpenedJob& opened, int frame) const {

@@ -55,9 +55,10 @@ class SequenceFrames {
   void requireScenes();
   /// Opens the job over the frame's stores and closes any other. throws: as OpenedJob.
   OpenedJob& openedFor(int frame);
-  /// Returns true if all files of a frame exist and are whole, and then removes what killed runs left beside them.
-  /// throws: Error kExists if another job wrote a file.
+  /// Returns true if all files of a frame exist and are whole. throws: Error kExists if another job wrote a file.
   bool isThere(int frame);
+  /// Removes the temporary files of killed runs beside a frame's files, as drawing the frame does.
+  void removeLeftovers(int frame) const;
   /// Return scene and job for the headers of files: without the part.
   FrameScene sceneToWrite(const OpenedJob& opened, int frame) const;
   RenderJob jobToWrite(const OpenedJob& opened) const;

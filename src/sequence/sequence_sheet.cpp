@@ -4,11 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "base/error.h"
 #include "base/thread/parallel.h"
+#include "base/thread/trace.h"
+#include "frame/empty_frame.h"
 #include "frame/pass/frame_progress.h"
 #include "image/thumbnail_sheet.h"
+#include "job/frame_list.h"
 #include "sequence/series_volumes.h"
 
 namespace kiln {
@@ -44,6 +49,10 @@ void requireSheet(const RenderJob& job) {
     refuse(
         "a sheet is one picture, .exr or .png, and the job has other outputs; name the sheet by -o and leave outputs "
         "out");
+  if (hasFramePlace(job.output.path))
+    refuse(
+        fmt::format("a sheet is one picture (found {}, one for each frame); name the sheet by -o, as in -o sheet.png",
+                    job.output.path.string()));
   if (drawsDeep(job) || drawsPart(job.picture) || drawnAovs(job).any())
     refuse("a sheet holds colours alone; leave --deep, --part and --aov out");
   if (drawsBothEyes(job.picture.stereo)) refuse("a sheet shows one eye (found both); choose --stereo left or right");
@@ -58,19 +67,28 @@ Image drawSequenceSheet(const RenderJob& given, const StoreFor& store_for, Progr
   RenderJob job = given;
   if (!job.series) job.series = seriesLook(job, store_for);
   if (job.series) progress.note(job.series->choice);
+  std::optional<Trace> trace;
+  if (!job.trace.empty()) trace.emplace(job.trace);
   const SheetLayout layout = layoutOf(job);
   ThumbnailSheet sheet(layout);
   SequenceFrames frames(job, store_for, progress, layout.bytes(), {.has_files = false});
   frames.requireScenes();
   UncountedProgress of_frames(progress);
   const std::vector<int>& numbers = frames.numbers();
+  std::vector<FrameStatistics> statistics;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     progress.throwIfCancelled("drawing a sheet");
-    const DrawnFrame drawn = frames.openedFor(numbers[i]).draw(numbers[i], of_frames);
+    OpenedJob& opened = frames.openedFor(numbers[i]);
+    DrawnFrame drawn = opened.draw(numbers[i], of_frames);
+    opened.judge(drawn);
+    noteDamage(drawn.statistics, progress);
     const auto place = static_cast<int>(i);
     sheet.put(place % layout.columns, place / layout.columns, drawn.views.front().image, fmt::format("{}", numbers[i]));
+    statistics.push_back(std::move(drawn.statistics));
     progress.advance("drawing", "frames", i + 1, numbers.size());
   }
+  if (trace) trace->finish();
+  warnOfDoubtfulFrames(statistics, true, progress);
   return std::move(sheet).take();
 }
 

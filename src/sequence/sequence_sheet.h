@@ -18,11 +18,11 @@ inline constexpr ImageSize kSheetFrameSize{256, 256};
 std::vector<int> framesOfSheet(const std::vector<int>& frames, int count);
 
 /// throws: Error kUsage naming --sheet for a job that a sheet cannot show: fewer than two frames, more files than one
-/// picture, a deep or partial image, both eyes.
+/// picture, a name for each frame, a deep or partial image, both eyes.
 void requireSheet(const RenderJob& job);
 
-/// Draws the job's frames in rows, as wide as high if possible. `store_for` is as in SequenceOptions. throws: as
-/// SequenceFrames; kBudget if the sheet does not fit in the memory.
+/// Draws the job's frames in rows, as wide as high if possible. Writes the job's trace, and warns as runSequence.
+/// `store_for` is as in SequenceOptions. throws: as SequenceFrames; kBudget if the sheet does not fit in the memory.
 Image drawSequenceSheet(const RenderJob& job, const StoreFor& store_for, Progress& progress);
 
 }  // namespace kiln

@@ -379,6 +379,18 @@ TEST_F(SequenceCli, Sheet_showsFramesAtEqualSteps) {
   refused(still, 2, "--sheet: a sheet holds colours alone");
 }
 
+TEST_F(SequenceCli, Sheet_isTracedAndWarnsOfEmptyFrames) {
+  std::vector<std::string> sheet = {"render", in("h.kiln"),    "-o",      in("s.png"),   "--size",
+                                    "16x16",  "--sheet",       "2",       "--turntable", "4",
+                                    "--tf",   "9000:0,9001:1", "--trace", in("t.json"),  "--strict"};
+  const ToolResult empty = runTool(sheet);
+  EXPECT_EQ(empty.exit_code, 1);
+  EXPECT_NE(empty.err.find("empty"), std::string::npos) << empty.err;
+  EXPECT_NE(readTextFile(in("t.json")).find("traceEvents"), std::string::npos);
+  sheet[3] = in("s_##.png");
+  refused(sheet, 2, "--sheet: a sheet is one picture");
+}
+
 // A picture's job draws the picture again, wherever picture and volume were moved together.
 TEST_F(SequenceCli, Picture_isDrawnFromItsJobBesideItsVolume) {
   for (const std::string ending : {".exr", ".png"}) {
