@@ -169,7 +169,7 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   out.volume_share = static_cast<double>(voxels) / static_cast<double>(volume.dims.count());
   out.image = pixelsOf(made, picture, picture.aovs);
   layOverBackground(out.image, drawnPixels(picture.size, picture.crop).y0, picture.size.height,
-                    picture.background.value_or(Background{}));
+                    backgroundOf(picture, std::get<TransferFunction>(picture.transfer_function)));
   return out;
 }
 

@@ -153,7 +153,7 @@ FrameScene SceneOfJob::at(int frame) const {
     out.picture.clipping.part = boxOfPart(*part, manifest().geometry().dims, manifest().brick_size);
   out.camera = cameraOf(frame);
   out.picture.samples = samplesOf(out.camera);
-  if (!out.picture.background) out.picture.background = defaultBackground(out.picture, out.transfer_function);
+  out.picture.background = backgroundOf(out.picture, out.transfer_function);
   const auto between = [&](const auto& keys) {
     const auto [i, t] = mixAt(KeyTimes(keys), frame);
     return t == 0 ? keys[i].value : mixed(keys[i].value, keys[i + 1].value, t);

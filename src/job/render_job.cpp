@@ -40,7 +40,8 @@ void putOutput(const fs::path& path, OutputOptions& output) {
   (isVideo(path) ? output.video.path : output.path) = path;
 }
 
-Background defaultBackground(const PictureOptions& picture, const TransferFunction& transfer_function) {
+Background backgroundOf(const PictureOptions& picture, const TransferFunction& transfer_function) {
+  if (picture.background) return *picture.background;
   if (engineOf(picture).capabilities().composites) return {};
   const glm::dvec3 color = transfer_function.at(-std::numeric_limits<double>::infinity()).color;
   const std::array<double, 4> opaque{color.r, color.g, color.b, 1};

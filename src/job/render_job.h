@@ -32,7 +32,7 @@ struct PictureOptions {
   ImageSize size;
   std::optional<PixelRect> crop;         // the pixels of the whole picture to draw; absent: all
   std::optional<int> samples;            // sub-pixels of a pixel: 1, 2, 4 or 16; absent: chosen by job/auto_samples.h
-  std::optional<Background> background;  // absent: chosen by defaultBackground
+  std::optional<Background> background;  // absent: chosen by backgroundOf
   Mode mode{};
   Aovs aovs;
   CameraSpec camera;
@@ -54,9 +54,9 @@ struct PictureOptions {
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };
 
-/// Returns the background of a picture that sets none: transparent behind light; behind projected values the colour of
-/// the function's low end, which no value falls below.
-Background defaultBackground(const PictureOptions& picture, const TransferFunction& transfer_function);
+/// Returns the background of a picture. By default: transparent behind light; behind projected values the colour of the
+/// function's low end, which no value falls below.
+Background backgroundOf(const PictureOptions& picture, const TransferFunction& transfer_function);
 /// Returns true if the job sets more than one sample a pixel.
 bool oversamples(const PictureOptions& picture);
 /// Returns whether the number is 1, 2, 4 or 16.

@@ -168,7 +168,8 @@ class BrickSequence : public RankedSequence {
     image = pixelsOf(made, drawn.scene.picture, aovs);
     statistics.visible = isVisible(image);
     const PixelRect crop = drawnPixels(job_.picture.size, job_.picture.crop);
-    layOverBackground(image, crop.y0, job_.picture.size.height, drawn.scene.picture.background.value());
+    layOverBackground(image, crop.y0, job_.picture.size.height,
+                      backgroundOf(drawn.scene.picture, drawn.scene.transfer_function));
   }
 
   const std::vector<VoxelBox> boxes_;

@@ -40,7 +40,7 @@ FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& spe
   request.transfer_function = transfer_function;
   request.shading = picture.shading;
   request.clipping = picture.clipping;
-  if (!drawsPart(picture)) request.background = picture.background.value_or(Background{});
+  if (!drawsPart(picture)) request.background = backgroundOf(picture, transfer_function);
   request.opacity_threshold = picture.opacity_threshold;
   request.mode = picture.mode;
   request.lattice = picture.lattice;

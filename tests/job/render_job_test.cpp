@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "image/named_color.h"
 #include "job/job_json.h"
+#include "sequence/render_job_run.h"
 
 namespace kiln {
 namespace {
@@ -290,6 +291,20 @@ TEST(RenderJob, LightsAndBackgrounds_haveColoursByName) {
 }
 
 // Truncated at any length, the example is no job, and the exception is always kiln::Error.
+TEST(RenderJob, BackgroundOfProjectedValues_isTheColourOfTheLowEnd) {
+  PictureOptions picture;
+  picture.mode = Mode::kMip;
+  TransferFunction function;
+  function.points = {{0, {0.25, 0.5, 0.75}, 0}, {1, {1, 1, 1}, 1}};
+  const Background low{{0.25, 0.5, 0.75, 1}, {0.25, 0.5, 0.75, 1}};
+  EXPECT_EQ(backgroundOf(picture, function), low);
+  EXPECT_EQ(frameRequest(picture, {}, Camera(), function).background, low);
+  picture.background = Background{{1, 0, 0, 1}, {0, 0, 0, 0}};
+  EXPECT_EQ(frameRequest(picture, {}, Camera(), function).background, *picture.background);
+  picture = {};
+  EXPECT_EQ(frameRequest(picture, {}, Camera(), function).background, Background());
+}
+
 TEST(RenderJob, TruncatedTextIsMalformed) {
   const std::string whole = kExample;
   for (std::size_t length = 0; length < whole.size(); ++length) {
