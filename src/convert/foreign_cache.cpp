@@ -65,24 +65,34 @@ void requireOwn(const fs::path& store, const fs::path& input) {
   if (maker && !isStore(store))
     throw Error(ErrorCode::kExists, store, "", "is an unfinished conversion; finish it first, by --resume: " + *maker);
   throw Error(ErrorCode::kExists, store, "",
-              "was not made by rendering " + input.string() +
+              "is no store that render, slice or gallery made of " + input.string() +
                   ", and is not of it as it is now or as it is described; render that store itself, or convert " +
                   input.string() + " to another name");
 }
 
-// Returns `input` with the slashes of a part of a file as dots ("a.h5.x.y" for "a.h5:/x/y"), without a trailing slash,
-// and with "." and ".." resolved, so that the store lies beside a directory and not inside.
+// Returns a part of a file as the end of a name: ".x.y" for "/x/y".
+std::string dotted(std::string part) {
+  std::replace(part.begin(), part.end(), '/', '.');
+  return part;
+}
+
+// Returns the name to which ".kiln" is appended: "a.h5.x.y" for "a.h5:/x/y". Resolves "." and ".." and removes a
+// trailing slash, so that the store lies beside a directory and not inside.
 fs::path baseOf(const fs::path& input) {
   std::error_code error;
-  if (const fs::path file = containerOf(input); file != input) {
-    std::string part = input.string().substr(file.string().size() + 1);
-    std::replace(part.begin(), part.end(), '/', '.');
-    return file.string() + part;
-  }
+  if (const std::string part = partOf(input); !part.empty()) return containerOf(input).string() + dotted(part);
   if (!fs::is_directory(input, error)) return input;
   const fs::path whole = fs::canonical(input, error);
   const fs::path named = input.has_filename() ? input : input.parent_path();
   return error || (named.filename() != "." && named.filename() != "..") ? named : whole;
+}
+
+// Returns an absolute path without links and without a trailing slash.
+fs::path wholeNameOf(const fs::path& file) {
+  std::error_code unknown;
+  fs::path out = fs::weakly_canonical(file, unknown);
+  if (unknown) out = fs::absolute(file, unknown);
+  return out.has_filename() ? out : out.parent_path();
 }
 
 void requireNoPhantom(const fs::path& input) {
@@ -90,7 +100,7 @@ void requireNoPhantom(const fs::path& input) {
     throw Error(ErrorCode::kUsage, "'" + input.string() +
                                        "' is computed and not a file, so no store can stand beside "
                                        "it; convert it first: kiln convert " +
-                                       input.string() + " NAME.kiln");
+                                       shellText(input.string()) + " NAME.kiln");
   }
 }
 
@@ -127,12 +137,6 @@ bool namesStore(const ForeignVolume& volume) {
   return true;
 }
 
-std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const ForeignVolume& volume) {
-  SourceOptions options = volume.options;
-  options.memory_bytes = memory_bytes;
-  return openSource(volume.input, options);
-}
-
 // True if the store can be used. A store of amounts cannot serve a rendering of labels.
 bool serves(const fs::path& store, const SourceInfo& info, const ConvertOptions& options) {
   return isStoreOf(store, info, options.memory_bytes) &&
@@ -145,6 +149,12 @@ bool isForStoreReader(const fs::path& input) {
   std::error_code ignored;
   return isStore(input) || (!fs::exists(input, ignored) && containerOf(input) == input) ||
          (fs::is_directory(input, ignored) && input.extension() == ".kiln");
+}
+
+std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const ForeignVolume& volume) {
+  SourceOptions options = volume.options;
+  options.memory_bytes = memory_bytes;
+  return openSource(volume.input, options);
 }
 
 bool isStoreOf(const fs::path& store, const SourceInfo& info, std::uint64_t memory_bytes) {
@@ -162,12 +172,11 @@ bool isStoreOf(const fs::path& store, const SourceInfo& info, std::uint64_t memo
 fs::path storePathOf(const ForeignVolume& volume) {
   if (volume.store_directory.empty()) return baseOf(volume.input).string() + ".kiln";
   constexpr std::size_t kDigits = 12;
-  std::error_code unknown;
-  fs::path whole = fs::weakly_canonical(volume.input, unknown);
-  if (unknown) whole = fs::absolute(volume.input, unknown);
-  if (!whole.has_filename()) whole = whole.parent_path();
-  const std::string hash = toHex(hashOf(whole.native())).substr(0, kDigits);
-  return volume.store_directory / fmt::format("{}-{}.kiln", whole.filename().string(), hash);
+  const fs::path file = wholeNameOf(containerOf(volume.input));
+  const std::string part = partOf(volume.input);
+  const std::string whole = part.empty() ? file.string() : file.string() + ":" + part;
+  const std::string hash = toHex(hashOf(whole)).substr(0, kDigits);
+  return volume.store_directory / fmt::format("{}{}-{}.kiln", file.filename().string(), dotted(part), hash);
 }
 
 fs::path madeStoreFor(const ForeignVolume& volume, std::uint64_t memory_bytes,

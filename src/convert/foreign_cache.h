@@ -3,13 +3,14 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 
 #include "convert/convert.h"
 
 namespace kiln {
 
-/// Returns whether StoreReader must open the input, or must report why the input is no store: a store, a name of
-/// nothing, or a folder whose name ends in .kiln, such as that of an unfinished conversion.
+/// Returns whether the input is for StoreReader, which opens a store or reports why the input is none. True for a
+/// store, a name of nothing, and a folder whose name ends in .kiln, such as an unfinished conversion.
 bool isForStoreReader(const std::filesystem::path& input);
 
 /// A volume file, or a store, and the folder for the store that is made of the file.
@@ -21,9 +22,12 @@ struct ForeignVolume {
 };
 
 /// Returns the name of the store that is made of a volume file. Beside the file: the file's name with ".kiln" appended.
-/// In a `store_directory`: NAME-HASH.kiln, where HASH is 12 digits of the hash of the file's absolute path without
-/// links, so that files of one name in several folders have a store each.
+/// In a `store_directory`: NAME-HASH.kiln, so that files of one name in several folders have a store each. HASH is 12
+/// digits of the hash of the file's absolute path without links. Both contain the part of FILE:/PATH.
 std::filesystem::path storePathOf(const ForeignVolume& volume);
+
+/// Opens the file of a volume. throws: as openSource.
+std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const ForeignVolume& volume);
 
 /// Returns the input itself if it is a store, else storePathOf. Makes the store if it is missing, or was made from an
 /// older state of the file or with different source options; reports the fact by `progress.note`. If several processes

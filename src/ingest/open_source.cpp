@@ -322,12 +322,17 @@ fs::path containerOf(const fs::path& input) {
   return fs::is_regular_file(file, ignored) ? file : input;
 }
 
+std::string partOf(const fs::path& input) {
+  const fs::path file = containerOf(input);
+  return file == input ? "" : input.string().substr(file.string().size() + 1);
+}
+
 namespace {
 
 // Opens a volume where its file places it.
 std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOptions& options) {
   const fs::path input = containerOf(given);
-  const std::string part = input == given ? "" : given.string().substr(input.string().size() + 1);
+  const std::string part = partOf(given);
   if (namesPhantom(input)) {
     requireOptionsApply(input, "a phantom", options);
     return openPhantom(input, options);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "ingest/source/volume_source.h"
 
@@ -15,6 +16,9 @@ void requireNoOptions(const std::filesystem::path& store, const SourceOptions& o
 /// A part of a file is named FILE:/PATH, such as scan.h5:/entry/data. Returns FILE if FILE exists and `input` does not;
 /// otherwise `input`.
 std::filesystem::path containerOf(const std::filesystem::path& input);
+
+/// Returns /PATH of the input FILE:/PATH (containerOf); empty for any other input.
+std::string partOf(const std::filesystem::path& input);
 
 /// Opens `input` by its content (the first bytes, then the name); a directory by its slices.
 /// throws: Error kNotFound; kFormat; kUnsupported (naming the content: vector data, an unknown format); kUsage if

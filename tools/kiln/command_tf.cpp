@@ -53,11 +53,10 @@ Manifest withoutVolume(const TransferFunctionChoice& choice) {
 
 VolumeValues valuesOfFile(const TfArguments& a, const OutputFiles& outputs, Context& context) {
   const ForeignVolume volume = a.source.volume(a.input);
-  SourceOptions options = volume.options;
-  options.memory_bytes = parseBytes(a.memory, "--memory");
-  const std::unique_ptr<VolumeSource> source = openSource(volume.input, options);
+  const std::uint64_t memory_bytes = parseBytes(a.memory, "--memory");
+  const std::unique_ptr<VolumeSource> source = openedWithin(memory_bytes, volume);
   outputs.requireNoneOf(source->info().files);
-  return valuesOf(volume, *source, options.memory_bytes, context.progress);
+  return valuesOf(volume, *source, memory_bytes, context.progress);
 }
 
 Subject subjectOf(const TfArguments& a, const OutputFiles& outputs, Context& context) {
@@ -153,10 +152,12 @@ void addTf(CLI::App& app, Context& context) {
                                presetList()))
       ->required();
   command->add_option("--tf", a->tf,
-                      "of a store or a volume file: the file, points or preset to show; auto if not given");
-  command->add_option("--window", a->window, "stretch it so that it begins and ends with this window of values")
+                      "the transfer function of the store or volume file: a file, points or a preset (default auto)");
+  command
+      ->add_option("--window", a->window, "stretch the function so that it begins and ends with this window of values")
       ->type_name("CENTRE,WIDTH");
-  command->add_flag("--json", a->json, "print it as a transfer function file: the object transferFunction of a job");
+  command->add_flag("--json", a->json,
+                    "print the function as a transfer function file: the object transferFunction of a job");
   command->add_option("-o,--output", a->output, "the picture, .png or .exr");
   addExamples(*command, {"kiln tf ct-bone", "kiln tf scan.nrrd", "kiln tf head.kiln --tf viridis -o viridis.png",
                          "kiln tf head.kiln --tf ct-bone --json > bone.json"});

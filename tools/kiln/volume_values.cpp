@@ -6,6 +6,7 @@
 #include "frame/slice.h"
 #include "histogram_text.h"
 #include "ingest/open_source.h"
+#include "ingest/source/formats.h"
 #include "ingest/volume_format.h"
 #include "say.h"
 #include "scene/transfer/presets.h"
@@ -31,7 +32,7 @@ Window windowOver(const ValueRange& range) { return {0.5 * (range.lo + range.hi)
 }  // namespace
 
 bool namesVolumeFile(const fs::path& path, const SourceArguments& arguments) {
-  if (path.native().starts_with("phantom:") || !arguments.dims.empty()) return true;
+  if (namesPhantom(path) || !arguments.dims.empty()) return true;
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return !isForStoreReader(path);
   const VolumeFormat format = volumeFormatOf(path);
