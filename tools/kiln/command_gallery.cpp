@@ -30,9 +30,7 @@ void run(const GalleryArguments& a, Context& context) {
   request.speed.memory_bytes = parseBytes(a.memory, "--memory");
   request.store = storeOfInput(a.source.volume(a.store), request.speed.memory_bytes, outputs, context);
   const Gallery gallery = drawGallery(request, context.progress);
-  ImageFileOptions file;
-  file.writer_bytes = request.speed.memory_bytes - std::min(request.speed.memory_bytes, gallery.sheet.bytes());
-  writeImage(gallery.sheet, {}, file, a.output);
+  writeImage(gallery.sheet, {}, ImageFileOptions().within(request.speed.memory_bytes, gallery.sheet), a.output);
   context.progress.clear();
   for (const GalleryRow& row : gallery.rows)
     say("kiln render {} --tf {} -o {}.png\n", shellText(request.store.string()), row.preset, row.preset);

@@ -15,9 +15,11 @@
 #include "image/file/image_file.h"
 #include "ingest/open_source.h"
 #include "job/job_names.h"
+#include "picture_job.h"
 #include "say.h"
 #include "scene/transfer/label_styles.h"
 #include "store/manifest/json_text.h"
+#include "store/manifest/volume_json.h"
 #include "store/store_reader.h"
 #include "volume_values.h"
 
@@ -171,24 +173,13 @@ void printHeader(const std::string& path, const SourceInfo& info) {
 
 // Returns the header and the values of a volume file for programs, with the keys of a manifest.
 std::string sourceForPrograms(const SourceInfo& info, const VolumeValues& values) {
-  const Manifest& m = values.manifest;
-  const VolumeGeometry& g = info.geometry;
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   for (const fs::path& file : info.files) files.push_back(utf8OfName(file.string()));
-  const nlohmann::ordered_json out = {
-      {"dimensions", {g.dims.x, g.dims.y, g.dims.z}},
-      {"type", nameOf(info.type)},
-      {"range", {m.range.lo, m.range.hi}},
-      {"nanCount", m.nan_count},
-      {"histogram", {{"lo", m.histogram.lo}, {"hi", m.histogram.hi}, {"counts", m.histogram.counts}}},
-      {"sample", {{"voxels", values.sampled}, {"text", values.counted}}},
-      {"class", wordOf(m.volume_class)},
-      {"affine", rowsOf(g.world_from_index)},
-      {"unit", g.unit},
-      {"frame", wordOf(g.frame)},
-      {"source", {{"format", info.format}, {"files", files}, {"notes", info.notes}}},
-      {"storage", {{"rawBytes", bytesOf(g, info.type)}}}};
-  return jsonText(out, 1) + "\n";
+  nlohmann::ordered_json out = volumeJson(values.manifest);
+  out.update({{"sample", {{"voxels", values.sampled}, {"text", values.counted}}},
+              {"source", {{"format", info.format}, {"files", files}, {"notes", info.notes}}},
+              {"storage", {{"rawBytes", bytesOf(info.geometry, info.type)}}}});
+  return jsonText(std::move(out), 1) + "\n";
 }
 
 // Returns the pixel type of the colours, or of the first channel of a file without colours.
@@ -242,22 +233,19 @@ void addLayout(const PixelLayout& layout, nlohmann::ordered_json& job) {
 
 // Returns the job of a picture as JSON, which `kiln render` reads from a file.
 std::string jobTextOfPicture(const fs::path& path, std::uint64_t memory_bytes) {
-  const std::map<std::string, std::string> texts = readImageText(path, memory_bytes);
-  const auto job = texts.find(ImageMetadata::kJob);
-  if (job == texts.end())
+  const std::optional<std::string> job = jobTextOf(path, memory_bytes);
+  if (!job)
     throw Error(ErrorCode::kUnsupported, path, ImageMetadata::kJob,
                 "is not there: a picture that Kiln drew has its job in it");
-  auto out = nlohmann::ordered_json::parse(job->second, nullptr, false);
-  if (!out.is_object()) return job->second + "\n";
+  auto out = nlohmann::ordered_json::parse(*job, nullptr, false);
+  if (!out.is_object()) return *job + "\n";
   addLayout(readPixelLayout(path), out);
   return out.dump(2) + "\n";
 }
 
 // Prints the header first, as the values of a damaged file are an error.
 void printSource(const ForeignVolume& volume, std::uint64_t memory_bytes, bool json, Context& context) {
-  SourceOptions options = volume.options;
-  options.memory_bytes = memory_bytes;
-  const std::unique_ptr<VolumeSource> source = openSource(volume.input, options);
+  const std::unique_ptr<VolumeSource> source = openedWithin(memory_bytes, volume);
   const auto values = [&] { return valuesOf(volume, *source, memory_bytes, context.progress); };
   if (json) return sayJson(sourceForPrograms(source->info(), values()));
   printHeader(volume.input.string(), source->info());

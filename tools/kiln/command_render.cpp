@@ -122,7 +122,7 @@ void applyShare(const std::string& text, RenderJob& job) {
 }
 
 // Returns whether INPUT is a volume, and no job.
-bool isVolumeName(const fs::path& input) { return extensionOf(input) != ".json" && !isPicture(input); }
+bool isVolumeName(const fs::path& input) { return extensionOf(input) != ".json" && !isPictureName(input); }
 
 // Leaves the frames of a sheet.
 void applySheet(const RenderArguments& a, RenderJob& job) {
@@ -256,8 +256,8 @@ RenderJob jobOf(const RenderArguments& a) {
   RenderJob job;
   if (extensionOf(a.input) == ".json") {
     job = readJob(a.input);
-  } else if (isPicture(a.input)) {
-    job = jobOfPicture(a.input);
+  } else if (isPictureName(a.input)) {
+    job = jobOfPicture(a.input, parseBytes(a.job.text("--memory").value_or(kDefaultMemory), "--memory"));
   } else {
     job.volume = a.input;
   }
@@ -358,6 +358,7 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
   if (memory.face > 0) say("{} of a face that it is made of, ", formatBytes(memory.face));
   if (memory.deep > 0) say("{} of deep samples, ", formatBytes(memory.deep));
   if (memory.files > 0) say("{} to compress files, ", formatBytes(memory.files));
+  if (memory.functions > 0) say("{} of transfer functions, ", formatBytes(memory.functions));
   say("{} of visibility, {} of index, {} to draw with, {} of threads' stacks, {}{} {}\n",
       formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.slabs), formatBytes(memory.threads),
       memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick),
@@ -432,9 +433,8 @@ void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions&
 void drawSheet(const RenderArguments& a, const RenderJob& job, const SequenceOptions& options, Context& context) {
   FileSystem::real().requirePlaceFor(job.output.path);
   const Image sheet = drawSequenceSheet(job, options.store_for, context.progress);
-  ImageFileOptions file{job.output.exr_float, job.output.png_bits, job.output.exr_compression};
-  file.writer_bytes = job.speed.memory_bytes - std::min(job.speed.memory_bytes, sheet.bytes());
-  writeImage(sheet, {}, file, job.output.path);
+  const ImageFileOptions file{job.output.exr_float, job.output.png_bits, job.output.exr_compression};
+  writeImage(sheet, {}, file.within(job.speed.memory_bytes, sheet), job.output.path);
   context.progress.clear();
   if (!a.quiet)
     say("{}: {} x {} pixels, {}\n", job.output.path.string(), sheet.width, sheet.height, countedFrames(framesOf(job)));
@@ -565,7 +565,7 @@ class RenderCommandLine {
     option("--share", "I/N", a_.share,
            "Draw every N-th of the frames, from the I-th on: the share of one of N machines without MPI.");
     option("--sheet", "N", a_.sheet,
-           "Instead of the frames, draw N of them at equal steps into one picture, -o, each with its number. A frame "
+           "Draw N frames at equal steps into one picture, -o, each with its number, and no frame into a file. A frame "
            "has 256x256 pixels without --size.")
         ->check(wholeNumberFrom(2, kMostSheetFrames));
     flag("--resume", a_.resume, "Keep frames that exist and are whole; draw the others.");

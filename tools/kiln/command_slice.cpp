@@ -43,9 +43,7 @@ int axisOf(const std::string& name) {
 
 void write(const Image& image, const StoreReader& store, std::uint64_t memory_bytes,
            const std::filesystem::path& path) {
-  ImageFileOptions file;
-  file.writer_bytes = memory_bytes - std::min(memory_bytes, image.bytes() + store.index().bytes());
-  writeImage(image, {}, file, path);
+  writeImage(image, {}, ImageFileOptions().within(memory_bytes - store.index().bytes(), image), path);
 }
 
 // The numbers of the slices: those of --index, else the middle one, or all of a numbered output.

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,6 @@ std::vector<fs::path> placesOf(const fs::path& volume, const fs::path& picture) 
 }
 
 fs::path foundVolume(const fs::path& volume, const fs::path& picture) {
-  if (volume.string().starts_with("phantom:")) return volume;
   const std::vector<fs::path> places = placesOf(volume, picture);
   const auto found = std::find_if(places.begin(), places.end(), [](const fs::path& place) { return isThere(place); });
   if (found != places.end()) return *found;
@@ -41,22 +41,30 @@ fs::path foundVolume(const fs::path& volume, const fs::path& picture) {
                   fmt::join(names, " and "), picture.string()));
 }
 
-}  // namespace
-
-bool isPicture(const fs::path& path) {
-  const std::string ending = extensionOf(path);
-  return ending == ".exr" || ending == ".png";
+// Parses a job without a folder, so that the names of volumes stay unchanged. Errors name the picture.
+RenderJob parsedFrom(const fs::path& picture, const std::string& job) {
+  try {
+    return parseJob(job, {});
+  } catch (const Error& error) {
+    if (!error.path().empty()) throw;
+    throw Error(error.code(), picture, "", error.what());
+  }
 }
 
-RenderJob jobOfPicture(const fs::path& picture) {
-  const auto texts = readImageText(picture);
+}  // namespace
+
+std::optional<std::string> jobTextOf(const fs::path& picture, std::uint64_t memory_bytes) {
+  const std::map<std::string, std::string> texts = readImageText(picture, memory_bytes);
   const auto text = texts.find(ImageMetadata::kJob);
-  if (text == texts.end())
+  return text == texts.end() ? std::nullopt : std::optional(text->second);
+}
+
+RenderJob jobOfPicture(const fs::path& picture, std::uint64_t memory_bytes) {
+  const std::optional<std::string> text = jobTextOf(picture, memory_bytes);
+  if (!text)
     throw Error(ErrorCode::kUsage, picture, "",
                 "is a picture without a job of Kiln; name a store, a volume file or a job");
-  parseJob(text->second, picture);  // errors name the picture
-  // Without a folder the names of volumes stay as they are in the job.
-  RenderJob job = parseJob(text->second, {});
+  RenderJob job = parsedFrom(picture, *text);
   forEachVolume(job, [&](const fs::path& volume) { return foundVolume(volume, picture); });
   return job;
 }

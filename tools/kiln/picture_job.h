@@ -1,18 +1,23 @@
 // The job in the header of a picture of Kiln's, as INPUT of render.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "job/render_job.h"
 
 namespace kiln::tool {
 
-/// Returns whether the name is a picture's, .exr or .png.
-bool isPicture(const std::filesystem::path& path);
+/// Returns the JSON of the job in the picture's header, if any. throws: Error kBudget if the header exceeds
+/// `memory_bytes`; kFormat.
+std::optional<std::string> jobTextOf(const std::filesystem::path& picture, std::uint64_t memory_bytes);
 
-/// Returns the picture's job. A volume with a relative name is sought from the picture's folder, then by its file name
-/// beside the picture, then from the current folder; an absolute name first where it was, then beside the picture.
-/// throws: Error kUsage for a picture without a job; kNotFound naming all places of a volume that is in none.
-RenderJob jobOfPicture(const std::filesystem::path& picture);
+/// Returns the picture's job. A volume with a relative name is sought from the picture's folder, then beside the
+/// picture, then from the current folder. An absolute name is sought first as it is, then beside the picture.
+/// throws: as jobTextOf; Error kUsage for a picture without a job; kNotFound naming all places of a volume that is in
+/// none.
+RenderJob jobOfPicture(const std::filesystem::path& picture, std::uint64_t memory_bytes);
 
 }  // namespace kiln::tool

@@ -15,12 +15,13 @@
 
 namespace kiln::tool {
 
-/// Prints to standard output. Text arguments are `shown`; the format is printed unchanged.
+/// Prints to standard output; after sayToStandardError, to standard error. Text arguments are `shown`; the format is
+/// printed unchanged.
 template <class... Args>
 void say(fmt::format_string<Args...> format, Args&&... args);
-/// Prints a text of several lines to standard output, `shown`.
+/// Prints a text of several lines, `shown`, where `say` prints.
 void sayLines(std::string_view text);
-/// Prints JSON to standard output. Characters escaped by `shown` become escapes of JSON: the values of strings are
+/// Prints JSON where `say` prints. Characters escaped by `shown` become escapes of JSON: the values of strings are
 /// unchanged. requires: the text is JSON.
 void sayJson(std::string_view text);
 /// Flushes standard output.

@@ -167,9 +167,10 @@ void addSourceArguments(CLI::App& command, SourceArguments& a) {
   add("--spacing", "X,Y,Z", a.spacing, "Spacing in world units, of a file that has no axes.");
   add("--grid", "NAME", a.grid, "OpenVDB: grid to read.");
   add("--series", "UID", a.series, "DICOM: series to read, if there are several.");
-  add("--channel", "NAME|N", a.channel, "Of several channels: the one to read, by name or by number from 0.");
-  add("--time", "N", a.time, "Of several times: the one to read, from 0.")->check(wholeNumberFrom(0));
-  add("--scale", "N", a.scale, "Of several resolutions: the one to read; 0 is the finest.")->check(wholeNumberFrom(0));
+  add("--channel", "NAME|N", a.channel, "Channel to read, by name or number from 0, if the file has several.");
+  add("--time", "N", a.time, "Time to read, from 0, if the file has several.")->check(wholeNumberFrom(0));
+  add("--scale", "N", a.scale, "Resolution to read, if the file has several; 0 is the finest.")
+      ->check(wholeNumberFrom(0));
   add("--flip", "AXES", a.flip, "Mirror the volume within its box along voxel axes: x, y, z or a list such as x,z.");
   add("--orient", "LETTERS", a.orient,
       "File without directions: where its voxel axes x, y, z grow in a patient, as LPS: R or L (right, left), A or P "

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cassert>
 
 #include "base/error.h"
@@ -26,14 +27,21 @@ std::size_t pixelBytes(const Image& image) {
 
 }  // namespace
 
+ImageFileOptions ImageFileOptions::within(std::uint64_t memory_bytes, const Image& picture) const {
+  ImageFileOptions out = *this;
+  out.writer_bytes = memory_bytes - std::min(memory_bytes, picture.bytes());
+  return out;
+}
+
 bool isExrPath(const std::filesystem::path& path) { return extensionOf(path) == ".exr"; }
 
+bool isPictureName(const std::filesystem::path& path) { return isExrPath(path) || extensionOf(path) == ".png"; }
+
 void requireImagePath(const std::filesystem::path& path, bool with_planes) {
-  const std::string extension = extensionOf(path);
-  if (extension == ".png" && with_planes)
+  if (!isPictureName(path))
+    throw Error(ErrorCode::kUsage, path, "", "is no picture's name; it must end in .exr or .png");
+  if (with_planes && !isExrPath(path))
     throw Error(ErrorCode::kUsage, path, "", "a PNG holds colours only; planes (--aov) need a name ending in .exr");
-  if (extension == ".exr" || extension == ".png") return;
-  throw Error(ErrorCode::kUsage, path, "", "is no picture's name; it must end in .exr or .png");
 }
 
 namespace {

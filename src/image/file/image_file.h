@@ -47,6 +47,9 @@ struct ImageFileOptions {
   /// Memory for compressing an EXR, beside the picture (image/file/exr_cost.h). More memory allows more threads. unit:
   /// bytes.
   std::uint64_t writer_bytes = UINT64_MAX;
+
+  /// Returns the options with the memory that a picture leaves of `memory_bytes` for the writer.
+  ImageFileOptions within(std::uint64_t memory_bytes, const Image& picture) const;
 };
 
 /// Writes a file in the format of its extension, .exr or .png; equal input gives equal bytes. cost: memory of the
@@ -80,6 +83,9 @@ void writeDeepImage(const DeepSamples& samples, const ImageMetadata& metadata, c
 
 /// True if `writeImage` writes an EXR to this path.
 bool isExrPath(const std::filesystem::path& path);
+
+/// True if the name is a picture's, .exr or .png.
+bool isPictureName(const std::filesystem::path& path);
 
 /// throws: Error kUsage if `writeImage` refuses the extension for a picture with or without planes. Call before long
 /// work.

@@ -14,6 +14,7 @@
 #include "grid/pyramid.h"
 #include "grid/shared_world.h"
 #include "store/manifest/json_text.h"
+#include "store/manifest/volume_json.h"
 #include "store/ranges/minmax_octree.h"
 
 namespace kiln {
@@ -325,6 +326,20 @@ Extent3 Manifest::spanOf(int level) const {
   return out;
 }
 
+nlohmann::ordered_json volumeJson(const Manifest& m) {
+  const VolumeGeometry& geometry = m.geometry();
+  return {{"dimensions", triple(geometry.dims)},
+          {"type", std::string(nameOf(m.type))},
+          {"range", m.range.empty() ? Json(nullptr) : Json::array({number(m.range.lo), number(m.range.hi)})},
+          {"nanCount", m.nan_count},
+          {"histogram", {{"lo", m.histogram.lo}, {"hi", m.histogram.hi}, {"counts", m.histogram.counts}}},
+          {"background", number(m.background)},
+          {"class", wordOf(m.volume_class)},
+          {"affine", rowsOf(geometry.world_from_index)},
+          {"unit", geometry.unit},
+          {"frame", wordOf(geometry.frame)}};
+}
+
 std::string manifestText(const Manifest& m) {
   Json levels = Json::array();
   for (const LevelInfo& level : m.levels) {
@@ -334,19 +349,9 @@ std::string manifestText(const Manifest& m) {
                       {"stored", level.stored_bricks},
                       {"bytes", level.stored_bytes}});
   }
-  const VolumeGeometry& geometry = m.geometry();
-  Json json = {
-      {"kiln", m.format},
-      {"dimensions", triple(geometry.dims)},
-      {"type", std::string(nameOf(m.type))},
-      {"range", m.range.empty() ? Json(nullptr) : Json::array({number(m.range.lo), number(m.range.hi)})},
-      {"nanCount", m.nan_count},
-      {"histogram", {{"lo", m.histogram.lo}, {"hi", m.histogram.hi}, {"counts", m.histogram.counts}}},
-      {"background", number(m.background)},
-      {"class", wordOf(m.volume_class)},
-      {"affine", rowsOf(geometry.world_from_index)},
-      {"unit", geometry.unit},
-      {"frame", wordOf(geometry.frame)},
+  Json json = {{"kiln", m.format}};
+  json.update(volumeJson(m));
+  json.update({
       {"brickSize", m.brick_size},
       {"apron", m.apron},
       {"cellSize", kCellSize},
@@ -354,7 +359,7 @@ std::string manifestText(const Manifest& m) {
       {"codec", {{"container", m.container_version}, {"compression", "blosc"}}},
       {"index", {{"file", "index.bin"}, {"bytes", m.index_bytes}, {"checksum", toHex(m.index_checksum)}}},
       {"source", sourceJson(m.source, m.format)},
-  };
+  });
   if (m.format >= 5) json["look"] = lookJson(m.look);
   json["checksum"] = std::string(kDigits, '0');
   std::string text = jsonText(std::move(json), 1) + "\n";

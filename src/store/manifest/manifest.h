@@ -1,7 +1,9 @@
 // The manifest of a store (FORMAT.md, manifest.json), as a struct and as checked text.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <glm/mat4x4.hpp>
 #include <optional>
 #include <string>
 #include <vector>
