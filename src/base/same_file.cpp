@@ -65,13 +65,6 @@ std::optional<FileIdentity> identityOf(const fs::path& path) {
   throw systemError(errno, path, "looking at the file");
 }
 
-std::int64_t changeTimeNs(const fs::path& path) {
-  struct stat status;
-  if (uninterrupted([&] { return ::stat(path.c_str(), &status); }) != 0)
-    throw systemError(errno, path, "reading the time of its last change");
-  return nanosecondsOf(status.st_ctim);
-}
-
 void requireOwnDirectory(const fs::path& directory) {
   if ((directoryStatus(directory).st_mode & S_IWOTH) != 0)
     throw Error(ErrorCode::kIo, directory, "",

@@ -31,10 +31,6 @@ struct FileIdentity {
 /// Returns the identity of a file, for a link of its target; nothing if there is no file. throws: Error kIo.
 std::optional<FileIdentity> identityOf(const std::filesystem::path& path);
 
-/// The time of the last change of a file's bytes or attributes (ctime), for a link of its target. unit: ns since 1970.
-/// throws: Error kIo or kNotFound.
-std::int64_t changeTimeNs(const std::filesystem::path& path);
-
 /// Checks that a directory belongs to this user or the administrator, and is no link. throws: Error kIo.
 void requireOwner(const std::filesystem::path& directory);
 

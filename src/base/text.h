@@ -49,8 +49,8 @@ std::size_t bytesOfCharacter(std::string_view text);
 std::string shown(std::string_view text, bool several_lines = false);
 /// Escapes bytes outside UTF-8 as \xNN, and nothing else.
 std::string utf8Of(std::string_view text);
-/// As utf8Of, for names: a backslash at the front of such an escape in the name itself becomes \x5c, so that different
-/// names stay different.
+/// Escapes bytes of a name as utf8Of. A backslash of the name in front of such an escape becomes \x5c, so that
+/// different names stay different.
 std::string utf8OfName(std::string_view name);
 
 /// Replaces the characters that `shown` escapes by JSON escapes; values of strings stay equal. requires: valid JSON.

@@ -20,8 +20,7 @@ namespace kiln {
 /// throws: std::bad_alloc.
 inline void requireMemory(std::size_t bytes) { ::operator delete(::operator new(bytes)); }
 
-/// Initializes OpenVDB. requires: called before any other use of OpenVDB. thread: safe. throws:
-/// std::bad_alloc.
+/// Initializes OpenVDB. requires: called before any other use of OpenVDB. thread: safe. throws: std::bad_alloc.
 inline void initializeOpenVdb() {
   static const bool done = [] {
     // blosc_init writes into a context whose allocation it does not check.
@@ -36,11 +35,6 @@ inline void initializeOpenVdb() {
   }();
   (void)done;
 }
-
-/// Checks that Blosc can allocate its working memory for a block of `bytes`: Blosc does not check, and its failed
-/// allocation would end the process. The allocator gives the freed memory to the next call of this thread. throws:
-/// std::bad_alloc.
-inline void requireBloscMemory(std::size_t bytes) { requireMemory(3 * bytes + 4096); }
 
 template <class T>
 struct GridTypeFor {

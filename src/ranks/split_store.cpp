@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-#include <glm/geometric.hpp>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -17,15 +15,6 @@
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
-
-// Returns the extent of a voxel of the level, in voxels of level 0 along each axis.
-Extent3 spanOf(const Manifest& volume, int level) {
-  const auto edge = [&](int of, int axis) {
-    return glm::length(glm::dvec3(volume.levels[static_cast<std::size_t>(of)].geometry.world_from_index[axis]));
-  };
-  const auto along = [&](int axis) { return std::llround(edge(level, axis) / edge(0, axis)); };
-  return {along(0), along(1), along(2)};
-}
 
 // Links or copies a file under the same name of another directory.
 void bring(const fs::path& from, const fs::path& to) {
@@ -87,7 +76,7 @@ std::function<bool(const BrickKey&)> bricksOfStorePart(const StoreReader& store,
   clipping.part = box;
   std::vector<ClipRegion::Part> parts;  // a level each
   for (int level = 0; level < store.index().levels(); ++level)
-    parts.push_back(ClipRegion(clipping, store.manifest().geometry(), spanOf(store.manifest(), level)).part());
+    parts.push_back(ClipRegion(clipping, store.manifest().geometry(), store.manifest().spanOf(level)).part());
   return [&store, parts = std::move(parts)](const BrickKey& key) {
     return !store.index().at(key).constant &&
            parts[static_cast<std::size_t>(key.level)].touches(dilated(store.frame(key).core(), store.manifest().apron));

@@ -40,11 +40,10 @@ inline constexpr std::array<std::string_view, kLatticeCount + 1> kLatticeNames =
 
 /// Combination of the values along a pixel's ray.
 /// - kComposite: light of the volume, attenuated by opacity.
-/// - kMip, kMinip, kAverage: the greatest, least or mean value along the ray through the middle of the part of the
-/// pixel
-///   that volume and clipping cover, in the transfer function's colour for the value. If there is a value other than
-///   NaN, alpha is the covered share; opacities, light and the opacity threshold are ignored. Values are interpolated
-///   linearly, at most a pixel and half a voxel apart in depth, on the level that the pixel lattice uses there.
+/// - kMip, kMinip, kAverage: the greatest, least or mean value along a ray, in the transfer function's colour for the
+///   value. The ray goes through the middle of the part of the pixel that volume and clipping cover. If there is a
+///   value other than NaN, alpha is the covered share; opacities, light and the opacity threshold are ignored. Values
+///   are interpolated linearly, at most a pixel and half a voxel apart in depth, on the level of the pixel lattice.
 enum class Mode { kComposite, kMip, kMinip, kAverage };
 inline constexpr std::array<std::string_view, 4> kModeNames = {"composite", "mip", "minip", "average"};
 

@@ -15,7 +15,6 @@
 #include "base/folder.h"
 #include "base/hash.h"
 #include "base/path_status.h"
-#include "base/same_file.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -92,9 +91,14 @@ std::string stampOf(const std::vector<fs::path>& regular, bool named, const Tree
   return toHex(hashOf(all));
 }
 
+std::int64_t changedNs(const fs::path& file) {
+  if (const std::optional<FileStamp> stamp = stampOfFile(file)) return stamp->changed_ns;
+  throw Error(ErrorCode::kNotFound, file, "", "was removed, or is no file any more");
+}
+
 std::string clockOf(const std::vector<fs::path>& regular, const TreeState& trees) {
   std::string all = trees.clock;
-  for (const fs::path& file : regular) all += fmt::format("{}\n", changeTimeNs(file));
+  for (const fs::path& file : regular) all += fmt::format("{}\n", changedNs(file));
   return toHex(hashOf(all));
 }
 
@@ -153,9 +157,8 @@ std::string portableState(const std::string& state) {
 
 fs::path lastChanged(const std::vector<fs::path>& files) {
   const std::vector<fs::path> regular = regularFiles(files);
-  const auto last = std::max_element(regular.begin(), regular.end(), [](const fs::path& a, const fs::path& b) {
-    return changeTimeNs(a) < changeTimeNs(b);
-  });
+  const auto last = std::max_element(regular.begin(), regular.end(),
+                                     [](const fs::path& a, const fs::path& b) { return changedNs(a) < changedNs(b); });
   return last == regular.end() ? files.front() : *last;
 }
 

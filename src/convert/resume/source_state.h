@@ -8,8 +8,8 @@
 // Files are unchanged if hash 1 agrees and hash 2 or 3 agrees. A copied or moved file has another ctime, so its
 // content decides. A file replaced by another file of equal size and time differs in ctime and content. Inodes are
 // ignored: some network file systems renumber files at each mount.
-// A tree (a folder of chunks, up to millions of files) counts by hashes 1 and 2, summed over its files in any order;
-// both must agree, so a copy of a tree counts as changed. Linked folders and names with ".kiln" are passed over.
+// A tree (a folder of chunks, up to millions of files) counts by hashes 1 and 2, summed over its files in any order.
+// Both must agree, so a copy of a tree counts as changed. Linked folders and names with ".kiln" are passed over.
 // Limit: a change of a larger file between the blocks, with its former modification time restored, is not found.
 #pragma once
 

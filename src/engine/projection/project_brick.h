@@ -20,7 +20,7 @@ namespace kiln {
 
 /// Parameters that all bricks and tiles of a level share.
 struct RayFrame {
-  const Silhouette* outline = nullptr;   // of the frame; decides the place of each pixel's ray
+  const Silhouette* outline = nullptr;   // the frame's; decides the place of each pixel's ray
   std::vector<SlabZone> zones;           // zones of the level, near to far; samples are in the middle of slabs
   const Projector* projector = nullptr;  // belongs to the level
   const ClipRegion* clip = nullptr;      // belongs to the level

@@ -90,6 +90,7 @@ std::unique_ptr<const PreparedBrick> ValueProjection::prepare(const BrickToDraw&
 
 void ValueProjection::begin(const PixelRect& pixels) {
   ProjectedValues& out = values_.emplace(held_, pixels);
+  if (out.mean()) return;  // a pixel without samples has no length
   parallelFor(static_cast<std::size_t>(pixels.height()), [&](std::size_t row) {
     const int y = pixels.y0 + static_cast<int>(row);
     const Silhouette::Row outline = outline_.row(y);

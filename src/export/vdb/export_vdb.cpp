@@ -94,6 +94,10 @@ class CheckedArchive : public openvdb::io::Archive {
   }
 };
 
+// Checks that Blosc can allocate its working memory for a block of `bytes`: Blosc does not check, and its failed
+// allocation would end the process. The allocator gives the freed memory to the next call of this thread.
+void requireBloscMemory(std::size_t bytes) { requireMemory(3 * bytes + 4096); }
+
 void publish(const openvdb::GridPtrVec& grids, const fs::path& out, FileSystem& disk) {
   disk.replace(out, [&](const fs::path& temporary) {
     try {

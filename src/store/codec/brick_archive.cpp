@@ -218,7 +218,7 @@ void PackedLeaves::add(const Leaf& leaf, const void* values, std::size_t stored_
   for (openvdb::Index i = 0; i < Mask::WORD_COUNT; ++i) words[i] = leaf.active.getWord<Mask::Word>(i);
   append(words.data(), sizeof words);
   append(&kActiveValuesOnly, sizeof kActiveValuesOnly);
-  // As openvdb::io::bloscToStream, without Blosc.
+  // Equals openvdb::io::bloscToStream, without Blosc.
   const std::size_t before = size_;
   const std::size_t packed = packLeaf(values, stored_bytes * count, data_.get() + size_ + sizeof(std::int64_t));
   const auto length = static_cast<std::int64_t>(packed);

@@ -277,10 +277,16 @@ class Decoder {
       if (frame.empty()) return;
       const Extent3 n = part.extent();
       const auto count = static_cast<std::size_t>(n.count());
-      if (!(halves ? unpackHalves(frame, count, values) : unpackLeaf<Value>(frame, count, values)))
-        fail(grid.getName() + " has values that cannot be decompressed");
+      unpackValues(grid, halves, frame, count, values);
       copyLeaf(values, {n.y * n.z, n.z}, part);
     });
+  }
+
+  template <class Grid, class To>
+  void unpackValues(const Grid& grid, bool halves, std::span<const std::byte> frame, std::size_t count, To* out) const {
+    using Stored = typename Grid::ValueType;
+    if (!(halves ? unpackHalves(frame, count, out) : unpackLeaf<Stored>(frame, count, out)))
+      fail(grid.getName() + " has values that cannot be decompressed");
   }
 
   template <class Value>
@@ -341,7 +347,7 @@ class Decoder {
         return;
       }
       Value values[Leaf::SIZE];
-      unpackCells(grid, frame, static_cast<std::size_t>(part.count()), values);
+      unpackValues(grid, grid.saveFloatAsHalf(), frame, static_cast<std::size_t>(part.count()), values);
       const Value* next = values;
       forCubes(part, 1, [&](const VoxelCoord& cell, const VoxelBox&) { set(cell, *next++); });
     });
@@ -355,18 +361,12 @@ class Decoder {
     for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) readCells(grid, reader, *leaf, set);
   }
 
-  template <class Grid, class Value>
-  void unpackCells(const Grid& grid, std::span<const std::byte> frame, std::size_t count, Value* out) const {
-    if (!(grid.saveFloatAsHalf() ? unpackHalves(frame, count, out) : unpackLeaf<Value>(frame, count, out)))
-      fail(grid.getName() + " has values that cannot be decompressed");
-  }
-
   template <class Grid, class F>
   void readCells(const Grid& grid, LeafReader<Grid>& reader, typename LeafReader<Grid>::Leaf& leaf, F&& set) {
     using Reader = LeafReader<Grid>;
     if (const auto frame = reader.frame(leaf.valueMask()); !frame.empty()) {
       typename Reader::Value values[Reader::Leaf::SIZE];
-      unpackCells(grid, frame, leaf.valueMask().countOn(), values);
+      unpackValues(grid, grid.saveFloatAsHalf(), frame, leaf.valueMask().countOn(), values);
       const typename Reader::Value* next = values;
       for (auto cell = leaf.valueMask().beginOn(); cell; ++cell)
         set(voxelOf(leaf.offsetToGlobalCoord(cell.pos())), *next++);
