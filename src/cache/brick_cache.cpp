@@ -10,6 +10,7 @@
 #include "base/memory/memory.h"
 #include "base/thread/profile_scope.h"
 #include "base/thread/trace.h"
+#include "store/brick_index.h"
 
 namespace kiln {
 namespace {
@@ -18,24 +19,24 @@ namespace {
 // between small bricks. unit: bytes.
 constexpr std::uint64_t kMostFreed = std::uint64_t{8} << 20;
 
-bool differInSize(const std::vector<const StoreReader*>& stores) {
-  const auto voxels = [](const StoreReader* store) {
+bool differInSize(const std::vector<const BrickedVolume*>& stores) {
+  const auto voxels = [](const BrickedVolume* store) {
     return std::pair(store->manifest().brick_size, sizeOf(store->manifest().type));
   };
   return std::any_of(stores.begin(), stores.end(),
-                     [&](const StoreReader* store) { return voxels(store) != voxels(stores.front()); });
+                     [&](const BrickedVolume* store) { return voxels(store) != voxels(stores.front()); });
 }
 
 }  // namespace
 
-BrickCache::BrickCache(std::vector<const StoreReader*> stores, std::uint64_t budget_bytes, unsigned readers,
-                       SkipHandler skip, BrickFiles* files)
+BrickCache::BrickCache(std::vector<const BrickedVolume*> stores, std::uint64_t budget_bytes, unsigned readers,
+                       SkipHandler skip, BrickSupplier* supplier)
     : stores_(std::move(stores)),
       budget_bytes_(budget_bytes),
       mixed_sizes_(differInSize(stores_)),
       skip_(std::move(skip)),
-      files_(files) {
-  for (const StoreReader* const store : stores_) {
+      supplier_(supplier) {
+  for (const BrickedVolume* const store : stores_) {
     const std::uint64_t smallest = store->largestReadBytes();
     if (smallest <= budget_bytes) continue;
     throw Error(ErrorCode::kBudget, store->path(), "--memory",
@@ -113,17 +114,17 @@ BrickCache::Slots::iterator BrickCache::begin(const StoredBrick& brick) {
 // Reads a brick without the lock. A failure is stored for the request.
 void BrickCache::read(Slots::iterator slot, Lock& lock) {
   const StoredBrick brick = slot->first;
-  const StoreReader& store = storeOf(brick);
+  const BrickedVolume& store = storeOf(brick);
   const BrickEntry& entry = store.index().at(brick.key);
   std::shared_ptr<const BrickBlock> block;
   std::exception_ptr failure;
   bool from_disk = true;
   lock.unlock();
   try {
-    if (files_ != nullptr && !entry.constant) {
-      const BrickFile file = files_->fetch(store, brick.key);
-      from_disk = file.from_disk;
-      block = std::make_shared<const BrickBlock>(store.decode(brick.key, *file.bytes));
+    if (supplier_ != nullptr && !entry.constant) {
+      SuppliedBrick supplied = supplier_->supply(brick);
+      from_disk = supplied.from_disk;
+      block = std::make_shared<const BrickBlock>(std::move(supplied.block));
     } else {
       block = std::make_shared<const BrickBlock>(store.read(brick.key));
     }

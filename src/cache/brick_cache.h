@@ -21,7 +21,7 @@
 
 #include "base/error.h"
 #include "cache/brick_files.h"
-#include "store/store_reader.h"
+#include "store/bricked_volume.h"
 
 namespace kiln {
 
@@ -49,20 +49,21 @@ class BrickCache {
   using SkipHandler = std::function<void(const Error&)>;
 
   /// `readers` threads read announced bricks; with 0 nothing is read ahead. With `skip`, an unreadable brick is no
-  /// error. With `files`, brick files come from `files`. throws: Error kBudget, naming the smallest sufficient budget,
+  /// error. With `supplier`, bricks that are not constant come from
+  /// there. throws: Error kBudget, naming the smallest sufficient budget,
   /// if the largest brick does not fit.
-  BrickCache(const StoreReader& store, std::uint64_t budget_bytes, unsigned readers = 0, SkipHandler skip = {})
-      : BrickCache(std::vector<const StoreReader*>{&store}, budget_bytes, readers, std::move(skip)) {}
-  /// A cache for the bricks of several stores under one budget.
-  BrickCache(std::vector<const StoreReader*> stores, std::uint64_t budget_bytes, unsigned readers = 0,
-             SkipHandler skip = {}, BrickFiles* files = nullptr);
+  BrickCache(const BrickedVolume& store, std::uint64_t budget_bytes, unsigned readers = 0, SkipHandler skip = {})
+      : BrickCache(std::vector<const BrickedVolume*>{&store}, budget_bytes, readers, std::move(skip)) {}
+  /// A cache for the bricks of several volumes under one budget.
+  BrickCache(std::vector<const BrickedVolume*> stores, std::uint64_t budget_bytes, unsigned readers = 0,
+             SkipHandler skip = {}, BrickSupplier* supplier = nullptr);
   ~BrickCache();
   BrickCache(const BrickCache&) = delete;
   BrickCache& operator=(const BrickCache&) = delete;
 
   /// Returns a brick from memory or disk; the brick stays while the caller holds the pointer. Returns null for an
   /// unreadable brick if `skip` is set. thread: one caller at a time.
-  /// throws: Error kBudget if held bricks leave no room; any exception of StoreReader::read.
+  /// throws: Error kBudget if held bricks leave no room; any exception of BrickedVolume::read.
   std::shared_ptr<const BrickBlock> get(const StoredBrick& brick);
   std::shared_ptr<const BrickBlock> get(const BrickKey& key) { return get(StoredBrick{key}); }
 
@@ -85,7 +86,7 @@ class BrickCache {
   /// Leaves this much of the budget free, for buffers that the caller makes of bricks; replaces the last such amount.
   /// Bricks that are held or being read stay. thread: as `get`. requires: at most budgetBytes(). unit: bytes.
   void setAside(std::uint64_t bytes);
-  const std::vector<const StoreReader*>& stores() const { return stores_; }
+  const std::vector<const BrickedVolume*>& stores() const { return stores_; }
   /// Largest charge at any time. unit: bytes.
   std::uint64_t peakBytes() const;
 
@@ -116,13 +117,15 @@ class BrickCache {
   void passTurnsUpTo(const StoredBrick& brick);
   void readAhead();
 
-  const StoreReader& storeOf(const StoredBrick& brick) const { return *stores_[static_cast<std::size_t>(brick.store)]; }
+  const BrickedVolume& storeOf(const StoredBrick& brick) const {
+    return *stores_[static_cast<std::size_t>(brick.store)];
+  }
 
-  const std::vector<const StoreReader*> stores_;
+  const std::vector<const BrickedVolume*> stores_;
   const std::uint64_t budget_bytes_;
   const bool mixed_sizes_;  // of bricks
   const SkipHandler skip_;
-  BrickFiles* const files_;
+  BrickSupplier* const supplier_;
   mutable std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
   std::uint64_t held_bytes_ = 0, aside_bytes_ = 0, peak_bytes_ = 0;

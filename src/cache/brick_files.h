@@ -1,12 +1,13 @@
-// The interface of a source of brick files for a cache, such as other ranks.
+// The interface of a supplier of bricks for a cache, such as other ranks; brick files as on disk.
 #pragma once
 
 #include <cstddef>
 #include <memory>
 #include <vector>
 
-#include "store/store_reader.h"
-#include "store/stored_brick.h"
+#include "grid/coords.h"
+#include "store/bricked_volume.h"
+#include "store/codec/brick_block.h"
 
 namespace kiln {
 
@@ -15,12 +16,17 @@ struct BrickFile {
   bool from_disk = true;  // read from disk for this request; false if the file was in the memory of any rank
 };
 
-class BrickFiles {
+struct SuppliedBrick {
+  BrickBlock block;
+  bool from_disk = true;  // as in BrickFile
+};
+
+class BrickSupplier {
  public:
-  virtual ~BrickFiles() = default;
-  /// Returns the bytes of a brick's file, with a valid checksum. May wait. requires: the brick is not constant. thread:
-  /// safe. throws: as StoreReader::readFile.
-  virtual BrickFile fetch(const StoreReader& store, const BrickKey& key) = 0;
+  virtual ~BrickSupplier() = default;
+  /// Returns a brick of the cache's volumes. May wait. requires: the brick is not constant. thread: safe. throws: as
+  /// BrickedVolume::read.
+  virtual SuppliedBrick supply(const StoredBrick& brick) = 0;
 };
 
 }  // namespace kiln

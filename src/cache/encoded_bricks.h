@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "cache/brick_files.h"
+#include "store/store_reader.h"
 
 namespace kiln {
 

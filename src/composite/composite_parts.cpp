@@ -12,8 +12,10 @@
 #include "frame/background.h"
 #include "frame/part_image.h"
 #include "image/image_memory.h"
+#include "job/job_facts.h"
 #include "job/job_json.h"
 #include "job/render_job.h"
+#include "job/stereo.h"
 
 namespace kiln {
 namespace fs = std::filesystem;

@@ -3,20 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <optional>
 #include <utility>
 
+#include "base/chosen_disk.h"
 #include "base/elapsed.h"
-#include "base/text.h"
+#include "base/file.h"
 #include "cluster/ranks.h"
 #include "convert/conversion.h"
 #include "convert/foreign_cache.h"
+#include "convert/manifest_draft.h"
 #include "convert/resume/output_directory.h"
 #include "convert/resume/source_state.h"
 #include "convert/resume_state.h"
-#include "grid/pyramid.h"
 #include "store/manifest/float_steps.h"
 #include "store/manifest/read_manifest.h"
 #include "store/store_writer.h"
@@ -24,39 +24,6 @@
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
-
-Manifest draftOf(const SourceInfo& info, const ConvertOptions& options) {
-  Manifest manifest;
-  manifest.type = info.type;
-  manifest.background = info.background;
-  manifest.volume_class = makesLabels(info, options) ? VolumeClass::kLabels : info.volume_class;
-  manifest.look = info.look;
-  if (!info.look.empty()) manifest.format = kFormatVersion;
-  manifest.brick_size = options.brick_size;
-  for (const VolumeGeometry& geometry : pyramidOf(info.geometry, options.brick_size, options.most_levels)) {
-    LevelInfo level;
-    level.geometry = geometry;
-    if (!info.files.empty()) requireTransform(geometry, info.files.front());
-    manifest.levels.push_back(level);
-  }
-  manifest.source.format = info.format;
-  for (const fs::path& file : info.files) manifest.source.files.push_back(utf8OfName(file.string()));
-  manifest.source.state = stateOf(info.files, info.trees);
-  manifest.source.command = options.command;
-  manifest.source.time = options.time;
-  manifest.source.vdb = info.vdb;
-  return manifest;
-}
-
-void requireLabels(const SourceInfo& info, const ConvertOptions& options) {
-  const fs::path file = info.files.empty() ? fs::path() : info.files.front();
-  if (isFloating(info.type))
-    throw Error(ErrorCode::kUsage, file, options.labels ? "--labels" : "",
-                fmt::format("labels are whole numbers, and this volume has {}; write it as integers first{}",
-                            nameOf(info.type), options.labels ? ", or leave --labels out" : ""));
-  if (options.half)
-    throw Error(ErrorCode::kUsage, file, "--half", "labels are names, and are not rounded; leave --half out");
-}
 
 std::uint64_t brickCount(const Manifest& manifest) {
   std::uint64_t out = 0;
@@ -216,17 +183,12 @@ bool makesLabels(const SourceInfo& info, const ConvertOptions& options) {
   return options.labels || info.volume_class == VolumeClass::kLabels;
 }
 
-ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOptions& options, Progress& progress,
-                      FileSystem& disk) {
+ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOptions& options, Progress& progress) {
   const auto started = std::chrono::steady_clock::now();
-  if (options.brick_size < kCellSize || options.brick_size > (1 << 12) ||
-      !std::has_single_bit(static_cast<std::uint64_t>(options.brick_size))) {
-    throw Error(ErrorCode::kUsage,
-                "--brick-size: " + std::to_string(options.brick_size) + " is not a power of two from 8 to 4096");
-  }
-  if (makesLabels(source.info(), options)) requireLabels(source.info(), options);
+  requireBricks(source.info(), options);
   const std::unique_ptr<Ranks> alone = oneRank();
   Ranks& ranks = options.ranks != nullptr ? *options.ranks : *alone;
+  FileSystem& disk = chosenDisk(options.disk);
   const SourceInfo& info = source.info();
   requireRoomForIndex(info, options);
   const ConversionPlan plan = planConversion(source, options);

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
 #include "base/progress.h"
 #include "ingest/source/volume_source.h"
 #include "store/manifest/manifest.h"
@@ -14,6 +13,7 @@
 namespace kiln {
 
 class FileLock;
+class FileSystem;
 class Ranks;
 
 struct ConvertOptions {
@@ -41,6 +41,7 @@ struct ConvertOptions {
   /// The processes of a parallel conversion; null for a single process. Each process calls `convert` with equal
   /// arguments, and with a source object for the shared volume. The store has equal bytes for any number of processes.
   Ranks* ranks = nullptr;
+  FileSystem* disk = nullptr;  // null: the operating system's
 };
 
 /// The work done by a process.
@@ -76,6 +77,6 @@ bool makesLabels(const SourceInfo& info, const ConvertOptions& options);
 /// throws: Error kExists (also if another process writes to `out`), kBudget (naming the smallest memory that works),
 /// kUsage (brick size, labels that are no whole numbers or to be rounded), and the exceptions of source and disk.
 ConvertReport convert(VolumeSource& source, const std::filesystem::path& out, const ConvertOptions& options,
-                      Progress& progress, FileSystem& disk = FileSystem::real());
+                      Progress& progress);
 
 }  // namespace kiln

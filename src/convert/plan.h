@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "convert/convert.h"
+#include "ingest/source/brick_order.h"
 
 namespace kiln {
 

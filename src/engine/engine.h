@@ -10,9 +10,10 @@
 #include "engine/brick_selection.h"
 #include "engine/shared/draw_counts.h"
 #include "engine/shared/tile_pixels.h"
+#include "grid/coords.h"
 #include "occlusion/visibility.h"
+#include "store/bricked_volume.h"
 #include "store/codec/brick_block.h"
-#include "store/stored_brick.h"
 
 namespace kiln {
 

@@ -6,6 +6,8 @@
 
 #include "engine/shared/classifier.h"
 #include "grid/voxel_type.h"
+#include "store/brick_index.h"
+#include "store/codec/brick_block.h"
 
 namespace kiln {
 namespace {
@@ -78,7 +80,7 @@ VoxelBox cutBy(const Clipping& clipping, const ClipRegion& region, const VoxelBo
 }
 
 // Step 1: the box around the sub-bricks that may show something.
-VoxelBox boxOfIndex(const StoreReader& store, const ShownValues& shown, const ClipRegion& region) {
+VoxelBox boxOfIndex(const BrickedVolume& store, const ShownValues& shown, const ClipRegion& region) {
   const std::int64_t size = store.manifest().brick_size;
   const Extent3 lattice = store.index().lattice(0);
   VoxelBox out;
@@ -129,7 +131,7 @@ VoxelBox boxOfVoxels(const BrickBlock& block, const ShownValues& shown, const Vo
 }
 
 // Step 3: moves the faces of `box` inward to the voxels that show something.
-void refine(const StoreReader& store, const ShownValues& shown, ShownBox& box) {
+void refine(const BrickedVolume& store, const ShownValues& shown, ShownBox& box) {
   const Manifest& manifest = store.manifest();
   int level = 0;
   const int levels = store.index().levels();
@@ -166,7 +168,7 @@ VoxelBox boxOfClip(const VolumeGeometry& volume, Clipping clipping) {
   return cutBy(clipping, ClipRegion(clipping, volume), boxOf(volume.dims));
 }
 
-ShownBox shownBox(const StoreReader& store, std::span<const TransferFunction> functions, const Clipping& clipping,
+ShownBox shownBox(const BrickedVolume& store, std::span<const TransferFunction> functions, const Clipping& clipping,
                   bool read_brick) {
   const Manifest& manifest = store.manifest();
   Clipping whole = clipping;

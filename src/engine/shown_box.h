@@ -15,7 +15,7 @@
 #include "grid/coords.h"
 #include "scene/clip_region.h"
 #include "scene/transfer/transfer_function.h"
-#include "store/store_reader.h"
+#include "store/bricked_volume.h"
 
 namespace kiln {
 
@@ -25,9 +25,9 @@ struct ShownBox {
 };
 
 /// Returns the box of what any of the functions shows inside the clip region, whose part is ignored. With `read_brick`
-/// false, step 3 is left out. requires: lengths of the functions are the world's. throws: as StoreReader::read; Error
+/// false, step 3 is left out. requires: lengths of the functions are the world's. throws: as BrickedVolume::read; Error
 /// kUsage if the region contains no voxel.
-ShownBox shownBox(const StoreReader& store, std::span<const TransferFunction> functions, const Clipping& clipping,
+ShownBox shownBox(const BrickedVolume& store, std::span<const TransferFunction> functions, const Clipping& clipping,
                   bool read_brick = true);
 
 /// Returns the box of the clip region: its planes cut the box if they are parallel to a face of the volume.

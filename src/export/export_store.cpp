@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/chosen_disk.h"
 #include "base/error.h"
 #include "base/memory/large_pages.h"
 #include "base/text.h"
@@ -12,6 +13,7 @@
 #include "export/source/box_plan.h"
 #include "export/source/export_formats.h"
 #include "export/source/store_boxes.h"
+#include "export/vdb/export_vdb.h"
 #include "export/vdb/vdb_tiles.h"
 
 namespace kiln {
@@ -175,8 +177,8 @@ std::string exportEndings() {
 
 void requireExportFormat(const ExportRequest& request) { exportFormatOf(request); }
 
-ExportReport exportStore(const StoreReader& store, const ExportRequest& request, Progress& progress, FileSystem& disk) {
-  return exportFormatOf(request).write({store, request, progress, disk});
+ExportReport exportStore(const StoreReader& store, const ExportRequest& request, Progress& progress) {
+  return exportFormatOf(request).write({store, request, progress, chosenDisk(request.disk)});
 }
 
 }  // namespace kiln

@@ -7,12 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
 #include "base/progress.h"
-#include "export/vdb/export_vdb.h"
+#include "export/vdb/vdb_values.h"
+#include "scene/transfer/transfer_function.h"
 #include "store/store_reader.h"
 
 namespace kiln {
+
+class FileSystem;
 
 struct ExportRequest {
   /// The ending of the name decides the format.
@@ -31,6 +33,7 @@ struct ExportRequest {
   std::optional<TransferFunction> baked;
   int tiles = 1;
   std::uint64_t memory_bytes = UINT64_MAX;
+  FileSystem* disk = nullptr;  // null: the operating system's
 };
 
 struct ExportReport {
@@ -48,8 +51,7 @@ struct ExportReport {
 /// kExists, kUnsupported, kBudget (with the least memory), kNoSpace, kIo, kCancelled, and the exceptions of
 /// StoreReader::read. After an error the output is as before.
 /// cost: a box of voxels, a brick for each thread and the index in memory; OpenVDB needs the whole grid.
-ExportReport exportStore(const StoreReader& store, const ExportRequest& request, Progress& progress,
-                         FileSystem& disk = FileSystem::real());
+ExportReport exportStore(const StoreReader& store, const ExportRequest& request, Progress& progress);
 
 /// Checks the ending and the options that depend on it, before the store is opened. throws: Error kUsage.
 void requireExportFormat(const ExportRequest& request);

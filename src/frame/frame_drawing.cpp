@@ -31,7 +31,7 @@ FrameDrawing::FrameDrawing(BrickCache& cache, const FrameRequest& request, Progr
       pass_(plannedPass(cache, request)),
       before_(cache.counts()) {
   std::size_t levels = 0;
-  for (const StoreReader* const store : cache.stores()) levels = std::max(levels, store->manifest().levels.size());
+  for (const BrickedVolume* const store : cache.stores()) levels = std::max(levels, store->manifest().levels.size());
   costs_.statistics.levels.assign(levels, {});
 }
 

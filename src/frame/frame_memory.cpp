@@ -19,6 +19,8 @@
 #include "frame/pixel_filter.h"
 #include "image/file/exr_cost.h"
 #include "image/file/image_file.h"
+#include "job/job_facts.h"
+#include "job/stereo.h"
 
 namespace kiln {
 namespace {
@@ -105,7 +107,7 @@ std::uint64_t shareOf(std::uint64_t budget, std::uint64_t taken) {
 // Charges the parts of a frame in turn. Optional parts, which share the rest, come after the necessary parts.
 class FrameAccount {
  public:
-  FrameAccount(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes,
+  FrameAccount(const std::vector<const BrickedVolume*>& stores, const RenderJob& job, std::uint64_t brick_bytes,
                const std::optional<PixelRect>& written)
       : stores_(stores),
         job_(ofDrawnPixels(job)),
@@ -118,7 +120,7 @@ class FrameAccount {
         written_(written.value_or(drawn_)),
         tested_(testedSize(job_, drawn_, filter_)) {
     out_.brick = brick_bytes;
-    for (const StoreReader* const store : stores_) brick_size_ = std::max(brick_size_, store->manifest().brick_size);
+    for (const BrickedVolume* const store : stores_) brick_size_ = std::max(brick_size_, store->manifest().brick_size);
     out_.several = !job.volumes.empty();
     out_.trace = job.trace.empty() ? 0 : Trace::kMemoryBytes;
   }
@@ -163,8 +165,8 @@ class FrameAccount {
 
   void chargeIndex() {
     const std::uint64_t of_brick = engineMemory(job_, {}, brick_size_).stored_brick;
-    for (const StoreReader* const store : stores_)
-      out_.index += store->index().bytes() + store->index().size() * of_brick;
+    for (const BrickedVolume* const store : stores_)
+      out_.index += store->heldBytes() + store->index().size() * of_brick;
   }
 
   // Charges the largest file, as files are written in turn. A file may hold both eyes.
@@ -236,7 +238,7 @@ class FrameAccount {
     out_.bricks_together = std::min(out_.bricks_together, static_cast<int>(held));
   }
 
-  const std::vector<const StoreReader*>& stores_;
+  const std::vector<const BrickedVolume*>& stores_;
   const RenderJob job_;
   const ImageSize& size_;
   const PixelRect drawn_;
@@ -251,12 +253,12 @@ class FrameAccount {
 
 }  // namespace
 
-FrameMemory frameMemory(const StoreReader& store, const RenderJob& job) {
+FrameMemory frameMemory(const BrickedVolume& store, const RenderJob& job) {
   return frameMemory({&store}, job, store.largestReadBytes());
 }
 
-FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes,
-                        const std::optional<PixelRect>& written) {
+FrameMemory frameMemory(const std::vector<const BrickedVolume*>& stores, const RenderJob& job,
+                        std::uint64_t brick_bytes, const std::optional<PixelRect>& written) {
   return FrameAccount(stores, job, brick_bytes, written).charged();
 }
 

@@ -9,7 +9,7 @@
 
 #include "frame/render_frame.h"
 #include "job/render_job.h"
-#include "store/store_reader.h"
+#include "store/bricked_volume.h"
 
 namespace kiln {
 
@@ -61,10 +61,10 @@ struct MemoryBeside {
 };
 
 /// `brick_bytes`: the least memory for bricks. `written`: the pixels of the files, if more than the drawn pixels.
-FrameMemory frameMemory(const std::vector<const StoreReader*>& stores, const RenderJob& job, std::uint64_t brick_bytes,
-                        const std::optional<PixelRect>& written = {});
+FrameMemory frameMemory(const std::vector<const BrickedVolume*>& stores, const RenderJob& job,
+                        std::uint64_t brick_bytes, const std::optional<PixelRect>& written = {});
 /// For one volume.
-FrameMemory frameMemory(const StoreReader& store, const RenderJob& job);
+FrameMemory frameMemory(const BrickedVolume& store, const RenderJob& job);
 
 /// Returns the memory for writing a frame's files while the next frame is drawn: pictures and files, if they take at
 /// most a quarter of the bricks' memory; else 0. unit: bytes.

@@ -5,6 +5,7 @@
 
 #include "base/thread/parallel.h"
 #include "frame/aov_planes.h"
+#include "job/job_facts.h"
 
 namespace kiln {
 namespace {

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/thread/parallel.h"
 #include "base/thread/profile_scope.h"
+#include "job/job_facts.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "frame/pixel_filter.cpp"

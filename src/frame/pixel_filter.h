@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 
+#include "engine/capabilities.h"
 #include "image/image.h"
 #include "image/pixel_rect.h"
 #include "job/render_job.h"

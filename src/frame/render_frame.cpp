@@ -25,8 +25,8 @@
 namespace kiln {
 namespace {
 
-void requireRequest(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
-  for (const StoreReader* const store : stores) {
+void requireRequest(const std::vector<const BrickedVolume*>& stores, const FrameRequest& request) {
+  for (const BrickedVolume* const store : stores) {
     if (request.level) store->requireLevel(*request.level);
   }
   requireOptions(request.engine(),
@@ -52,11 +52,11 @@ PixelFilter filterOf(const FrameRequest& request) {
 }
 
 // Several volumes: the origin of view space is near the box around all volumes, independent of their order.
-View drawnViewOf(const View& view, const std::vector<const StoreReader*>& stores) {
+View drawnViewOf(const View& view, const std::vector<const BrickedVolume*>& stores) {
   if (stores.size() == 1) return drawnView(view, stores.front()->manifest().geometry());
   constexpr double kFar = std::numeric_limits<double>::infinity();
   glm::dvec3 lo(kFar), hi(-kFar);
-  for (const StoreReader* const store : stores) {
+  for (const BrickedVolume* const store : stores) {
     for (const glm::dvec3& corner : store->manifest().geometry().corners())
       lo = glm::min(lo, corner), hi = glm::max(hi, corner);
   }
@@ -65,7 +65,7 @@ View drawnViewOf(const View& view, const std::vector<const StoreReader*>& stores
 }
 
 // The frame whose pixels are the sub-pixels of the request's.
-FrameRequest ofSubPixels(FrameRequest request, int edge, const std::vector<const StoreReader*>& stores) {
+FrameRequest ofSubPixels(FrameRequest request, int edge, const std::vector<const BrickedVolume*>& stores) {
   request.view = enlarged(drawnViewOf(request.view, stores), edge);
   return request;
 }
@@ -120,7 +120,7 @@ struct DrawnPlane {
 };
 
 // Returns request, pixels and bands of a frame whose image is one plane.
-DrawnPlane planeOf(const FrameRequest& request, const std::vector<const StoreReader*>& stores,
+DrawnPlane planeOf(const FrameRequest& request, const std::vector<const BrickedVolume*>& stores,
                    const PixelRect& pixels) {
   const PixelFilter filter = filterOf(request);
   const ImageSize& size = request.view.size;
@@ -131,7 +131,7 @@ DrawnPlane planeOf(const FrameRequest& request, const std::vector<const StoreRea
 }
 
 // Returns the views of a frame: its own, or the faces of a panorama.
-std::vector<DrawnPlane> planesOf(const FrameRequest& request, const std::vector<const StoreReader*>& stores) {
+std::vector<DrawnPlane> planesOf(const FrameRequest& request, const std::vector<const BrickedVolume*>& stores) {
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
   if (request.view.projection != Projection::kEquirectangular) return {planeOf(request, stores, pixels)};
   const std::array<View, kPanoramaFaces> faces = panoramaFaces(request.view);
@@ -150,7 +150,7 @@ View drawnView(const View& view, const VolumeGeometry& volume) {
   return nearVolume(view, centre, glm::distance(volume.worldOf(glm::dvec3(-0.5)), centre));
 }
 
-std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
+std::vector<StoredBrick> bricksInView(const std::vector<const BrickedVolume*>& stores, const FrameRequest& request,
                                       BrickWalkCounts& counts) {
   requireRequest(stores, request);
   std::vector<StoredBrick> out;
@@ -161,7 +161,7 @@ std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& sto
   return out;
 }
 
-std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const std::vector<FrameRequest>& eyes) {
+std::uint64_t stepsOfParts(const std::vector<const BrickedVolume*>& stores, const std::vector<FrameRequest>& eyes) {
   std::vector<DrawnPlane> planes;
   for (const FrameRequest& eye : eyes) {
     requireRequest(stores, eye);
@@ -176,14 +176,14 @@ std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const 
   return out;
 }
 
-std::vector<BrickOfFrame> bricksOnImage(const StoreReader& store, const FrameRequest& request) {
+std::vector<BrickOfFrame> bricksOnImage(const BrickedVolume& store, const FrameRequest& request) {
   requireRequest({&store}, request);
   const DrawnPlane plane = planeOf(request, {&store}, drawnPixels(request.view.size, request.crop));
   BrickWalkCounts ignored;
   return makePass({&store}, plane.request)->inView(plane.pixels, ignored);
 }
 
-std::uint64_t bytesAtOnce(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
+std::uint64_t bytesAtOnce(const std::vector<const BrickedVolume*>& stores, const FrameRequest& request) {
   requireRequest(stores, request);
   std::uint64_t out = 0;
   for (const DrawnPlane& plane : planesOf(request, stores)) {

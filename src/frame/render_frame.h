@@ -23,19 +23,19 @@ namespace kiln {
 View drawnView(const View& view, const VolumeGeometry& volume);
 
 /// Returns the bricks that a frame reads if nothing is hidden, each once; in a panorama, once per face.
-std::vector<StoredBrick> bricksInView(const std::vector<const StoreReader*>& stores, const FrameRequest& request,
+std::vector<StoredBrick> bricksInView(const std::vector<const BrickedVolume*>& stores, const FrameRequest& request,
                                       BrickWalkCounts& counts);
 
 /// Returns the total progress of a frame in several parts (bands of sub-pixels, faces, eyes). Returns 0 for a single
 /// part, because the part computes its total. cost: the plans of the parts.
-std::uint64_t stepsOfParts(const std::vector<const StoreReader*>& stores, const std::vector<FrameRequest>& eyes);
+std::uint64_t stepsOfParts(const std::vector<const BrickedVolume*>& stores, const std::vector<FrameRequest>& eyes);
 
 /// Returns the memory for bricks that must be in the cache together, beyond the largest brick: the bricks of several
 /// volumes in a tile. unit: bytes.
-std::uint64_t bytesAtOnce(const std::vector<const StoreReader*>& stores, const FrameRequest& request);
+std::uint64_t bytesAtOnce(const std::vector<const BrickedVolume*>& stores, const FrameRequest& request);
 
 /// Returns the bricks of one volume, each with the sub-pixels that the brick can touch. requires: no other volumes.
-std::vector<BrickOfFrame> bricksOnImage(const StoreReader& store, const FrameRequest& request);
+std::vector<BrickOfFrame> bricksOnImage(const BrickedVolume& store, const FrameRequest& request);
 
 class FrameDrawing;
 

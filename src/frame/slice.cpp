@@ -13,6 +13,8 @@
 #include "base/memory/memory.h"
 #include "image/srgb.h"
 #include "scene/transfer/named_color_maps.h"
+#include "store/brick_index.h"
+#include "store/codec/brick_block.h"
 
 namespace kiln {
 namespace {
@@ -146,7 +148,7 @@ std::pair<std::int64_t, std::int64_t> sliceSize(const VolumeGeometry& level, int
   return {layout.width, layout.height};
 }
 
-Image renderSlice(const StoreReader& store, const SliceRequest& request, Progress& progress) {
+Image renderSlice(const BrickedVolume& store, const SliceRequest& request, Progress& progress) {
   if (request.axis < 0 || request.axis > 2) throw Error(ErrorCode::kUsage, "--axis: expected x, y or z");
   store.requireLevel(request.level);
   const VolumeGeometry& volume = store.level(request.level).geometry;

@@ -10,7 +10,7 @@
 #include "base/progress.h"
 #include "image/image.h"
 #include "job/transfer_function_choice.h"
-#include "store/store_reader.h"
+#include "store/bricked_volume.h"
 
 namespace kiln {
 
@@ -32,7 +32,7 @@ std::pair<std::int64_t, std::int64_t> sliceSize(const VolumeGeometry& level, int
 
 /// Draws a slice. A pixel is as wide as the smaller of the two spacings, so the picture has the world's proportions. A
 /// slice along z has y down, other slices have z up. NaN is transparent. memory: 16 bytes a pixel and one brick.
-/// throws: Error kUsage (axis, level, index, window, colour map), kBudget; as StoreReader::read.
-Image renderSlice(const StoreReader& store, const SliceRequest& request, Progress& progress);
+/// throws: Error kUsage (axis, level, index, window, colour map), kBudget; as BrickedVolume::read.
+Image renderSlice(const BrickedVolume& store, const SliceRequest& request, Progress& progress);
 
 }  // namespace kiln

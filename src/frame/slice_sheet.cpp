@@ -11,6 +11,8 @@
 #include "base/error.h"
 #include "frame/histogram_bars.h"
 #include "image/plot_image.h"
+#include "store/brick_index.h"
+#include "store/codec/brick_block.h"
 
 namespace kiln {
 namespace {
@@ -27,7 +29,7 @@ struct Panel {
   int cross_x, cross_y;
 };
 
-int levelOfSheet(const StoreReader& store) {
+int levelOfSheet(const BrickedVolume& store) {
   const int levels = store.index().levels();
   for (int level = 0; level < levels; ++level) {
     std::int64_t longest = 0;
@@ -41,7 +43,7 @@ int levelOfSheet(const StoreReader& store) {
 }
 
 // Returns the memory of the sheet and of its three slices. unit: bytes.
-std::uint64_t sheetBytes(const StoreReader& store, int level) {
+std::uint64_t sheetBytes(const BrickedVolume& store, int level) {
   std::uint64_t pixels = static_cast<std::uint64_t>(kTextWidth) * kTextWidth;
   for (int axis = 0; axis < 3; ++axis) {
     const auto [width, height] = sliceSize(store.level(level).geometry, axis);
@@ -54,7 +56,7 @@ std::int64_t onLevel(std::int64_t voxel, std::int64_t finest, std::int64_t coars
   return std::min(coarse - 1, voxel * coarse / finest);
 }
 
-double valueOf(const StoreReader& store, const VoxelCoord& v) {
+double valueOf(const BrickedVolume& store, const VoxelCoord& v) {
   const std::int64_t size = store.manifest().brick_size;
   const BrickBlock block = store.read({0,
                                        {static_cast<std::int32_t>(v.x / size), static_cast<std::int32_t>(v.y / size),
@@ -64,7 +66,7 @@ double valueOf(const StoreReader& store, const VoxelCoord& v) {
   });
 }
 
-Panel panelOf(const StoreReader& store, const SliceSheetRequest& request, const SliceSheet& sheet, int axis,
+Panel panelOf(const BrickedVolume& store, const SliceSheetRequest& request, const SliceSheet& sheet, int axis,
               Progress& progress) {
   const Extent3 finest = store.manifest().geometry().dims, dims = store.level(sheet.level).geometry.dims;
   SliceRequest slice;
@@ -117,7 +119,7 @@ void drawHistogram(PlotImage& sheet, const ValueHistogram& histogram, const Wind
   sheet.text(rect.x1 - PlotImage::textWidth(hi), rect.y1 + 4, hi, kSheetCaption);
 }
 
-std::vector<std::string> linesOf(const StoreReader& store, const SliceSheet& sheet, const Window& window) {
+std::vector<std::string> linesOf(const BrickedVolume& store, const SliceSheet& sheet, const Window& window) {
   const Manifest& manifest = store.manifest();
   const VolumeGeometry& volume = manifest.geometry();
   const glm::dvec3 spacing = volume.spacing();
@@ -134,7 +136,7 @@ std::vector<std::string> linesOf(const StoreReader& store, const SliceSheet& she
 
 }  // namespace
 
-SliceSheet renderSliceSheet(const StoreReader& store, const SliceSheetRequest& request, Progress& progress) {
+SliceSheet renderSliceSheet(const BrickedVolume& store, const SliceSheetRequest& request, Progress& progress) {
   const Manifest& manifest = store.manifest();
   const Extent3 dims = manifest.geometry().dims;
   SliceSheet out;

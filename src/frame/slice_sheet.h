@@ -8,7 +8,7 @@
 #include "frame/slice.h"
 #include "grid/coords.h"
 #include "image/image.h"
-#include "store/store_reader.h"
+#include "store/bricked_volume.h"
 
 namespace kiln {
 
@@ -29,6 +29,6 @@ struct SliceSheet {
 inline constexpr std::int64_t kSheetSlice_px = 512;
 
 /// Draws the sheet. throws: as renderSlice; Error kUsage if `at` is outside the volume.
-SliceSheet renderSliceSheet(const StoreReader& store, const SliceSheetRequest& request, Progress& progress);
+SliceSheet renderSliceSheet(const BrickedVolume& store, const SliceSheetRequest& request, Progress& progress);
 
 }  // namespace kiln

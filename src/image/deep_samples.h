@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "image/image.h"
 #include "image/pixel_lists.h"
 #include "image/pixel_rect.h"
 
@@ -19,14 +20,6 @@ namespace kiln {
 struct DeepSample {
   float z = 0, z_back = 0;
   std::array<float, 4> rgba{};
-};
-
-struct DeepBound {
-  static constexpr int kMostSamples = 1024;
-  int samples = 24;  // upper bound per pixel; from 1 to kMostSamples
-  /// Neighbours are merged while a cut at any depth of the pixel changes the composite in front of the cut by at most
-  /// this value in every channel. Exceeded only if a pixel has more than `samples` layers.
-  float error = 0;
 };
 
 class DeepSamples {

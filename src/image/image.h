@@ -8,9 +8,19 @@
 #include <vector>
 
 #include "base/memory/zero_pages.h"
-#include "image/deep_samples.h"
 
 namespace kiln {
+
+class DeepSamples;
+
+/// Bound of the samples of a deep picture (image/deep_samples.h).
+struct DeepBound {
+  static constexpr int kMostSamples = 1024;
+  int samples = 24;  // upper bound per pixel; from 1 to kMostSamples
+  /// Neighbours are merged while a cut at any depth of the pixel changes the composite in front of the cut by at most
+  /// this value in every channel. Exceeded only if a pixel has more than `samples` layers.
+  float error = 0;
+};
 
 /// One further number per pixel. shape: height rows of width floats, row 0 at the top.
 struct Plane {

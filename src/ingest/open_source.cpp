@@ -15,6 +15,7 @@
 #include "ingest/slice_names.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"
+#include "ingest/source/placement.h"
 #include "ingest/source/wrapped_source.h"
 #include "ingest/volume_format.h"
 

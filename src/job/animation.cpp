@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
+#include "job/render_job.h"
+
 namespace kiln {
 namespace {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "job/job_facts.h"
 #include "scene/sampling.h"
 
 namespace kiln {

@@ -8,11 +8,16 @@
 
 #include "base/error.h"
 #include "engine/shown_box.h"
+#include "job/animation.h"
 #include "job/auto_samples.h"
+#include "job/job_facts.h"
 #include "job/series_look.h"
+#include "job/transfer_function_choice.h"
+#include "scene/camera/camera_path.h"
 #include "scene/camera/framing.h"
 #include "scene/transfer/presets.h"
 #include "scene/transfer/transfer_function_fade.h"
+#include "scene/volume_part.h"
 
 namespace kiln {
 

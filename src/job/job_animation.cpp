@@ -5,10 +5,12 @@
 #include <glm/geometric.hpp>
 
 #include "base/error.h"
+#include "job/animation.h"
 #include "job/frame_list.h"
 #include "job/job_names.h"
 #include "job/job_options.h"
 #include "job/job_parts.h"
+#include "scene/camera/camera_path.h"
 #include "scene/scene_limits.h"
 
 namespace kiln {

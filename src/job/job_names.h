@@ -4,7 +4,6 @@
 #include <array>
 #include <string_view>
 
-#include "scene/interpolation.h"
 #include "scene/render_options.h"
 
 namespace kiln {

@@ -5,6 +5,7 @@
 
 #include "base/text.h"
 #include "job/job_animation.h"
+#include "job/job_facts.h"
 #include "job/job_names.h"
 #include "job/job_parts.h"
 #include "job/points_text.h"

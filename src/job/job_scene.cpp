@@ -8,6 +8,7 @@
 #include "job/points_text.h"
 #include "job/transfer_function_json.h"
 #include "scene/transfer/presets.h"
+#include "scene/volume_part.h"
 
 namespace kiln {
 

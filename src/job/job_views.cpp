@@ -5,7 +5,9 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "job/job_facts.h"
 #include "job/render_job.h"
+#include "job/stereo.h"
 
 namespace kiln {
 namespace fs = std::filesystem;

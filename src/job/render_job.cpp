@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "job/frame_list.h"
+#include "job/job_facts.h"
 #include "job/job_names.h"
 #include "job/job_options.h"
 #include "scene/scene_limits.h"

@@ -2,7 +2,6 @@
 // exception is the quadtree, an approximation. JSON keys have the names of command line options.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -10,20 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "engine/capabilities.h"
-#include "image/deep_samples.h"
-#include "job/animation.h"
-#include "job/stereo.h"
-#include "job/transfer_function_choice.h"
-#include "scene/camera/camera.h"
+#include "image/image.h"
 #include "scene/camera/camera_spec.h"
-#include "scene/camera/framing.h"
-#include "scene/clip_region.h"
+#include "scene/clipping.h"
 #include "scene/frame_rate.h"
+#include "scene/keyframes.h"
 #include "scene/render_options.h"
-#include "scene/sampling.h"
 #include "scene/shading.h"
-#include "scene/volume_part.h"
+#include "scene/transfer/transfer_function.h"
 
 namespace kiln {
 
@@ -53,24 +46,6 @@ struct PictureOptions {
   int coarser = 0;  // levels by which "auto" is coarser, for previews
   bool skip_damaged = false;  // draw a brick that cannot be read as nothing, instead of no picture
 };
-
-/// Returns the background of a picture. By default: transparent behind light; behind projected values the colour of the
-/// function's low end, which no value falls below.
-Background backgroundOf(const PictureOptions& picture, const TransferFunction& transfer_function);
-/// Returns true if the job sets more than one sample a pixel.
-bool oversamples(const PictureOptions& picture);
-/// Returns whether the number is 1, 2, 4 or 16.
-bool samplesKnown(int samples);
-/// Returns the number of sub-pixels along a pixel's edge; two samples a pixel use half of the sub-pixels. throws: Error
-/// kUsage for other numbers than 1, 2, 4 and 16.
-int subPixelsAlongEdge(int samples);
-/// Returns the engine of a picture of one volume.
-EngineChoice engineOf(const PictureOptions& picture);
-/// throws: Error kUsage if the engine of the picture lacks an option (engine/capabilities.h).
-void requireEngineOptions(const PictureOptions& picture);
-
-/// Returns whether the job draws a partial image: a part of the volume without background.
-bool drawsPart(const PictureOptions& picture);
 
 inline constexpr std::int64_t kMostThreads = 4096;
 
@@ -113,12 +88,21 @@ struct OutputOptions {
   VideoOptions video;
 };
 
-/// Returns the names of a job's pictures, other files and video, as far as present.
-std::vector<std::filesystem::path> namesOf(const OutputOptions& output);
-/// Returns whether the name has a video's ending.
-bool isVideo(const std::filesystem::path& path);
-/// Sets the video or the picture, by the ending of the path.
-void putOutput(const std::filesystem::path& path, OutputOptions& output);
+/// The parts of a picture that change from frame to frame.
+/// An empty list of keys leaves the still picture's value. All keys of a list have equally many lights of the same
+/// kinds in the same order, or equally many planes; a convergence stands in all keys of eyes or in none.
+struct Animation {
+  CameraPath camera;
+  std::vector<Key<TransferFunctionChoice>> functions;
+  std::vector<Key<std::vector<Light>>> lights;
+  std::vector<Key<std::vector<ClipPlane>>> clip;  // in addition to the still picture's planes
+  std::vector<Key<Stereo>> stereo;                // the still picture selects the eye
+  bool any() const {
+    return camera.index() != 0 || !functions.empty() || !lights.empty() || !clip.empty() || !stereo.empty();
+  }
+  /// Returns the frames from the first key to the last; frame 1 without keys.
+  std::vector<int> frames() const;
+};
 
 /// A volume of a picture with several volumes, placed by its own affine. Lights, planes through all volumes, level,
 /// interpolation and distance of samples are the picture's.
@@ -158,30 +142,6 @@ struct RenderJob {
   /// text.
   std::shared_ptr<const SeriesLook> series;
 };
-
-/// Returns whether anything changes from frame to frame.
-bool moves(const RenderJob& job);
-/// Returns the frames to draw: the job's list, or all frames of the animation.
-std::vector<int> framesOf(const RenderJob& job);
-/// Returns the engine that draws the job.
-EngineChoice engineOf(const RenderJob& job);
-/// throws: Error kUsage for a partial image that could not be composited or written.
-void requirePart(const RenderJob& job);
-/// throws: Error kUsage for several volumes with an option that draws one volume.
-void requireVolumes(const RenderJob& job);
-/// Makes the job's single volume the first of several. requires: `volumes` is empty.
-void makeFirstOfSeveral(RenderJob& job);
-
-/// Returns whether a file of the job is deep.
-bool drawsDeep(const RenderJob& job);
-/// Returns a name for a kind of frame that cannot be drawn in tiles; null if tiles are possible.
-const char* viewWithoutTiles(const RenderJob& job);
-/// throws: Error kUsage for a deep image or a stereo pair that the scene does not allow, or that could not be written.
-void requireViews(const RenderJob& job);
-/// Returns the pictures of one frame: the picture itself, or the left and the right eye's.
-std::vector<PictureOptions> eyesOf(const PictureOptions& picture);
-/// Returns the files. A file with a place for the name of an eye is listed once per drawn eye.
-std::vector<OutputFile> ofEyes(const std::vector<OutputFile>& files, const std::optional<Stereo>& stereo);
 
 /// Reads a job. Paths are relative to the job's folder; comments are allowed. `volume` is required; without `output`
 /// the path is empty. A `transferFunction` text with a dot or a slash is a file, otherwise a preset.

@@ -4,20 +4,10 @@
 
 #include <filesystem>
 #include <optional>
-#include <string_view>
 
-#include "scene/camera/camera.h"
+#include "scene/camera/camera_spec.h"
 
 namespace kiln {
-
-enum class StereoEye { kLeft, kRight, kBoth };
-
-struct Stereo {
-  StereoEye eye = StereoEye::kLeft;
-  double interocular = 0;             // between both eyes. unit: world
-  std::optional<double> convergence;  // depth; else the target's distance from the eye. unit: world
-  bool operator==(const Stereo&) const = default;
-};
 
 inline bool drawsBothEyes(const std::optional<Stereo>& stereo) { return stereo && stereo->eye == StereoEye::kBoth; }
 

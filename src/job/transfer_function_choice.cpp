@@ -8,6 +8,7 @@
 #include "job/paraview_map.h"
 #include "job/transfer_function_json.h"
 #include "scene/transfer/label_styles.h"
+#include "scene/transfer/preset_ranges.h"
 #include "scene/transfer/presets.h"
 
 namespace kiln {

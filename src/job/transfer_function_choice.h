@@ -3,22 +3,11 @@
 
 #include <filesystem>
 #include <optional>
-#include <string>
-#include <variant>
 
 #include "scene/transfer/transfer_function.h"
 #include "store/manifest/manifest.h"
 
 namespace kiln {
-
-/// The name of a preset, a transfer function file (FILE, or FILE#NAME for one map of several), or the function itself.
-using TransferFunctionChoice = std::variant<std::string, std::filesystem::path, TransferFunction>;
-
-/// Values from centre - width/2 to centre + width/2, as radiologists set it. unit: the volume's values.
-struct Window {
-  double centre = 0, width = 1;
-  bool operator==(const Window&) const = default;
-};
 
 /// Returns the file without #NAME.
 std::filesystem::path fileOf(const std::filesystem::path& file_and_name);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "store/brick_index.h"
 
 namespace kiln {
 namespace {

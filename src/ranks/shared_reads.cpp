@@ -8,6 +8,7 @@
 #include "base/thread/parallel.h"
 #include "base/thread/profile_scope.h"
 #include "base/thread/trace.h"
+#include "store/brick_index.h"
 #include "store/store_writer.h"
 
 namespace kiln {
@@ -98,6 +99,12 @@ BrickFile SharedReads::fetch(const StoreReader& store, const BrickKey& key) {
   if (home.rank == ranks_.rank()) return readKept(store, key, home.others > 0);
   if (std::optional<BrickFile> file = ask(home.rank, store, key)) return *std::move(file);
   return readHere(store, key);
+}
+
+SuppliedBrick SharedReads::supply(const StoredBrick& brick) {
+  const StoreReader& store = *stores_[static_cast<std::size_t>(brick.store)];
+  const BrickFile file = fetch(store, brick.key);
+  return {store.decode(brick.key, *file.bytes), file.from_disk};
 }
 
 BrickFile SharedReads::readHere(const StoreReader& store, const BrickKey& key) {

@@ -30,7 +30,7 @@ struct BrickHome {
   std::int32_t others = 0;  // other ranks likely to need the brick; a brick with 0 is evicted first
 };
 
-class SharedReads : public BrickFiles {
+class SharedReads : public BrickSupplier {
  public:
   /// Every rank has one instance and calls `finish`. requires: `ranks` outlives the object.
   explicit SharedReads(Ranks& ranks);
@@ -53,7 +53,11 @@ class SharedReads : public BrickFiles {
   /// Stops sending files of the open stores. requires: no fetch is under way.
   void close();
 
-  BrickFile fetch(const StoreReader& store, const BrickKey& key) override;
+  /// Returns the bytes of a brick's file, with a valid checksum. May wait. requires: the brick is not constant. thread:
+  /// safe. throws: as StoreReader::readFile.
+  BrickFile fetch(const StoreReader& store, const BrickKey& key);
+  /// Fetches and decodes a brick. requires: the cache has the open stores, in their order.
+  SuppliedBrick supply(const StoredBrick& brick) override;
 
   /// Collective. Each rank reads later fetches itself. Returns once no rank has an open request. throws: the error that
   /// stopped the receiving thread.
@@ -116,8 +120,8 @@ class OpenedForRanks {
   }
   OpenedForRanks(const OpenedForRanks&) = delete;
   OpenedForRanks& operator=(const OpenedForRanks&) = delete;
-  /// Returns the source of brick files; null: the disk of each store.
-  BrickFiles* files() const { return shared_; }
+  /// Returns the supplier of bricks; null: each store itself.
+  BrickSupplier* supplier() const { return shared_; }
 
  private:
   SharedReads* const shared_;

@@ -8,34 +8,12 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "grid/geometry.h"
+#include "scene/clipping.h"
 
 namespace kiln {
-
-/// Shows points with normal·x + offset >= 0, x in the world. requires: a normal of finite, positive length.
-struct ClipPlane {
-  glm::dvec3 normal{0, 0, 1};
-  double offset = 0;
-  bool operator==(const ClipPlane&) const = default;
-};
-
-/// Shows points that satisfy all members; the default shows everything.
-struct Clipping {
-  std::optional<VoxelBox> region;  // of level 0
-  std::vector<ClipPlane> planes;
-  /// A box of level 0 for a partial image. Not a cut: voxels beside the box still serve interpolation and footprints,
-  /// so that the partial images of boxes that fill the volume compose to the whole picture.
-  std::optional<VoxelBox> part = {};
-  /// Number of leading planes that are the faces of a box of the world, which options replace separately.
-  std::size_t box_faces = 0;
-  /// Compares the visible part only.
-  bool operator==(const Clipping& other) const {
-    return region == other.region && planes == other.planes && part == other.part;
-  }
-};
 
 /// Returns the planes that show a box of the world, its faces included. requires: lo below hi along each axis.
 std::vector<ClipPlane> facesOf(const glm::dvec3& lo, const glm::dvec3& hi);

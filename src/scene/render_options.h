@@ -1,4 +1,5 @@
-// Choices that engines and jobs share: occlusion tests, sample lattice, projection of values, background, extra planes.
+// Choices that engines and jobs share: occlusion tests, samples and their interpolation, projection of values,
+// background, extra planes.
 #pragma once
 
 #include <array>
@@ -37,6 +38,17 @@ enum class Lattice { kPixel, kVoxel };
 inline constexpr std::size_t kLatticeCount = 2;
 /// The names of the lattices, followed by an alias of the first.
 inline constexpr std::array<std::string_view, kLatticeCount + 1> kLatticeNames = {"pixel", "voxel", "ray"};
+
+/// Separable filters over the neighbouring voxels; beyond the volume the nearest voxel is repeated.
+/// - kLinear: trilinear, 2³ voxels.
+/// - kCubic: the cubic B-spline, 4³ voxels: smooth to the second derivative; it blurs, also at voxel centres.
+/// - kCatmullRom: 4³ voxels: interpolates voxel values with a smooth first derivative, clamped to the range of its
+///   voxels.
+enum class Interpolation { kLinear, kCubic, kCatmullRom };
+inline constexpr std::array<std::string_view, 3> kInterpolationNames = {"linear", "cubic", "catmull-rom"};
+
+/// Default and legal distances of samples. unit: voxels.
+inline constexpr double kSampleDistance = 0.5, kLeastSampleDistance = 0.25, kMostSampleDistance = 1;
 
 /// Combination of the values along a pixel's ray.
 /// - kComposite: light of the volume, attenuated by opacity.

@@ -3,13 +3,10 @@
 
 #include <optional>
 
-#include "scene/interpolation.h"
+#include "scene/render_options.h"
 #include "store/manifest/manifest.h"
 
 namespace kiln {
-
-/// Default and legal distances of samples. unit: voxels.
-inline constexpr double kSampleDistance = 0.5, kLeastSampleDistance = 0.25, kMostSampleDistance = 1;
 
 struct Sampling {
   std::optional<int> level;  // default: in each region the level whose voxels are about the size of a pixel

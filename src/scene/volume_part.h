@@ -6,14 +6,9 @@
 #include <string_view>
 
 #include "grid/coords.h"
+#include "scene/clipping.h"
 
 namespace kiln {
-
-/// Index from 1 to `count`.
-struct PartNumber {
-  int index = 1, count = 1;
-  bool operator==(const PartNumber&) const = default;
-};
 
 inline constexpr int kMostParts = 65536;
 

@@ -15,6 +15,7 @@
 #include "frame/part_image.h"
 #include "job/frame_list.h"
 #include "job/frame_scene.h"
+#include "job/job_facts.h"
 #include "ranks/composite_ranks.h"
 #include "ranks/rank_boxes.h"
 #include "ranks/split_store.h"
@@ -161,7 +162,8 @@ class BrickSequence : public RankedSequence {
 
   void composite(DrawnFrame& drawn, FrameStatistics& statistics) {
     auto& [image, view] = drawn.views.front();
-    const auto order = frontToBack(boxes_, view, frames_.openedFor(toDraw().front()).store().manifest().geometry());
+    const auto order =
+        frontToBack(boxes_, view, frames_.openedFor(toDraw().front()).firstVolume().manifest().geometry());
     const Aovs aovs = drawnAovs(job_);
     Image made = compositeDirectly(ranks_, image, aovs, *order, static_cast<float>(job_.picture.opacity_threshold));
     if (!ranks_.first()) return;

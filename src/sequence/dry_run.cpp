@@ -7,10 +7,13 @@
 #include "base/thread/parallel.h"
 #include "frame/empty_frame.h"
 #include "job/frame_scene.h"
+#include "job/job_facts.h"
+#include "sequence/frame_requests.h"
 #include "sequence/opened_job.h"
-#include "sequence/render_job_run.h"
 #include "sequence/sequence.h"
 #include "sequence/series_volumes.h"
+#include "store/brick_index.h"
+#include "store/codec/brick_codec.h"
 #include "traverse/brick_walk.h"
 
 namespace kiln {
@@ -21,13 +24,13 @@ DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
   const ThreadLimit threads(job.speed.threads);
   RenderJob unbounded = job;
   unbounded.speed.memory_bytes = UINT64_MAX;
-  const std::vector<std::unique_ptr<StoreReader>> opened = storesOf(unbounded);
-  const std::vector<const StoreReader*> stores = readersOf(opened);
+  const OpenedVolumes opened(unbounded);
+  const std::vector<const BrickedVolume*>& volumes = opened.all();
   FitReads fit;
   Progress silent;
-  const SceneOfJob scenes(job, manifestsOf(opened), shownBoxesOf(job, stores, fit, silent));
+  const SceneOfJob scenes(job, opened.manifests(), shownBoxesOf(job, volumes, fit, silent));
   DryRun out;
-  out.memory = memoryOf(job, stores, scenes, beside);
+  out.memory = memoryOf(job, volumes, scenes, beside);
   if (writesBehind(given)) out.memory.behind = writeBehindBytes(out.memory, job);
   out.budget_bytes = job.speed.memory_bytes;
   BrickWalkCounts counts;
@@ -37,22 +40,22 @@ DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
   out.samples = scenes.mostSamples();
   for (const PictureOptions& picture : eyesOf(scene.picture)) {
     scene.picture = picture;
-    const std::vector<StoredBrick> seen = bricksInView(stores, requestOf(scene, job.speed), counts);
+    const std::vector<StoredBrick> seen = bricksInView(volumes, requestOf(scene, job.speed), counts);
     bricks.insert(bricks.end(), seen.begin(), seen.end());
   }
   // Both eyes see most bricks.
   std::sort(bricks.begin(), bricks.end());
   bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
   for (const StoredBrick& seen : bricks) {
-    const StoreReader& store = *stores[static_cast<std::size_t>(seen.store)];
-    const BrickEntry& entry = store.index().at(seen.key);
+    const BrickedVolume& volume = *volumes[static_cast<std::size_t>(seen.store)];
+    const BrickEntry& entry = volume.index().at(seen.key);
     ++out.bricks_in_view;
     out.files_in_view += entry.constant ? 0 : 1;
     out.file_bytes_in_view += entry.file_bytes;
-    out.decoded_bytes_in_view += blockBytes(store.frame(seen.key));
+    out.decoded_bytes_in_view += blockBytes(volume.frame(seen.key));
   }
-  out.empty = emptinessOf(out.bricks_in_view > 0, whole, requestOf(whole, job.speed), manifestsOf(opened));
-  out.one_colour = isOfOneColour(whole, manifestsOf(opened));
+  out.empty = emptinessOf(out.bricks_in_view > 0, whole, requestOf(whole, job.speed), opened.manifests());
+  out.one_colour = isOfOneColour(whole, opened.manifests());
   out.bricks_interesting = counts.interesting;
   out.bricks_total = counts.bricks;
   return out;

@@ -20,6 +20,7 @@
 #include "base/record_file.h"
 #include "frame/aov_planes.h"
 #include "frame/pass/frame_progress.h"
+#include "job/job_facts.h"
 #include "sequence/file_part.h"
 #include "sequence/frame_files.h"
 #include "sequence/tile_image.h"
@@ -180,7 +181,7 @@ class TileFile {
 std::string identityOf(const OpenedJob& opened, int frame, const FrameScene& scene) {
   std::string out;
   for (const OutputFile& file : filesOf(opened.job(), frame))
-    out += contentHash(opened.job(), file, scene, opened.store().manifest()) + "\n";
+    out += contentHash(opened.job(), file, scene, opened.firstVolume().manifest()) + "\n";
   return out;
 }
 

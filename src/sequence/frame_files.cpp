@@ -8,14 +8,17 @@
 #include <span>
 #include <utility>
 
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/thread/profile_scope.h"
 #include "composite/composite_parts.h"
 #include "frame/part_image.h"
 #include "image/file/image_file.h"
 #include "job/frame_list.h"
+#include "job/job_facts.h"
 #include "job/job_names.h"
 #include "job/series_look.h"
+#include "job/stereo.h"
 #include "sequence/file_part.h"
 #include "sequence/frame_checkpoint.h"
 
@@ -58,7 +61,7 @@ std::string textOf(const RenderJob& of_file, const FrameScene& scene) {
 }
 
 ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const DrawnFrame& drawn, const View& view,
-                         const StoreReader& store) {
+                         const BrickedVolume& store) {
   RenderJob of_file = jobOfFile(job, file, drawn.scene);
   ImageMetadata out;
   if (const std::uint64_t damaged = drawn.statistics.bricks_damaged) {
@@ -133,7 +136,7 @@ std::vector<OutputFile> patternsOf(const RenderJob& job) {
   return ofEyes(out, job.picture.stereo);
 }
 
-void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, const StoreReader& store,
+void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, const BrickedVolume& store,
                std::uint64_t writer_bytes) {
   const bool deep = file.content == Content::kDeep;
   const bool as_float = job.output.exr_float || (drawsPart(job.picture) && !deep);
@@ -239,7 +242,7 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
                                           nameIn(kContentNames, file.content), kind, textOf(of_file, scene)))));
 }
 
-void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store,
+void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const BrickedVolume& store,
                 std::uint64_t writer_bytes) {
   const auto begin = std::chrono::steady_clock::now();
   for (const OutputFile& file : filesOf(job, frame)) {
@@ -250,7 +253,7 @@ void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreR
   drawn.statistics.output_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const StoreReader& store) {
+FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const BrickedVolume& store) {
   std::map<std::string, std::string> text;
   try {
     text = readImageText(file.path, job.speed.memory_bytes);

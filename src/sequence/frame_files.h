@@ -38,12 +38,12 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
 
 /// Writes all files of a frame, each whole or not at all, and records the time. Compression takes up to `writer_bytes`
 /// (FrameMemory::files). throws: Error kNoSpace, kIo.
-void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const StoreReader& store,
+void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const BrickedVolume& store,
                 std::uint64_t writer_bytes);
 
 enum class FoundFile { kMissing, kDamaged, kWhole };
 /// Reads a file to its end. Returns true if this job wrote the file. throws: Error kExists if another job wrote the
 /// file, with the difference if known.
-FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const StoreReader& store);
+FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const BrickedVolume& store);
 
 }  // namespace kiln

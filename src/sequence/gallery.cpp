@@ -11,8 +11,8 @@
 #include "image/thumbnail_sheet.h"
 #include "job/frame_scene.h"
 #include "scene/transfer/presets.h"
+#include "sequence/frame_requests.h"
 #include "sequence/opened_job.h"
-#include "sequence/render_job_run.h"
 #include "store/manifest/read_manifest.h"
 
 namespace kiln {
@@ -54,11 +54,11 @@ class GalleryPainter {
   GalleryPainter(const GalleryRequest& request, std::size_t presets, Progress& progress)
       : progress_(progress),
         job_(jobOf(request)),
-        stores_(storesOf(job_)),
+        volumes_(job_),
         total_(presets * galleryViews().size()),
-        memory_(memoryOf(job_, readersOf(stores_), SceneOfJob(job_, manifestsOf(stores_)),
+        memory_(memoryOf(job_, volumes_.all(), SceneOfJob(job_, volumes_.manifests()),
                          layoutOf(presets, request.thumbnail_px).bytes())),
-        cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, job_.volume), readersOfCache()) {}
+        cache_(volumes_.all(), cacheBytes(memory_, job_.speed.memory_bytes, job_.volume), readersOfCache()) {}
 
   CacheCounts counts() const { return cache_.counts(); }
   const FitReads& fit() const { return fit_; }
@@ -66,7 +66,7 @@ class GalleryPainter {
   Thumbnails draw(const std::string& preset) {
     Thumbnails out{preset, {}, 0};
     job_.picture.transfer_function = preset;
-    const SceneOfJob scenes(job_, manifestsOf(stores_), shownBoxesOf(job_, readersOf(stores_), fit_, progress_));
+    const SceneOfJob scenes(job_, volumes_.manifests(), shownBoxesOf(job_, volumes_.all(), fit_, progress_));
     for (int view = 1; view <= static_cast<int>(galleryViews().size()); ++view) {
       progress_.throwIfCancelled("drawing a gallery");
       const FrameScene scene = scenes.at(view);
@@ -92,7 +92,7 @@ class GalleryPainter {
 
   Progress& progress_;
   RenderJob job_;
-  const std::vector<std::unique_ptr<StoreReader>> stores_;
+  const OpenedVolumes volumes_;
   const std::uint64_t total_;
   std::uint64_t done_ = 0;
   FitReads fit_;

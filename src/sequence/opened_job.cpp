@@ -12,9 +12,9 @@
 #include "engine/shown_box.h"
 #include "frame/empty_frame.h"
 #include "frame/pass/frame_progress.h"
-#include "grid/shared_world.h"
-#include "job/series_look.h"
+#include "job/job_facts.h"
 #include "scene/transfer/label_styles.h"
+#include "sequence/frame_requests.h"
 #include "sequence/render_job_run.h"
 #include "store/manifest/float_steps.h"
 
@@ -47,21 +47,7 @@ bool isAuto(const VolumeOptions& volume) {
   return volume.functions.empty() && name != nullptr && *name == "auto";
 }
 
-// Brings all volumes of a picture to one frame of reference and unit. A single volume keeps its own.
-void placeTogether(const RenderJob& job, const std::vector<std::unique_ptr<StoreReader>>& stores) {
-  if (stores.size() == 1 && !job.series) return;
-  const VolumeGeometry world = worldOf(job, manifestsOf(stores));
-  for (const std::unique_ptr<StoreReader>& store : stores) store->placeIn(world);
-}
-
 }  // namespace
-
-VolumeGeometry worldOf(const RenderJob& job, const std::vector<const Manifest*>& manifests) {
-  if (job.series) return job.series->volumes.front().geometry();
-  std::vector<VolumeGeometry> volumes;
-  for (const Manifest* const manifest : manifests) volumes.push_back(manifest->geometry());
-  return sharedWorld(volumes);
-}
 
 Aovs aovsOf(const RenderJob& job, const OutputFile& file) {
   switch (file.content) {
@@ -100,38 +86,13 @@ FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed, const
   return out;
 }
 
-std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job) {
-  std::vector<std::unique_ptr<StoreReader>> out;
-  std::uint64_t held = 0;
-  const auto open = [&](const std::filesystem::path& path) {
-    out.push_back(std::make_unique<StoreReader>(path, job.speed.memory_bytes, held));
-    held += out.back()->index().bytes();
-  };
-  for (const VolumeOptions& volume : job.volumes) open(volume.volume);
-  if (out.empty()) open(job.volume);
-  placeTogether(job, out);
-  return out;
-}
-
-std::vector<const StoreReader*> readersOf(const std::vector<std::unique_ptr<StoreReader>>& stores) {
-  std::vector<const StoreReader*> out;
-  for (const std::unique_ptr<StoreReader>& store : stores) out.push_back(store.get());
-  return out;
-}
-
-std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<StoreReader>>& stores) {
-  std::vector<const Manifest*> out;
-  for (const std::unique_ptr<StoreReader>& store : stores) out.push_back(&store->manifest());
-  return out;
-}
-
-FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes,
+FrameMemory memoryOf(RenderJob job, const std::vector<const BrickedVolume*>& stores, const SceneOfJob& scenes,
                      const MemoryBeside& beside) {
   job.picture.samples = scenes.mostSamples();
   const PixelRect written = drawnPixels(job.picture.size, job.picture.crop);
   if (beside.at_a_time) job.picture.crop = beside.at_a_time;
   std::uint64_t least = 0;
-  for (const StoreReader* const store : stores) least = std::max(least, store->largestReadBytes());
+  for (const BrickedVolume* const store : stores) least = std::max(least, store->largestReadBytes());
   if (!job.volumes.empty())
     least = std::max(least, bytesAtOnce(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
   // Memory that the frame cannot choose is taken off before shares of the budget are computed.
@@ -143,11 +104,11 @@ FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& store
   return out;
 }
 
-ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const StoreReader*> stores, FitReads& reads,
+ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const BrickedVolume*> stores, FitReads& reads,
                         Progress& progress) {
   return [&job, &reads, &progress, stores = std::move(stores)](
              std::size_t volume, const std::vector<TransferFunction>& functions, const Clipping& clipping) {
-    const StoreReader& store = *stores[volume];
+    const BrickedVolume& store = *stores[volume];
     std::vector<TransferFunction> in_world;
     for (const TransferFunction& function : functions)
       in_world.push_back(inWorld(function, store.manifest().world_per_own));
@@ -167,16 +128,19 @@ ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const StoreReader*> st
 
 OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, const MemoryBeside& beside, SharedReads* shared,
                      bool writes_behind)
+    : OpenedJob(job, OpenedVolumes(job), progress, beside, shared, writes_behind) {}
+
+OpenedJob::OpenedJob(const RenderJob& job, OpenedVolumes volumes, Progress& progress, const MemoryBeside& beside,
+                     SharedReads* shared, bool writes_behind)
     : job_(job),
       drawn_job_(withDrawnAovs(job)),
-      stores_(storesOf(job_)),
-      scenes_(drawn_job_, manifestsOf(stores_), shownBoxesOf(drawn_job_, readersOf(stores_), fit_, progress)),
-      memory_(
-          withShared(withBehind(memoryOf(drawn_job_, readersOf(stores_), scenes_, beside), writes_behind, drawn_job_),
-                     shared != nullptr ? job_.speed.memory_bytes : 0, readersOf(stores_))),
-      for_ranks_(shared, readersOf(stores_), memory_.shared),
-      cache_(readersOf(stores_), cacheBytes(memory_, job_.speed.memory_bytes, store().path()), readersOfCache(),
-             skipperOf(job_, progress), for_ranks_.files()) {
+      volumes_(std::move(volumes)),
+      scenes_(drawn_job_, volumes_.manifests(), shownBoxesOf(drawn_job_, volumes_.all(), fit_, progress)),
+      memory_(withShared(withBehind(memoryOf(drawn_job_, volumes_.all(), scenes_, beside), writes_behind, drawn_job_),
+                         shared != nullptr ? job_.speed.memory_bytes : 0, volumes_.stores())),
+      for_ranks_(shared, volumes_.stores(), memory_.shared),
+      cache_(volumes_.all(), cacheBytes(memory_, job_.speed.memory_bytes, firstVolume().path()), readersOfCache(),
+             skipperOf(job_, progress), for_ranks_.supplier()) {
   boundSparePages(sparePagesBytes(memory_, job_.speed.memory_bytes));
 }
 
@@ -184,10 +148,10 @@ std::vector<OpenedJob::Doubt> OpenedJob::doubts() const {
   std::vector<Doubt> out;
   const auto add = [&](std::size_t v, const std::string& sentence) {
     if (!sentence.empty())
-      out.push_back({std::to_string(v) + " " + sentence, stores_[v]->path().string() + ": " + sentence});
+      out.push_back({std::to_string(v) + " " + sentence, volumes_.all()[v]->path().string() + ": " + sentence});
   };
-  for (std::size_t v = 0; v < stores_.size(); ++v) {
-    const Manifest& manifest = stores_[v]->manifest();
+  for (std::size_t v = 0; v < volumes_.all().size(); ++v) {
+    const Manifest& manifest = volumes_.all()[v]->manifest();
     add(v, unknownLabelsText(scenes_.functionsOf(v), manifest));
     add(v, mergedValuesText(manifest));
     add(v, manifest.assumption);
@@ -198,8 +162,8 @@ std::vector<OpenedJob::Doubt> OpenedJob::doubts() const {
 
 void OpenedJob::judge(DrawnFrame& drawn) const {
   if (drawn.continued) return;
-  drawn.statistics.empty = emptinessOf(drawn.statistics, drawn.scene, requestFor(drawn.scene), manifestsOf(stores_));
-  drawn.statistics.one_colour = isOfOneColour(drawn.scene, manifestsOf(stores_));
+  drawn.statistics.empty = emptinessOf(drawn.statistics, drawn.scene, requestFor(drawn.scene), volumes_.manifests());
+  drawn.statistics.one_colour = isOfOneColour(drawn.scene, volumes_.manifests());
 }
 
 void OpenedJob::noteDeep(Progress& progress) const {
@@ -241,7 +205,7 @@ DrawnFrame OpenedJob::draw(int frame, Progress& progress) {
     seen.picture = picture;
     eyes.push_back(requestFor(seen));
   }
-  FrameProgress of_frame(frame, stepsOfParts(readersOf(stores_), eyes), progress);
+  FrameProgress of_frame(frame, stepsOfParts(volumes_.all(), eyes), progress);
   for (const FrameRequest& request : eyes) {
     FrameStatistics statistics;
     out.views.push_back({renderFrame(cache_, request, of_frame, statistics), request.view});

@@ -15,7 +15,7 @@
 #include "job/frame_scene.h"
 #include "job/render_job.h"
 #include "ranks/shared_reads.h"
-#include "store/store_reader.h"
+#include "sequence/opened_volumes.h"
 
 namespace kiln {
 
@@ -43,6 +43,9 @@ class OpenedJob {
   /// requires: `progress` outlives this. throws: Error kUsage, kBudget, kDamaged, kNotFound, kIo.
   OpenedJob(const RenderJob& job, Progress& progress, const MemoryBeside& beside = 0, SharedReads* shared = nullptr,
             bool writes_behind = false);
+  /// Draws from volumes of the caller.
+  OpenedJob(const RenderJob& job, OpenedVolumes volumes, Progress& progress, const MemoryBeside& beside = 0,
+            SharedReads* shared = nullptr, bool writes_behind = false);
   OpenedJob(const OpenedJob&) = delete;
   OpenedJob& operator=(const OpenedJob&) = delete;
 
@@ -59,8 +62,7 @@ class OpenedJob {
 
   /// Returns true if memory is reserved for a finished frame beside the frame being drawn.
   bool writesBehind() const { return memory_.behind > 0; }
-  /// The first volume's store.
-  const StoreReader& store() const { return *stores_.front(); }
+  const BrickedVolume& firstVolume() const { return volumes_.first(); }
   /// The job as given to the constructor.
   const RenderJob& job() const { return job_; }
   /// A reason to doubt the picture. Volumes with equal doubts cause one warning.
@@ -81,7 +83,7 @@ class OpenedJob {
  private:
   const RenderJob job_;
   const RenderJob drawn_job_;  // with the AOVs of all files
-  const std::vector<std::unique_ptr<StoreReader>> stores_;
+  const OpenedVolumes volumes_;
   FitReads fit_;
   SceneOfJob scenes_;
   FrameMemory memory_;
@@ -94,24 +96,15 @@ unsigned readersOfCache();
 /// Returns the request of a frame that keeps to a plan of memory.
 FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed, const FrameMemory& memory);
 
-/// Opens the stores of all volumes. throws: as StoreReader.
-std::vector<std::unique_ptr<StoreReader>> storesOf(const RenderJob& job);
-std::vector<const StoreReader*> readersOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
-std::vector<const Manifest*> manifestsOf(const std::vector<std::unique_ptr<StoreReader>>& stores);
-
-/// Returns the function that finds boxes by index and bricks of the stores; the function adds what it reads to `reads`.
-/// If the job skips damaged bricks, a damaged brick makes the box larger, with a warning. requires: all outlive the
-/// function.
-ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const StoreReader*> stores, FitReads& reads,
+/// Returns the function that finds boxes by index and bricks of the volumes; the function adds what it reads to
+/// `reads`. If the job skips damaged bricks, a damaged brick makes the box larger, with a warning. requires: all
+/// outlive the function.
+ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const BrickedVolume*> stores, FitReads& reads,
                         Progress& progress);
-
-/// Returns the geometry whose frame of reference and unit the picture has: the series', else the first known of the
-/// volumes.
-VolumeGeometry worldOf(const RenderJob& job, const std::vector<const Manifest*>& manifests);
 
 /// Plans the memory of the job's first frame, with the samples of the frame that has most. `beside` is charged with the
 /// image. throws: as SceneOfJob::at.
-FrameMemory memoryOf(RenderJob job, const std::vector<const StoreReader*>& stores, const SceneOfJob& scenes,
+FrameMemory memoryOf(RenderJob job, const std::vector<const BrickedVolume*>& stores, const SceneOfJob& scenes,
                      const MemoryBeside& beside);
 
 /// Notes how many bricks are missing from a picture, if any.

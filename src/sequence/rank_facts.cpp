@@ -9,6 +9,7 @@
 
 #include "job/frame_list.h"
 #include "job/frame_scene.h"
+#include "job/job_facts.h"
 #include "job/job_names.h"
 #include "sequence/frame_files.h"
 #include "store/manifest/read_manifest.h"

@@ -8,6 +8,7 @@
 
 #include "cluster/agreement.h"
 #include "cluster/shared_lists.h"
+#include "job/job_facts.h"
 #include "sequence/rank_facts.h"
 
 namespace kiln {
@@ -95,7 +96,7 @@ void RankedSequence::attempt(FrameReport& report, const std::function<void()>& b
 
 void RankedSequence::write(OpenedJob& opened, std::uint32_t frame, DrawnFrame& drawn) {
   opened.judge(drawn);
-  writeFrame(frames_.jobToWrite(opened), to_draw_[frame], drawn, opened.store(), opened.memory().files);
+  writeFrame(frames_.jobToWrite(opened), to_draw_[frame], drawn, opened.firstVolume(), opened.memory().files);
   ++own_.frames_written;
 }
 

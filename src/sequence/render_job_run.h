@@ -1,13 +1,13 @@
-// Runs one frame of a render job, from the store to the picture on disk.
+// Runs one frame of a render job, from the volume to the picture on disk.
 #pragma once
 
+#include <span>
+
 #include "base/progress.h"
-#include "frame/render_frame.h"
 #include "frame/statistics.h"
 #include "image/image.h"
-#include "job/frame_scene.h"
 #include "job/render_job.h"
-#include "store/store_reader.h"
+#include "store/bricked_volume.h"
 
 namespace kiln {
 
@@ -23,14 +23,13 @@ struct RenderResult {
 /// kDamaged, kNotFound, kIo, kNoSpace, kCancelled.
 RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress);
 
+/// Draws the first frame of the job from open volumes, such as arrays in memory (convert/open_array.h): the only volume
+/// of the job, or as many as its `volumes`. The job's paths of volumes only name them. Memory that the volumes hold is
+/// part of the job's memory. throws: as above; Error kUsage for another number of volumes.
+RenderResult runRenderJob(const RenderJob& job, std::span<const BrickedVolume* const> volumes, Progress& progress);
+
 /// Return camera and transfer function of a picture, resolved for a volume.
-Camera cameraFor(const PictureOptions& picture, const StoreReader& store);
-TransferFunction transferFunctionFor(const PictureOptions& picture, const StoreReader& store);
-/// Return the request of a frame. Without a number of samples a pixel has one sample; scenes always have a number
-/// (SceneOfJob).
-FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
-FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed);
-FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& speed, const Camera& camera,
-                          const TransferFunction& transfer_function);
+Camera cameraFor(const PictureOptions& picture, const BrickedVolume& volume);
+TransferFunction transferFunctionFor(const PictureOptions& picture, const BrickedVolume& volume);
 
 }  // namespace kiln

@@ -14,6 +14,7 @@
 #include "base/thread/worker_thread.h"
 #include "cluster/agreement.h"
 #include "frame/empty_frame.h"
+#include "job/job_facts.h"
 #include "sequence/brick_sequence.h"
 #include "sequence/frame_checkpoint.h"
 #include "sequence/rank_facts.h"
@@ -92,13 +93,13 @@ class Sequence {
     opened.judge(drawn);
     finishWriting();
     if (!opened.writesBehind()) {
-      writeFrame(opened.job(), frame, drawn, opened.store(), opened.memory().files);
+      writeFrame(opened.job(), frame, drawn, opened.firstVolume(), opened.memory().files);
       return written(opened, frame, drawn.statistics);
     }
     unwritten_.emplace(Unwritten{frame, opened, std::move(drawn)});
     if (!writer_) writer_.emplace("writes");
     writer_->begin([&of = *unwritten_] {
-      writeFrame(of.opened.job(), of.frame, of.drawn, of.opened.store(), of.opened.memory().files);
+      writeFrame(of.opened.job(), of.frame, of.drawn, of.opened.firstVolume(), of.opened.memory().files);
     });
   }
 

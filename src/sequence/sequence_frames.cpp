@@ -9,6 +9,7 @@
 #include "base/path_status.h"
 #include "base/temporary_file.h"
 #include "job/frame_list.h"
+#include "job/job_facts.h"
 #include "sequence/video.h"
 
 namespace kiln {
@@ -100,7 +101,7 @@ bool SequenceFrames::isThere(int frame) {
   const RenderJob job = jobAtFrame(job_, frame);
   bool whole = true;
   for (const OutputFile& file : filesOf(job_, frame))
-    whole = findFile(job, file, scene, opened.store()) == FoundFile::kWhole && whole;
+    whole = findFile(job, file, scene, opened.firstVolume()) == FoundFile::kWhole && whole;
   return whole;
 }
 

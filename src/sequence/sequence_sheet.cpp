@@ -14,6 +14,8 @@
 #include "frame/pass/frame_progress.h"
 #include "image/thumbnail_sheet.h"
 #include "job/frame_list.h"
+#include "job/job_facts.h"
+#include "job/stereo.h"
 #include "sequence/series_volumes.h"
 
 namespace kiln {

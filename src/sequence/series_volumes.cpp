@@ -15,6 +15,7 @@
 #include "grid/shared_world.h"
 #include "image/file/image_file.h"
 #include "job/frame_list.h"
+#include "job/job_facts.h"
 #include "sequence/frame_files.h"
 #include "store/manifest/read_manifest.h"
 #include "store/store_reader.h"

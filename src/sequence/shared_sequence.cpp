@@ -13,6 +13,7 @@
 #include "cluster/work_ranges.h"
 #include "frame/aov_planes.h"
 #include "frame/pass/frame_progress.h"
+#include "job/job_facts.h"
 #include "sequence/brick_sequence.h"
 #include "sequence/ranked_sequence.h"
 #include "sequence/tile_image.h"

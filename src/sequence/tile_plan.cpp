@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/thread/parallel.h"
+#include "job/job_facts.h"
 #include "occlusion/visibility.h"
 
 namespace kiln {
@@ -38,12 +39,12 @@ SampledFrames sample(const OpenedJob& opened, const std::vector<int>& frames, Br
     std::vector<SampledBrick> bricks;
     const FrameRequest request = opened.requestFor(opened.sceneAt(frames[i * frames.size() / count]));
     const int edge = subPixelsAlongEdge(request.samples);
-    for (const BrickOfFrame& brick : bricksOnImage(opened.store(), request)) {
+    for (const BrickOfFrame& brick : bricksOnImage(opened.firstVolume(), request)) {
       const PixelRect& r = brick.rect;
       const BrickKey& key = brick.brick.key;
       bricks.push_back({places.emplace(key, places.size()).first->second,
                         {r.x0 / edge, r.y0 / edge, (r.x1 + edge - 1) / edge, (r.y1 + edge - 1) / edge},
-                        opened.store().index().at(key).file_bytes});
+                        opened.firstVolume().index().at(key).file_bytes});
     }
     out.push_back(std::move(bricks));
   }

@@ -100,6 +100,22 @@ std::size_t BrickIndex::place(const BrickKey& key) const {
   return first_[static_cast<std::size_t>(key.level)] + placeOf(lattice(key.level), key.brick);
 }
 
+// In the order of the index, so the result does not depend on the order in which entries were made.
+ValueRange BrickIndex::valueRange() const {
+  ValueRange out;
+  for (std::int64_t i = 0; i < lattices_.front().count(); ++i) out.include(at({0, brickAt(lattices_.front(), i)}).core);
+  return out;
+}
+
+std::uint64_t BrickIndex::largest(const std::function<std::uint64_t(const BrickKey&)>& bytes_of) const {
+  std::uint64_t out = 0;
+  for (int level = 0; level < levels(); ++level) {
+    for (std::int64_t i = 0; i < lattice(level).count(); ++i)
+      out = std::max(out, bytes_of({level, brickAt(lattice(level), i)}));
+  }
+  return out;
+}
+
 std::uint64_t BrickIndex::bytes() const {
   std::uint64_t sum = entries_.size() * sizeof(BrickEntry);
   for (const BrickEntry& entry : entries_) sum += entry.sub_ranges ? subRangesBytes(entry.sub_ranges->along()) : 0;

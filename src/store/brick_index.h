@@ -51,6 +51,10 @@ class BrickIndex {
   std::size_t size() const { return entries_.size(); }
   /// Position of a brick among all bricks of all levels. requires: contains(key).
   std::size_t place(const BrickKey& key) const;
+  /// The range of all voxels of level 0, ignoring NaN. requires: level 0 has all its entries.
+  ValueRange valueRange() const;
+  /// Returns the largest of bytes_of(key) over all bricks.
+  std::uint64_t largest(const std::function<std::uint64_t(const BrickKey&)>& bytes_of) const;
   /// Memory of the index. unit: bytes.
   std::uint64_t bytes() const;
   /// Memory of an index for so many bricks with files and so many constant bricks. unit: bytes.

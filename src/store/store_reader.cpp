@@ -4,14 +4,19 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <type_traits>
+#include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/memory/large_pages.h"
 #include "base/memory/memory.h"
 #include "base/path_status.h"
+#include "base/same_file.h"
 #include "base/thread/profile_scope.h"
+#include "store/brick_index.h"
+#include "store/codec/brick_codec.h"
 #include "store/manifest/read_manifest.h"
 #include "store/store_writer.h"
 
@@ -91,17 +96,6 @@ void requireIndexWithin(const Manifest& manifest, std::uint64_t memory_bytes, st
                   manifest.brick_size));
 }
 
-template <class BytesOf>
-std::uint64_t largestOf(const BrickIndex& index, const BytesOf& bytes_of) {
-  std::uint64_t largest = 0;
-  for (int level = 0; level < index.levels(); ++level) {
-    const Extent3& lattice = index.lattice(level);
-    for (std::int64_t i = 0; i < lattice.count(); ++i)
-      largest = std::max<std::uint64_t>(largest, bytes_of(BrickKey{level, brickAt(lattice, i)}));
-  }
-  return largest;
-}
-
 // Returns the manifest's path. throws: Error kNotFound, kFormat if `directory` is no store.
 fs::path manifestOf(const fs::path& directory) {
   const fs::path path = directory / "manifest.json";
@@ -124,7 +118,7 @@ Manifest readManifest(const fs::path& directory) {
 }
 
 StoreReader::StoreReader(const fs::path& directory, std::uint64_t memory_bytes, std::uint64_t held_bytes)
-    : directory_(directory) {
+    : BrickedVolume(directory) {
   // A store replaced between reading its two files is opened again. After so many tries the error is reported.
   constexpr int kTries = 5;
   for (int i = 1;; ++i) {
@@ -138,28 +132,27 @@ StoreReader::StoreReader(const fs::path& directory, std::uint64_t memory_bytes, 
 }
 
 void StoreReader::open(std::uint64_t memory_bytes, std::uint64_t held_bytes) {
-  opened_ = identityOf(manifestOf(directory_));
-  manifest_ = readManifest(directory_);
-  requireIndexWithin(manifest_, memory_bytes, held_bytes, directory_);
-  const fs::path path = directory_ / "index.bin";
-  const auto data = checkedFile<UnsetBytes>(path, manifest_.index_bytes, manifest_.index_checksum);
+  const std::optional<FileIdentity> identity = identityOf(manifestOf(path()));
+  opened_ = identity ? std::make_shared<const FileIdentity>(*identity) : nullptr;
+  Manifest manifest = readManifest(path());
+  requireIndexWithin(manifest, memory_bytes, held_bytes, path());
+  const fs::path index = path() / "index.bin";
+  const auto data = checkedFile<UnsetBytes>(index, manifest.index_bytes, manifest.index_checksum);
   std::vector<Extent3> lattices;
-  for (const LevelInfo& level : manifest_.levels) lattices.push_back(level.bricks);
-  index_ = BrickIndex::decode(data, lattices, path);
+  for (const LevelInfo& level : manifest.levels) lattices.push_back(level.bricks);
+  hold(std::move(manifest), BrickIndex::decode(data, lattices, index));
 }
 
-BrickDesc StoreReader::frame(const BrickKey& key) const {
-  return {key, manifest_.type, manifest_.brick_size, manifest_.apron, level(key.level).geometry};
-}
+std::unique_ptr<BrickedVolume> StoreReader::share() const { return std::make_unique<StoreReader>(*this); }
 
 std::vector<std::byte> StoreReader::readFile(const BrickKey& key) const {
   return bytesOfFile<std::vector<std::byte>>(key);
 }
 
 void StoreReader::requireUnchanged() const {
-  const std::optional<FileIdentity> now = identityOf(directory_ / "manifest.json");
-  if (now == opened_) return;
-  throw Error(ErrorCode::kReplaced, directory_, "",
+  const std::optional<FileIdentity> now = identityOf(path() / "manifest.json");
+  if (now == (opened_ ? std::optional(*opened_) : std::nullopt)) return;
+  throw Error(ErrorCode::kReplaced, path(), "",
               fmt::format("the store was {} while it was read by this command; run the command again",
                           now ? "replaced" : "replaced or removed"));
 }
@@ -177,56 +170,44 @@ Bytes StoreReader::checkedFile(const fs::path& path, std::uint64_t bytes, const 
 
 template <class Bytes>
 Bytes StoreReader::bytesOfFile(const BrickKey& key) const {
-  const BrickEntry& entry = index_.at(key);
+  const BrickEntry& entry = index().at(key);
   ProfileScope span(Activity::kRead);
   if (span.traced()) {
     span.note("brick", brickPath(key).native());
     span.note("bytes", entry.file_bytes);
   }
-  return checkedFile<Bytes>(directory_ / brickPath(key), entry.file_bytes, entry.checksum);
+  return checkedFile<Bytes>(path() / brickPath(key), entry.file_bytes, entry.checksum);
 }
 
 BrickBlock StoreReader::read(const BrickKey& key) const {
-  const BrickEntry& entry = index_.at(key);
+  const BrickEntry& entry = index().at(key);
   if (entry.constant) {
-    if (!holds(manifest_.type, entry.core.lo))
+    if (!holds(manifest().type, entry.core.lo))
       throw Error(
-          ErrorCode::kDamaged, directory_ / "index.bin", brickPath(key).string(),
-          fmt::format("is all {}, which is no {}; convert the source again", entry.core.lo, nameOf(manifest_.type)));
+          ErrorCode::kDamaged, path() / "index.bin", brickPath(key).string(),
+          fmt::format("is all {}, which is no {}; convert the source again", entry.core.lo, nameOf(manifest().type)));
     return constantBrick(frame(key), entry.core.lo);
   }
   return decode(key, bytesOfFile<UnsetBytes>(key));
 }
 
-void StoreReader::requireLevel(int level) const {
-  const int levels = index_.levels();
-  if (level >= 0 && level < levels) return;
-  throw Error(ErrorCode::kUsage, directory_, "level",
-              fmt::format("there is no level {}; it has {}, from 0 to {}", level,
-                          levels == 1 ? "1 level" : fmt::format("{} levels", levels), levels - 1));
-}
-
 bool StoreReader::check(const BrickKey& key, std::span<const std::byte> file) const {
-  const BrickEntry& entry = index_.at(key);
+  const BrickEntry& entry = index().at(key);
   return file.size() == entry.file_bytes && hashOf(file) == entry.checksum;
 }
 
 BrickBlock StoreReader::decode(const BrickKey& key, std::span<const std::byte> file) const {
   ProfileScope span(Activity::kDecode);
   if (span.traced()) span.note("brick", brickPath(key).native());
-  return decodeBrick(frame(key), file, directory_ / brickPath(key));
+  return decodeBrick(frame(key), file, path() / brickPath(key));
 }
 
 std::size_t StoreReader::readBytes(const BrickKey& key) const {
-  return decodeBytes(frame(key)) + index_.at(key).file_bytes;
-}
-
-std::uint64_t StoreReader::largestReadBytes() const {
-  return largestOf(index_, [this](const BrickKey& key) { return readBytes(key); });
+  return decodeBytes(frame(key)) + index().at(key).file_bytes;
 }
 
 std::uint64_t StoreReader::largestFileBytes() const {
-  return largestOf(index_, [this](const BrickKey& key) { return index_.at(key).file_bytes; });
+  return index().largest([this](const BrickKey& key) { return index().at(key).file_bytes; });
 }
 
 bool isStore(const fs::path& directory) { return isThere(directory) && isThere(directory / "manifest.json"); }

@@ -1,21 +1,21 @@
 // Opens a store and reads its bricks. The checksum of a file is tested before any byte is interpreted.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
+#include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "base/hash.h"
-#include "base/same_file.h"
-#include "store/brick_index.h"
-#include "store/codec/brick_codec.h"
-#include "store/manifest/manifest.h"
+#include "store/bricked_volume.h"
 
 namespace kiln {
 
-class StoreReader {
+struct FileIdentity;
+
+class StoreReader final : public BrickedVolume {
  public:
   /// Opens a store, even while a conversion replaces it. The index, and for a moment its file, must fit in
   /// `memory_bytes`, of which `held_bytes` are in use. throws: Error kNotFound, kFormat (no manifest: an unfinished
@@ -23,21 +23,10 @@ class StoreReader {
   explicit StoreReader(const std::filesystem::path& directory, std::uint64_t memory_bytes = UINT64_MAX,
                        std::uint64_t held_bytes = 0);
 
-  const std::filesystem::path& path() const { return directory_; }
-  const Manifest& manifest() const { return manifest_; }
-  /// Moves the volume into the frame and unit of a picture's world, as Manifest::placeIn. requires: no other thread
-  /// reads from the store.
-  void placeIn(const VolumeGeometry& world) { manifest_.placeIn(world); }
-  const BrickIndex& index() const { return index_; }
-  /// throws: Error kUsage if the store has no such level.
-  void requireLevel(int level) const;
-  const LevelInfo& level(int level) const { return manifest_.levels[static_cast<std::size_t>(level)]; }
-  BrickDesc frame(const BrickKey& key) const;
-
   /// Reads, checks and decodes a brick; a constant brick needs no I/O. thread: safe.
   /// throws: Error kDamaged, naming the file and both checksums, kNotFound, kIo; kReplaced, as requireUnchanged, if a
   /// file is missing or does not match the index.
-  BrickBlock read(const BrickKey& key) const;
+  BrickBlock read(const BrickKey& key) const override;
   /// The two steps of `read` for a brick that is not constant, for bytes that come from elsewhere: the checked file,
   /// and its decoded brick. requires: `file` passes `check`. thread: safe. throws: as `read`.
   std::vector<std::byte> readFile(const BrickKey& key) const;
@@ -47,13 +36,10 @@ class StoreReader {
   /// Checks that the opened store still has its name, for files that are read by name without a checksum. throws: Error
   /// kReplaced, kIo.
   void requireUnchanged() const;
-  /// Peak memory of `read`, including the result. unit: bytes.
-  std::size_t readBytes(const BrickKey& key) const;
-
-  /// The largest `readBytes` of all bricks: the least memory that can read a picture. unit: bytes.
-  std::uint64_t largestReadBytes() const;
+  std::size_t readBytes(const BrickKey& key) const override;
   /// Size of the largest brick file. unit: bytes.
   std::uint64_t largestFileBytes() const;
+  std::unique_ptr<BrickedVolume> share() const override;
 
  private:
   void open(std::uint64_t memory_bytes, std::uint64_t held_bytes);
@@ -62,10 +48,7 @@ class StoreReader {
   template <class Bytes>
   Bytes bytesOfFile(const BrickKey& key) const;
 
-  std::filesystem::path directory_;
-  std::optional<FileIdentity> opened_;  // identity of the manifest
-  Manifest manifest_;
-  BrickIndex index_;
+  std::shared_ptr<const FileIdentity> opened_;  // identity of the manifest; null if there was no file
 };
 
 /// True if `directory` has a manifest and thus is a store. StoreReader tests whether the store is intact.

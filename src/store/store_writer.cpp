@@ -69,28 +69,30 @@ std::shared_ptr<const SubRanges> StoreWriter::subRangesAt(std::size_t place) con
   return std::make_shared<const SubRanges>(along, bytes);
 }
 
-BrickDesc StoreWriter::frame(const BrickKey& key) const {
-  return {key, manifest_.type, manifest_.brick_size, manifest_.apron,
-          manifest_.levels[static_cast<std::size_t>(key.level)].geometry};
-}
+BrickDesc StoreWriter::frame(const BrickKey& key) const { return descOf(manifest_, key); }
 
-EncodedBrick StoreWriter::encode(const BrickKey& key, std::span<const std::byte> voxels, const BrickRanges& ranges) {
-  const BrickDesc brick = frame(key);
-  EncodedBrick out{key, {}, {}};
-  BrickEntry& entry = out.entry;
+BrickEntry entryOf(const BrickDesc& brick, std::span<const std::byte> voxels, const BrickRanges& ranges) {
+  BrickEntry entry;
   entry.core = ranges.core;
   entry.support = ranges.support;
   // Both tests are needed: a coarse brick may be uniform although `core`, which includes finer levels, is not. Such a
   // brick has a file, so that the finer values are found.
   entry.constant = !entry.core.empty() && entry.core.lo == entry.core.hi && allEqual(voxels, sizeOf(brick.type));
-  if (!entry.constant) {
-    out.file = encodeBrick(brick, voxels, ranges.cells);
-    entry.file_bytes = out.file.size();
-    entry.checksum = hashOf(out.file);
+  if (!entry.constant)
     entry.sub_ranges =
         std::make_shared<const SubRanges>(subBricksOf(brick.brick_size), ranges.sub_bricks, entry.support);
+  return entry;
+}
+
+EncodedBrick StoreWriter::encode(const BrickKey& key, std::span<const std::byte> voxels, const BrickRanges& ranges) {
+  const BrickDesc brick = frame(key);
+  EncodedBrick out{key, entryOf(brick, voxels, ranges), {}};
+  if (!out.entry.constant) {
+    out.file = encodeBrick(brick, voxels, ranges.cells);
+    out.entry.file_bytes = out.file.size();
+    out.entry.checksum = hashOf(out.file);
   }
-  keep(key, entry);
+  keep(key, out.entry);
   return out;
 }
 
@@ -98,13 +100,7 @@ void StoreWriter::write(const EncodedBrick& brick) {
   if (!brick.entry.constant) disk_.writeOwn(directory_ / brickPath(brick.key), brick.file, brick_policy_);
 }
 
-// In the order of the index, so the result does not depend on the order in which bricks were encoded.
-ValueRange StoreWriter::range() const {
-  ValueRange out;
-  const Extent3& lattice = manifest_.levels.front().bricks;
-  for (std::int64_t i = 0; i < lattice.count(); ++i) out.include(index_.at({0, brickAt(lattice, i)}).core);
-  return out;
-}
+ValueRange StoreWriter::range() const { return index_.valueRange(); }
 
 void StoreWriter::countStored() {
   for (int l = 0; l < index_.levels(); ++l) {

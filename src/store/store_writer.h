@@ -24,6 +24,9 @@ struct EncodedBrick {
   std::vector<std::byte> file;
 };
 
+/// Returns the entry of a brick, without size and checksum of its file. shape: `voxels` covers brick.stored().
+BrickEntry entryOf(const BrickDesc& brick, std::span<const std::byte> voxels, const BrickRanges& ranges);
+
 class StoreWriter {
  public:
   /// `draft` holds everything except the results of the bricks (range, histogram, stored counts, index checksum).

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "store/ranges/minmax_octree.h"
+
 namespace kiln {
 
 struct BrickWalk::Visit {
@@ -15,7 +17,7 @@ struct BrickWalk::Visit {
   NodeLog* log;
 };
 
-BrickWalk::BrickWalk(const StoreReader& store, const FrameLevels& levels, BrickSelection selection)
+BrickWalk::BrickWalk(const BrickedVolume& store, const FrameLevels& levels, BrickSelection selection)
     : store_(store), levels_(levels), selection_(std::move(selection)), brick_size_(store.manifest().brick_size) {
   for (int level = levels.finest(); level <= levels.coarsest(); ++level) {
     Extent3 children{1, 1, 1};

@@ -13,7 +13,7 @@
 
 #include "engine/brick_selection.h"
 #include "engine/shared/classifier.h"
-#include "store/store_reader.h"
+#include "store/bricked_volume.h"
 #include "traverse/frame_levels.h"
 #include "traverse/node_log.h"
 
@@ -38,7 +38,7 @@ class BrickWalk {
   /// Plans the nodes of a frame. Only bricks that touch the drawn part of the volume (`Clipping::part`) are selected.
   /// requires: `store` and `levels` belong together and outlive the walk; no brick of the finest level has finer
   /// bricks. cost: 12 bytes per brick, plus a seventh.
-  BrickWalk(const StoreReader& store, const FrameLevels& levels, BrickSelection selection);
+  BrickWalk(const BrickedVolume& store, const FrameLevels& levels, BrickSelection selection);
 
   /// Calls draw(key, rect) for each brick to be drawn, front to back; `rect` contains the pixels of the brick. A node's
   /// visibility is tested after everything in front of it has been drawn. `log` may be null; only nodes above bricks
@@ -77,7 +77,7 @@ class BrickWalk {
   PixelRect boundsOf(const Layer& layer, const VoxelBox& voxels, const Node& node) const;
   void node(const Visit& visit, std::size_t layer, const VoxelCoord& at) const;
 
-  const StoreReader& store_;
+  const BrickedVolume& store_;
   const FrameLevels& levels_;
   const BrickSelection selection_;
   const std::int64_t brick_size_;

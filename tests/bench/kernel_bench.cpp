@@ -22,6 +22,7 @@
 #include "ingest/open_source.h"
 #include "scene/camera/framing.h"
 #include "scene/transfer/presets.h"
+#include "store/store_reader.h"
 #include "support/reference/scalar_kernels.h"
 #include "support/reference/scalar_voxels.h"
 

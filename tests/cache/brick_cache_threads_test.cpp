@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "cache/brick_cache.h"
+#include "store/store_reader.h"
 #include "support/volumes/random_scene.h"
 #include "support/volumes/test_store.h"
 

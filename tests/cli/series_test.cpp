@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "base/file.h"
 #include "image/file/image_file.h"
 #include "support/system/tool_test.h"
 

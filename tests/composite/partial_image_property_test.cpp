@@ -10,6 +10,7 @@
 #include "composite/composite_parts.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
+#include "scene/volume_part.h"
 #include "sequence/render_job_run.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"

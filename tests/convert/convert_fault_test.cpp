@@ -14,6 +14,7 @@
 #include "base/thread/parallel.h"
 #include "convert/plan.h"
 #include "convert/resume/journal.h"
+#include "store/codec/brick_block.h"
 #include "store/store_reader.h"
 #include "support/system/faulty_file_system.h"
 #include "support/system/impatient_progress.h"
@@ -88,7 +89,8 @@ std::optional<Error> convertWith(const DenseVolume& volume, const fs::path& out,
   const ConversionPlan ample = planConversion(source, asked);
   asked.memory_bytes = ample.total() - ample.parts_bytes;
   try {
-    convert(source, out, asked, silent, disk);
+    asked.disk = &disk;
+    convert(source, out, asked, silent);
     return std::nullopt;
   } catch (const Error& error) {
     return error;
@@ -142,7 +144,8 @@ TEST(ConvertParts, MayBeInMemoryOrInFiles) {
         ample.total() - ample.parts_bytes + static_cast<std::uint64_t>(share * static_cast<double>(ample.parts_bytes));
     FaultyFileSystem disk;
     Progress silent;
-    const ConvertReport report = convert(source, directory / "volume.kiln", asked, silent, disk);
+    asked.disk = &disk;
+    const ConvertReport report = convert(source, directory / "volume.kiln", asked, silent);
     EXPECT_LE(report.buffer_bytes, asked.memory_bytes);
     changes.push_back(disk.calls());
     if (first.empty()) first = filesOf(directory);

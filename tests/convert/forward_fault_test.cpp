@@ -39,7 +39,9 @@ ConvertOptions options(bool on_disk) {
 std::optional<ErrorCode> errorOf(VolumeSource& source, const fs::path& out, bool on_disk, Progress& progress,
                                  FileSystem& disk = FileSystem::real()) {
   try {
-    convert(source, out, options(on_disk), progress, disk);
+    ConvertOptions asked = options(on_disk);
+    asked.disk = &disk;
+    convert(source, out, asked, progress);
   } catch (const Error& error) {
     EXPECT_FALSE(error.code() != ErrorCode::kCancelled && error.path().empty()) << error.what();
     return error.code();

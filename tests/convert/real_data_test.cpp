@@ -8,6 +8,7 @@
 #include "convert/convert.h"
 #include "export/vdb/export_vdb.h"
 #include "ingest/open_source.h"
+#include "store/codec/brick_block.h"
 #include "store/store_reader.h"
 #include "support/volumes/test_store.h"
 

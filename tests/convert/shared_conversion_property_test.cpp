@@ -85,7 +85,9 @@ Files madeByOne(const Case& c) {
   const fs::path directory = freshDirectory("shared_one");
   Progress silent;
   UnsyncedDisk disk;
-  convert(*sourceOf(c), directory / "volume.kiln", optionsOf(c, nullptr), silent, disk);
+  ConvertOptions options = optionsOf(c, nullptr);
+  options.disk = &disk;
+  convert(*sourceOf(c), directory / "volume.kiln", options, silent);
   return filesOf(directory);
 }
 
@@ -103,7 +105,8 @@ ConvertReport convertBy(int ranks, const Case& c, const fs::path& out, const Ran
     options.resume = world.resume;
     UnsyncedDisk disk;
     const bool breaks = world.broken != nullptr && own.rank() == world.broken_rank;
-    const ConvertReport found = convert(*sourceOf(c), out, options, silent, breaks ? *world.broken : disk);
+    options.disk = breaks ? world.broken : &disk;
+    const ConvertReport found = convert(*sourceOf(c), out, options, silent);
     if (own.first()) report = found;
   });
   return report;
@@ -166,7 +169,8 @@ TEST(SharedConversion, GoesOnAfterARankHasFailed) {
           options.resume = true;
           Progress silent;
           UnsyncedDisk disk;
-          convert(*sourceOf(c), directory / "volume.kiln", options, silent, disk);
+          options.disk = &disk;
+          convert(*sourceOf(c), directory / "volume.kiln", options, silent);
         }
         EXPECT_EQ(filesOf(directory), expected);
       }

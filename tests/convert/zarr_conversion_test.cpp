@@ -206,17 +206,18 @@ TEST_F(ZarrConversion, FinishedStoreOfLabelsByTheHeader_IsResumed) {
   EXPECT_TRUE(storeFiles(out) == expected);
 }
 
-TEST_F(ZarrConversion, LabelsByTheHeaderThatAreFractionsOrRounded_AreRefused) {
-  const auto expectNoStore = [&](VoxelType type, bool half, const std::string& mention) {
-    const fs::path image = writeLabelImage(folder() / nameOf(type), type), out = freshDirectory("labels") / "v.kiln";
-    ConvertOptions options = smallBricks();
-    options.half = half;
-    Progress silent;
-    expectError([&] { convert(*openSource(image), out, options, silent); }, ErrorCode::kUsage, mention);
-    EXPECT_FALSE(fs::exists(out));
-  };
-  expectNoStore(VoxelType::f32, false, "labels are whole numbers, and this volume has f32");
-  expectNoStore(VoxelType::u16, true, "--half: ");
+TEST_F(ZarrConversion, LabelsByTheHeader_areNotRoundedAndAreWhole) {
+  const fs::path out = freshDirectory("labels") / "v.kiln";
+  ConvertOptions rounded = smallBricks();
+  rounded.half = true;
+  Progress silent;
+  const auto labels = openSource(writeLabelImage(folder() / "u16", VoxelType::u16));
+  expectError([&] { convert(*labels, out, rounded, silent); }, ErrorCode::kUsage, "--half: ");
+  EXPECT_FALSE(fs::exists(out));
+  const auto fractions = openSource(writeLabelImage(folder() / "f32", VoxelType::f32));
+  EXPECT_EQ(fractions->info().volume_class, VolumeClass::kUnknown);
+  ASSERT_EQ(fractions->info().notes.size(), 1u);
+  EXPECT_EQ(fractions->info().notes.front(), "states labels, but its values are fractions; read as amounts");
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <glm/matrix.hpp>
 #include <optional>
 
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"
 #include "support/reference/reference_renderer.h"

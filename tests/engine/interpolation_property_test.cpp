@@ -10,6 +10,7 @@
 
 #include "engine/pixel/ray_caster.h"
 #include "engine/pixel/zone_contexts.h"
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/system/sanitized.h"
 #include "support/volumes/random_scene.h"

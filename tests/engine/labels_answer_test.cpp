@@ -9,6 +9,7 @@
 #include "image/compare.h"
 #include "image/file/image_file.h"
 #include "job/auto_samples.h"
+#include "store/store_reader.h"
 #include "support/reference/contact_sheet.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"

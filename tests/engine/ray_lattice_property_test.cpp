@@ -6,6 +6,7 @@
 
 #include "engine/projection/pixel_slabs.h"
 #include "engine/shared/slab_grid.h"
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/reference/reference_field.h"
 #include "support/reference/reference_renderer.h"

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "engine/shown_box.h"
+#include "store/ranges/sub_bricks.h"
 #include "store/store_reader.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"

@@ -6,7 +6,9 @@
 #include <limits>
 
 #include "image/compare.h"
+#include "job/transfer_function_choice.h"
 #include "scene/transfer/presets.h"
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"
 #include "support/volumes/test_store.h"

@@ -15,6 +15,7 @@
 #include "export/source/exported_volume.h"
 #include "export/source/store_boxes.h"
 #include "ingest/open_source.h"
+#include "store/brick_index.h"
 #include "support/system/faulty_file_system.h"
 #include "support/system/impatient_progress.h"
 #include "support/volumes/foreign_files.h"
@@ -75,8 +76,14 @@ class ExportFormats : public ::testing::Test {
     out_request.compress = format_.compress;
     return out_request;
   }
-  ExportReport exported(const fs::path& store, const ExportRequest& request) {
-    return exportStore(StoreReader(store), request, silent_, disk_);
+  ExportRequest onDisk(FileSystem& disk) const {
+    ExportRequest out_request = request();
+    out_request.disk = &disk;
+    return out_request;
+  }
+  ExportReport exported(const fs::path& store, ExportRequest request) {
+    request.disk = &disk_;
+    return exportStore(StoreReader(store), request, silent_);
   }
   std::unique_ptr<VolumeSource> reopened(const ExportedVolume& volume) const {
     SourceOptions options;
@@ -242,16 +249,17 @@ TEST_F(ExportFormats, AFailingDiskLeavesOldOrNewFiles) {
   forEachFormat([&] {
     const fs::path& store = storeOf(VoxelType::u8);
     FaultyFileSystem counting;
-    ExportRequest thin = request();
+    ExportRequest thin = onDisk(counting);
     thin.region = VoxelBox{{0, 0, 0}, {19, 17, 4}};
-    exportStore(StoreReader(store), thin, silent_, counting);
+    exportStore(StoreReader(store), thin, silent_);
     // Each third of the many equal calls of formats of several files.
     for (std::uint64_t n = 0; n<counting.calls(); n += counting.calls()> 20 ? 3 : 1) {
       fs::remove_all(directory_);
       fs::create_directory(directory_);
       FaultyFileSystem disk({n});
       try {
-        exportStore(StoreReader(store), thin, silent_, disk);
+        thin.disk = &disk;
+        exportStore(StoreReader(store), thin, silent_);
         ADD_FAILURE() << "call " << n << " did not fail";
       } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::kNoSpace) << error.what();
@@ -346,7 +354,8 @@ TEST_F(ExportStore, AnInterruptedZarrGoesOnBehindItsLastShard) {
   ExportRequest request;
   request.out = directory_ / "v.zarr";
   FaultyFileSystem counting;
-  exportStore(StoreReader(several), request, silent_, counting);
+  request.disk = &counting;
+  exportStore(StoreReader(several), request, silent_);
   const auto expected = filesOf(directory_);
   EXPECT_TRUE(voxelsIn(request.out) == noiseOf(VoxelType::u8, geometry).voxels);
   int kept = 0;
@@ -355,11 +364,13 @@ TEST_F(ExportStore, AnInterruptedZarrGoesOnBehindItsLastShard) {
     fs::create_directory(directory_);
     request.resume = false;
     FaultyFileSystem disk({.after_calls = n, .torn_write = true, .crash = true});
-    EXPECT_THROW(exportStore(StoreReader(several), request, silent_, disk), Error);
+    request.disk = &disk;
+    EXPECT_THROW(exportStore(StoreReader(several), request, silent_), Error);
     disk.leaveWreckage();
     FaultyFileSystem rest;
     request.resume = true;
-    exportStore(StoreReader(several), request, silent_, rest);
+    request.disk = &rest;
+    exportStore(StoreReader(several), request, silent_);
     EXPECT_TRUE(filesOf(directory_) == expected) << "after call " << n;
     kept += rest.calls() + 9 < counting.calls() ? 1 : 0;
   }
@@ -386,7 +397,9 @@ TEST_F(ExportStore, AnUnfinishedZarrIsNotMixedWithAnother) {
   ExportRequest request;
   request.out = directory_ / "v.zarr";
   FaultyFileSystem disk({.after_calls = 14});
-  EXPECT_THROW(exportStore(StoreReader(several), request, silent_, disk), Error);
+  request.disk = &disk;
+  EXPECT_THROW(exportStore(StoreReader(several), request, silent_), Error);
+  request.disk = nullptr;
   const fs::path shard = directory_ / "v.zarr.partial/0/c/0/0/0";
   ASSERT_TRUE(fs::exists(shard));
   const auto refusal = [&] {

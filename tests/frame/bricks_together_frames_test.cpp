@@ -4,6 +4,7 @@
 
 #include "base/thread/parallel.h"
 #include "frame/frame_memory.h"
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/system/sanitized.h"
 #include "support/volumes/procedural.h"

@@ -11,6 +11,7 @@
 #include "image/compare.h"
 #include "image/file/image_file.h"
 #include "sequence/render_job_run.h"
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"
 #include "support/reference/reference_renderer.h"

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "base/thread/parallel.h"
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"
 #include "support/system/sanitized.h"

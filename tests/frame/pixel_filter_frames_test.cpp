@@ -9,6 +9,8 @@
 #include "base/thread/parallel.h"
 #include "frame/frame_memory.h"
 #include "frame/pixel_filter.h"
+#include "job/job_facts.h"
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/system/sanitized.h"
 #include "support/volumes/procedural.h"

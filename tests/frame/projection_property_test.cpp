@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/thread/parallel.h"
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/reference/reference_renderer.h"
 #include "support/volumes/procedural.h"

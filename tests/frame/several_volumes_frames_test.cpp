@@ -8,6 +8,7 @@
 
 #include "base/thread/parallel.h"
 #include "frame/frame_drawing.h"
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/system/sanitized.h"
 #include "support/volumes/random_scene.h"

@@ -10,6 +10,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"
 #include "support/reference/quality_scenes.h"

@@ -493,12 +493,12 @@ class FullDisk : public FileSystem {
 TEST_F(ImageFile, AFailedWriteLeavesTheOldFile) {
   FullDisk disk;
   for (const char* name : {"a.exr", "a.png"}) {
-    errorOf([&] { writeImage(somePicture(5, 5), {}, {}, folder_ / name, disk); }, ErrorCode::kNoSpace);
+    errorOf([&] { writeImage(somePicture(5, 5), {}, {.disk = &disk}, folder_ / name); }, ErrorCode::kNoSpace);
     EXPECT_TRUE(fs::is_empty(folder_));
   }
   writeImage(somePicture(5, 5), {}, {}, folder_ / "a.exr");
   const std::vector<std::byte> before = readFile(folder_ / "a.exr");
-  errorOf([&] { writeImage(somePicture(6, 6), {}, {}, folder_ / "a.exr", disk); }, ErrorCode::kNoSpace);
+  errorOf([&] { writeImage(somePicture(6, 6), {}, {.disk = &disk}, folder_ / "a.exr"); }, ErrorCode::kNoSpace);
   EXPECT_EQ(readFile(folder_ / "a.exr"), before);
 }
 

@@ -12,7 +12,9 @@
 
 #include "base/error.h"
 #include "job/frame_list.h"
+#include "job/job_facts.h"
 #include "job/render_job.h"
+#include "scene/camera/camera_path.h"
 #include "scene/transfer/transfer_function_fade.h"
 #include "support/volumes/test_store.h"
 

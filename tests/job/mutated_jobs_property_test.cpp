@@ -8,6 +8,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "job/job_facts.h"
 #include "sequence/render_job_run.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"

@@ -8,8 +8,10 @@
 
 #include "base/error.h"
 #include "image/named_color.h"
+#include "job/job_facts.h"
 #include "job/job_json.h"
-#include "sequence/render_job_run.h"
+#include "job/transfer_function_choice.h"
+#include "sequence/frame_requests.h"
 
 namespace kiln {
 namespace {

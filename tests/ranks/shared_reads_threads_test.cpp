@@ -78,10 +78,10 @@ class SharedReadsTest : public ::testing::Test {
       {
         const OpenedForRanks opened(&shared, {&store}, memory[rank % memory.size()]);
         own.barrier();
-        if (opened.files() != nullptr) fetchAll(shared, store, own.rank(), threads);
+        if (opened.supplier() != nullptr) fetchAll(shared, store, own.rank(), threads);
         shared.finish();
         // After finish() no rank answers requests, and fetches still work.
-        if (opened.files() != nullptr) expectSame(shared, store, keys_.front());
+        if (opened.supplier() != nullptr) expectSame(shared, store, keys_.front());
       }
       out[rank] = shared.counts();
     });

@@ -12,6 +12,7 @@
 #include "image/srgb.h"
 #include "job/transfer_function_choice.h"
 #include "scene/transfer/named_color_maps.h"
+#include "scene/transfer/preset_ranges.h"
 #include "scene/transfer/presets.h"
 
 namespace kiln {

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "grid/pyramid.h"
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/random_scene.h"

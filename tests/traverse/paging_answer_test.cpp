@@ -5,7 +5,9 @@
 #include "convert/convert.h"
 #include "frame/render_frame.h"
 #include "ingest/open_source.h"
+#include "sequence/frame_requests.h"
 #include "sequence/render_job_run.h"
+#include "store/store_reader.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {

@@ -7,6 +7,7 @@
 #include "bench/suite.h"
 #include "bench/views.h"
 #include "frame/render_frame.h"
+#include "store/store_reader.h"
 
 namespace kiln {
 

@@ -3,6 +3,7 @@
 #include "bench/run_suite.h"
 #include "commands.h"
 #include "examples.h"
+#include "job/transfer_function_choice.h"
 #include "output_files.h"
 #include "say.h"
 #include "source_arguments.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/file.h"
 #include "base/memory/memory.h"
 #include "commands.h"
 #include "examples.h"

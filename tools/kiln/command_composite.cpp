@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/file.h"
 #include "base/memory/memory.h"
 #include "commands.h"
 #include "composite/composite_parts.h"

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "base/file.h"
 #include "base/memory/memory.h"
 #include "base/process.h"
 #include "base/shell_text.h"

@@ -12,6 +12,7 @@
 #include "commands.h"
 #include "examples.h"
 #include "foreign_store.h"
+#include "grid/declared_look.h"
 #include "image/file/image_file.h"
 #include "ingest/open_source.h"
 #include "job/job_names.h"

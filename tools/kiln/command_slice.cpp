@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/file.h"
 #include "base/memory/memory.h"
 #include "commands.h"
 #include "examples.h"
@@ -14,6 +15,9 @@
 #include "output_files.h"
 #include "say.h"
 #include "scene_arguments.h"
+#include "source_arguments.h"
+#include "store/brick_index.h"
+#include "store/store_reader.h"
 
 namespace kiln::tool {
 namespace {

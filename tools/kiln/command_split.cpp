@@ -7,6 +7,7 @@
 #include "ranks/rank_boxes.h"
 #include "ranks/split_store.h"
 #include "say.h"
+#include "scene/volume_part.h"
 #include "scene_arguments.h"
 #include "sequence/render_job_run.h"
 #include "source_arguments.h"

@@ -8,6 +8,7 @@
 #include "base/memory/memory.h"
 #include "frame/empty_frame.h"
 #include "job/frame_list.h"
+#include "job/job_facts.h"
 #include "say.h"
 #include "source_arguments.h"
 #include "store/manifest/json_text.h"

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/shell_text.h"
 #include "image/pixel_rect.h"
+#include "ingest/source/placement.h"
 #include "ingest/volume_format.h"
 #include "job_arguments.h"
 

@@ -9,8 +9,10 @@
 #include "ingest/source/formats.h"
 #include "ingest/volume_format.h"
 #include "say.h"
+#include "scene/transfer/preset_ranges.h"
 #include "scene/transfer/presets.h"
 #include "store/manifest/read_manifest.h"
+#include "store/store_reader.h"
 
 namespace kiln::tool {
 namespace fs = std::filesystem;

@@ -48,14 +48,10 @@ struct UnsetAllocator {
   T* allocate(std::size_t count) {
     return isSmall(count) ? std::allocator<T>().allocate(count) : static_cast<T*>(takePages(bytesOf(count)));
   }
-  /// Allocates zeroed elements.
-  T* allocateZeros(std::size_t count) {
-    void* const at = isSmall(count) ? std::memset(allocate(count), 0, bytesOf(count)) : takeZeroPages(bytesOf(count));
-    return static_cast<T*>(at);
+  void deallocate(T* at, std::size_t count) noexcept {
+    if (isSmall(count)) return std::allocator<T>().deallocate(at, count);
+    sparePages(at, count * sizeof(T));
   }
-  void deallocate(T* at, std::size_t count) noexcept { giveBack(at, count, sparePages); }
-  /// Frees elements of allocateZeros.
-  void deallocateZeros(T* at, std::size_t count) noexcept { giveBack(at, count, giveBackPages); }
   template <class U>
   void construct(U* at) {
     ::new (static_cast<void*>(at)) U;
@@ -74,10 +70,6 @@ struct UnsetAllocator {
   static std::size_t bytesOf(std::size_t count) {
     if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T)) throw std::bad_array_new_length();
     return count * sizeof(T);
-  }
-  static void giveBack(T* at, std::size_t count, void (*giveBackLarge)(void*, std::size_t) noexcept) noexcept {
-    if (isSmall(count)) return std::allocator<T>().deallocate(at, count);
-    giveBackLarge(at, count * sizeof(T));
   }
 };
 

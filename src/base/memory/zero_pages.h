@@ -9,19 +9,24 @@
 #include <cstddef>
 #include <cstring>
 #include <initializer_list>
+#include <limits>
 #include <memory>
+#include <new>
 #include <type_traits>
 #include <utility>
 
-#include "base/memory/large_pages.h"
-
 namespace kiln {
+
+/// Allocates zeroed memory, large buffers in pages of their own (base/memory/large_pages.h). throws: std::bad_alloc.
+void* takeZeros(std::size_t bytes);
+/// Frees memory of takeZeros. requires: the size that was taken.
+void giveBackZeros(void* zeros, std::size_t bytes) noexcept;
 
 /// An array with the interface of std::vector, but only `resize` changes its size. requires: zero of T is all bytes
 /// zero.
 template <class T>
 class ZeroPages {
-  static_assert(std::is_trivially_copyable_v<T>);
+  static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__);
 
  public:
   using value_type = T;
@@ -78,12 +83,14 @@ class ZeroPages {
  private:
   struct GiveBack {
     std::size_t count = 0;
-    void operator()(T* pages) const noexcept { UnsetAllocator<T>().deallocateZeros(pages, count); }
+    void operator()(T* pages) const noexcept { giveBackZeros(pages, count * sizeof(T)); }
   };
   using Pages = std::unique_ptr<T, GiveBack>;
 
   static Pages take(std::size_t count) {
-    return count == 0 ? Pages() : Pages(UnsetAllocator<T>().allocateZeros(count), GiveBack{count});
+    if (count == 0) return {};
+    if (count > std::numeric_limits<std::size_t>::max() / 2 / sizeof(T)) throw std::bad_array_new_length();
+    return Pages(static_cast<T*>(takeZeros(count * sizeof(T))), GiveBack{count});
   }
   void copyFrom(const ZeroPages& other) {
     if (const std::size_t count = std::min(size_, other.size_); count > 0)

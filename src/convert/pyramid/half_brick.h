@@ -48,10 +48,6 @@ HalfBrick cropped(const HalfBrick& part, const VoxelBox& box);
 std::vector<std::byte> bytesOf(const HalfBrick& part);
 HalfBrick partFrom(std::span<const std::byte> bytes, const std::filesystem::path& place);
 
-/// Copies the voxels in the intersection of two boxes. shape: each span covers its box, x fastest, `voxel_bytes` each.
-void copyCommon(std::span<const std::byte> from, const VoxelBox& from_box, std::span<std::byte> to,
-                const VoxelBox& to_box, std::size_t voxel_bytes);
-
 /// Returns the coarse voxels made from a box of fine voxels.
 VoxelBox coarseBox(const VoxelBox& fine, const Extent3& by);
 

@@ -5,6 +5,7 @@
 
 #include "convert/pyramid/brick_shares.h"
 #include "convert/stream/half_source.h"
+#include "grid/box_copy.h"
 #include "grid/pyramid.h"
 
 namespace kiln {

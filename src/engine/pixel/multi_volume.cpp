@@ -7,6 +7,7 @@
 #include "engine/pixel/composite_slabs.h"
 #include "engine/pixel/pixel_engine.h"
 #include "engine/pixel/ray_caster.h"
+#include "store/codec/brick_codec.h"
 #include "traverse/depth_zones.h"
 
 namespace kiln {
@@ -131,7 +132,7 @@ void MultiVolume::addBricks(std::size_t volume, const PixelRect& picture) {
 }
 
 void MultiVolume::addBrick(std::size_t volume, const BrickKey& key, const PixelRect& picture) {
-  const StoreReader& store = *volumes_[volume]->mixed.store;
+  const BrickedVolume& store = *volumes_[volume]->mixed.store;
   const FrameLevels& levels = volumes_[volume]->levels;
   const std::int64_t brick_size = store.manifest().brick_size;
   const VoxelBox core = coreBox(key.brick, brick_size, levels.dims(key.level));

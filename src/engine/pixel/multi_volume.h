@@ -19,7 +19,7 @@ namespace kiln {
 
 /// A volume and its look.
 struct MixedVolume {
-  const StoreReader* store = nullptr;
+  const BrickedVolume* store = nullptr;
   TransferFunction transfer_function;
   Shading shading;
   Clipping clipping;

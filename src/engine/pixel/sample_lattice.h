@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/shared/plain_light.h"
-#include "scene/interpolation.h"
+#include "scene/render_options.h"
 
 namespace kiln {
 

@@ -44,7 +44,7 @@ struct ValueProjection::Prepared final : PreparedBrick {
   const double bound;  // greatest value that its samples may hold (ProjectedValues::bound)
 };
 
-ValueProjection::ValueProjection(const StoreReader& store, const FrameLevels& levels, const View& view,
+ValueProjection::ValueProjection(const BrickedVolume& store, const FrameLevels& levels, const View& view,
                                  const ProjectionOptions& options)
     : store_(store),
       levels_(levels),

@@ -26,7 +26,7 @@ struct ProjectionOptions {
 class ValueProjection final : public VolumeEngine {
  public:
   /// requires: `store` and `levels`, which are of this store, outlive this.
-  ValueProjection(const StoreReader& store, const FrameLevels& levels, const View& view,
+  ValueProjection(const BrickedVolume& store, const FrameLevels& levels, const View& view,
                   const ProjectionOptions& options);
   ValueProjection(const ValueProjection&) = delete;
   ValueProjection& operator=(const ValueProjection&) = delete;
@@ -59,7 +59,7 @@ class ValueProjection final : public VolumeEngine {
   static ValueRange rangeOf(const BrickEntry& entry);
   void drawBrick(const Prepared& brick, const PixelRect& rect, DrawCounts& counts);
 
-  const StoreReader& store_;
+  const BrickedVolume& store_;
   const FrameLevels& levels_;
   const PixelValue held_;
   const bool culls_;

@@ -3,7 +3,7 @@
 
 #include "engine/shared/shade.h"
 #include "scene/camera/camera.h"
-#include "scene/interpolation.h"
+#include "scene/render_options.h"
 #include "scene/shading.h"
 #include "scene/transfer/transfer_function.h"
 #include "store/manifest/manifest.h"

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/memory/memory.h"
 #include "base/thread/parallel.h"
+#include "store/brick_index.h"
 
 namespace kiln {
 namespace {

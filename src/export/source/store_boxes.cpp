@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "base/thread/parallel.h"
+#include "store/codec/brick_block.h"
 
 namespace kiln {
 namespace {

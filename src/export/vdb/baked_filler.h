@@ -11,6 +11,7 @@
 
 #include "export/vdb/export_vdb.h"
 #include "export/vdb/grid_placement.h"
+#include "store/codec/brick_block.h"
 
 namespace kiln {
 

@@ -11,11 +11,16 @@
 #include <limits>
 #include <type_traits>
 
+#include "base/chosen_disk.h"
+#include "base/file.h"
 #include "base/memory/memory.h"
 #include "base/path_status.h"
 #include "base/refusal.h"
 #include "export/vdb/baked_filler.h"
 #include "export/vdb/grid_filler.h"
+#include "store/brick_index.h"
+#include "store/codec/brick_block.h"
+#include "store/codec/brick_codec.h"
 
 namespace kiln {
 namespace fs = std::filesystem;

@@ -9,21 +9,10 @@
 #include "base/file.h"
 #include "base/progress.h"
 #include "export/source/exported_volume.h"
+#include "export/vdb/vdb_values.h"
 #include "scene/transfer/transfer_function.h"
 
 namespace kiln {
-
-/// The numbers of a grid: those of the store, or floats of 32 or 16 bits.
-enum class VdbType { kExact, kFloat, kHalf };
-
-/// The values of a grid.
-struct VdbValues {
-  VdbType type = VdbType::kExact;
-  /// The value of inactive space; by default the store's background.
-  std::optional<double> background = {};
-  /// Values that differ from the background by so much become background.
-  double tolerance = 0;
-};
 
 struct VdbRequest {
   std::filesystem::path out;

@@ -17,6 +17,7 @@
 #include "export/zarr/blosc_pack.h"
 #include "export/zarr/ome_metadata.h"
 #include "export/zarr/zarr_shard.h"
+#include "store/brick_index.h"
 
 namespace kiln {
 namespace fs = std::filesystem;

@@ -8,7 +8,7 @@
 #include "image/deep_samples.h"
 #include "image/pixel_rect.h"
 #include "scene/camera/camera.h"
-#include "scene/clip_region.h"
+#include "scene/clipping.h"
 #include "scene/render_options.h"
 #include "scene/sampling.h"
 #include "scene/shading.h"

@@ -6,8 +6,9 @@
 #include <set>
 #include <vector>
 
-#include "base/thread/profile_scope.h"
-#include "store/stored_brick.h"
+#include "base/thread/busy_times.h"
+#include "grid/coords.h"
+#include "store/bricked_volume.h"
 
 namespace kiln {
 

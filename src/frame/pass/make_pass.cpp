@@ -23,7 +23,7 @@ bool testsSamples(const VisibilityOptions& options) {
          options.method != VisibilityMethod::kQuadtree;
 }
 
-std::unique_ptr<FramePass> makeZonePass(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
+std::unique_ptr<FramePass> makeZonePass(const std::vector<const BrickedVolume*>& stores, const FrameRequest& request) {
   std::vector<MixedVolume> volumes;
   for (std::size_t i = 0; i < request.volumes.size(); ++i) {
     const VolumeRequest& volume = request.volumes[i];
@@ -61,10 +61,10 @@ EngineMemory passMemory(const EngineChoice& engine, bool normals, const ImageSiz
   return out;
 }
 
-std::unique_ptr<FramePass> makePass(const std::vector<const StoreReader*>& stores, const FrameRequest& request) {
+std::unique_ptr<FramePass> makePass(const std::vector<const BrickedVolume*>& stores, const FrameRequest& request) {
   const EngineKind kind = request.engine().kind();
   if (kind == EngineKind::kMultiVolume) return makeZonePass(stores, request);
-  const StoreReader& store = *stores.front();
+  const BrickedVolume& store = *stores.front();
   const Manifest& volume = store.manifest();
   auto levels = std::make_unique<const FrameLevels>(volume, request.level, request.view, request.visibility.area,
                                                     request.clipping);

@@ -7,13 +7,13 @@
 #include "engine/engine_memory.h"
 #include "frame/pass/frame_pass.h"
 #include "frame/pass/frame_request.h"
-#include "store/store_reader.h"
+#include "store/bricked_volume.h"
 
 namespace kiln {
 
 /// requires: the stores and `request` outlive the result; the first store is the volume, or all are, together. throws:
 /// as FrameLevels.
-std::unique_ptr<FramePass> makePass(const std::vector<const StoreReader*>& stores, const FrameRequest& request);
+std::unique_ptr<FramePass> makePass(const std::vector<const BrickedVolume*>& stores, const FrameRequest& request);
 
 /// Returns the memory of the pass and its engine. `tile` is the size of the largest tile, `normals` whether the picture
 /// has planes of normals.

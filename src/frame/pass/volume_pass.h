@@ -17,7 +17,7 @@ template <class EngineOfVolume>
 class VolumePass : public FramePass {
  public:
   /// requires: `store` and `request` outlive the object; `engine` refers to `levels` only.
-  VolumePass(const StoreReader& store, const FrameRequest& request, std::unique_ptr<const FrameLevels> levels,
+  VolumePass(const BrickedVolume& store, const FrameRequest& request, std::unique_ptr<const FrameLevels> levels,
              std::unique_ptr<EngineOfVolume> engine)
       : request_(request),
         store_(store),
@@ -39,7 +39,7 @@ class VolumePass : public FramePass {
 
  protected:
   const FrameRequest& request() const { return request_; }
-  const StoreReader& store() const { return store_; }
+  const BrickedVolume& store() const { return store_; }
   EngineOfVolume& engine() const { return *engine_; }
   const BrickWalk& walk() const { return walk_; }
 
@@ -52,7 +52,7 @@ class VolumePass : public FramePass {
 
  private:
   const FrameRequest& request_;
-  const StoreReader& store_;
+  const BrickedVolume& store_;
   const std::unique_ptr<const FrameLevels> levels_;
   const std::unique_ptr<EngineOfVolume> engine_;
   const BrickWalk walk_;

@@ -8,6 +8,7 @@
 
 #include "image/file/exr_deep_row.h"
 #include "image/file/exr_parts.h"
+#include "image/pixel_rect.h"
 
 namespace kiln {
 namespace {

@@ -29,6 +29,7 @@
 #include "image/file/exr_head.h"
 #include "image/file/exr_parts.h"
 #include "image/image_memory.h"
+#include "image/pixel_rect.h"
 
 namespace kiln {
 namespace {

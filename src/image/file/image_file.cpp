@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
+#include "base/chosen_disk.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/memory/memory.h"
@@ -54,24 +55,25 @@ PatternPlace patternPlaceOf(const ImageMetadata& metadata) {
 }  // namespace
 
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
-                const std::filesystem::path& path, FileSystem& disk) {
+                const std::filesystem::path& path) {
   assert(image.width > 0 && image.height > 0);
   assert(image.rgba.size() == static_cast<std::size_t>(image.width) * image.height * 4 || image.rgba.empty());
   assert(options.png_bits == 8 || options.png_bits == 16);
   requireImagePath(path, !image.planes.empty());
   if (pixelBytes(image) > kEncodedInMemory) {
     RowsOfImage rows(image);
-    return writeImage(rows, metadata, options, path, disk);
+    return writeImage(rows, metadata, options, path);
   }
-  disk.writeAtomic(path, isExrPath(path)
+  chosenDisk(options.disk)
+      .writeAtomic(path, isExrPath(path)
                              ? encodeExr(image, metadata, options, path)
                              : encodePng(image, options.png_bits, path, metadata.text, patternPlaceOf(metadata)));
 }
 
 void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
-                const std::filesystem::path& path, FileSystem& disk) {
+                const std::filesystem::path& path) {
   requireImagePath(path, !rows.bandAt(0).image->planes.empty());
-  ScratchOutput out(path, disk);
+  ScratchOutput out(path, chosenDisk(options.disk));
   if (isExrPath(path))
     encodeExr(rows, metadata, options, path, out);
   else
@@ -81,15 +83,15 @@ void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileO
 }
 
 void writeImageViews(std::span<const ImageView> views, const ImageFileOptions& options,
-                     const std::filesystem::path& path, FileSystem& disk) {
-  ScratchOutput out(path, disk);
+                     const std::filesystem::path& path) {
+  ScratchOutput out(path, chosenDisk(options.disk));
   encodeExrViews(views, options, path, out);
   out.publish();
 }
 
 void writeDeepImage(const DeepSamples& samples, const ImageMetadata& metadata, const ImageFileOptions& options,
-                    const std::filesystem::path& path, FileSystem& disk) {
-  ScratchOutput out(path, disk);
+                    const std::filesystem::path& path) {
+  ScratchOutput out(path, chosenDisk(options.disk));
   encodeDeepExr(samples, metadata, options, path, out);
   out.publish();
 }

@@ -12,11 +12,12 @@
 #include <utility>
 #include <vector>
 
-#include "base/file.h"
 #include "image/image.h"
-#include "image/image_rows.h"
 
 namespace kiln {
+
+class FileSystem;
+class ImageRows;
 
 /// Contents of a file beside the pixels; a PNG holds only the texts. shape: matrices for column vectors
 /// (`scene/camera/camera.h`); the file holds their transposes, because OpenEXR multiplies row vectors.
@@ -47,6 +48,7 @@ struct ImageFileOptions {
   /// Memory for compressing an EXR, beside the picture (image/file/exr_cost.h). More memory allows more threads. unit:
   /// bytes.
   std::uint64_t writer_bytes = UINT64_MAX;
+  FileSystem* disk = nullptr;  // null: the operating system's
 
   /// Returns the options with the memory that a picture leaves of `memory_bytes` for the writer.
   ImageFileOptions within(std::uint64_t memory_bytes, const Image& picture) const;
@@ -55,12 +57,12 @@ struct ImageFileOptions {
 /// Writes a file in the format of its extension, .exr or .png; equal input gives equal bytes. cost: memory of the
 /// compressed file for pictures up to 1 MiB; for larger pictures twice the file's size on disk.
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
-                const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
+                const std::filesystem::path& path);
 
 /// Writes band by band; the bytes equal those of `writeImage` for the whole image. cost: memory of a band and some
 /// rows; disk space of twice the compressed file. throws: also any exception of `rows`.
 void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
-                const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
+                const std::filesystem::path& path);
 
 /// One view of a scene, such as the picture for one eye.
 struct ImageView {
@@ -72,14 +74,14 @@ struct ImageView {
 /// Writes an EXR with one part per view, each with the attribute `view`. A program without support for parts reads the
 /// first view. requires: equal sizes. throws: as writeImage.
 void writeImageViews(std::span<const ImageView> views, const ImageFileOptions& options,
-                     const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
+                     const std::filesystem::path& path);
 
 /// Writes a deep EXR: per sample R G B A, of the options' type, and Z and ZBack as 32-bit floats, from front to back.
 /// Half floats are chosen so that the composite of a pixel differs from the exact composite by the rounding of one half
 /// float. "zip" is written as "zips". throws: as writeImage; Error kUsage for a compression that deep files do not
 /// have.
 void writeDeepImage(const DeepSamples& samples, const ImageMetadata& metadata, const ImageFileOptions& options,
-                    const std::filesystem::path& path, FileSystem& disk = FileSystem::real());
+                    const std::filesystem::path& path);
 
 /// True if `writeImage` writes an EXR to this path.
 bool isExrPath(const std::filesystem::path& path);

@@ -11,6 +11,7 @@
 
 #include "ingest/bytes/block_cache.h"
 #include "ingest/chunks/stored_number.h"
+#include "ingest/source/brick_order.h"
 
 namespace kiln {
 

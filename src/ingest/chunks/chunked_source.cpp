@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "ingest/bytes/linear_source.h"
+#include "ingest/source/brick_order.h"
 
 namespace kiln {
 namespace {

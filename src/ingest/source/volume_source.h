@@ -2,6 +2,7 @@
 // interface; the folders above use the interface only.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -12,14 +13,13 @@
 #include <vector>
 
 #include "grid/coords.h"
-#include "grid/declared_look.h"
 #include "grid/geometry.h"
 #include "grid/volume_info.h"
 #include "grid/voxel_type.h"
-#include "ingest/source/brick_order.h"
-#include "ingest/source/placement.h"
 
 namespace kiln {
+
+class BrickOrder;
 
 struct SourceInfo {
   /// Shown to the user: "NRRD", "raw, big-endian, 512 bytes skipped". Together with `geometry`, `type` and `vdb` it
@@ -91,6 +91,25 @@ class VolumeSource {
   /// Lets the source cache up to `bytes` of decoded data, which neighbouring boxes share; has no effect for kForward.
   /// requires: no read under way.
   virtual void keepDecoded(std::uint64_t /*bytes*/) {}
+};
+
+/// The directions in which the voxel axes x, y, z grow in a patient. shape: three letters, one of R L (right, left),
+/// one of A P (anterior, posterior) and one of S I (superior, inferior); capital.
+using AxisLetters = std::string;
+
+enum class UpAxis { kZ, kY };
+
+/// The user's words on how a volume lies in the world.
+struct Placement {
+  /// Voxel axes along which the volume is mirrored within its box.
+  std::array<bool, 3> flip{};
+  /// For a volume without a patient frame.
+  std::optional<AxisLetters> axes;
+  /// The world axis of the file that points up. The world of a store has z up.
+  UpAxis up = UpAxis::kZ;
+
+  bool none() const { return *this == Placement(); }
+  bool operator==(const Placement&) const = default;
 };
 
 /// The user's description of a source; empty values are taken from the file.

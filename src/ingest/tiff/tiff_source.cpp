@@ -13,6 +13,7 @@
 #include "ingest/bytes/handle_pool.h"
 #include "ingest/bytes/linear_source.h"
 #include "ingest/bytes/value_map.h"
+#include "ingest/source/brick_order.h"
 #include "ingest/source/chosen_part.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"

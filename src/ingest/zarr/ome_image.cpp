@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/path_status.h"
+#include "grid/declared_look.h"
 #include "ingest/source/header_text.h"
 
 namespace kiln {
@@ -215,8 +216,12 @@ ZarrImage OmeImage::open(std::size_t scale, const SourceOptions& options) const 
   ZarrImage out;
   out.volume = volumeOf(array->name(), std::move(image_axes), has_scale, channels(), options);
   out.volume.choice = fmt::format(", OME-Zarr, array {}", inQuotes(dataset.at("path").text())) + out.volume.choice;
-  if (ome_.find("image-label") && !isFloating(array->number.voxelType()))
-    out.volume.volume_class = VolumeClass::kLabels;
+  if (ome_.find("image-label")) {
+    if (isFloating(array->number.voxelType()))
+      out.volume.notes.push_back("states labels, but its values are fractions; read as amounts");
+    else
+      out.volume.volume_class = VolumeClass::kLabels;
+  }
   addLook(out.volume);
   if (has_others_) out.volume.notes.push_back("the group describes several images; took the first");
   if (isFolder(group_ / "labels"))

@@ -1,13 +1,17 @@
-// The user's camera settings; any of them may be missing.
+// The camera as a user gives it: settings of which any may be missing, the path from frame to frame, a pair of eyes.
 #pragma once
 
+#include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <variant>
+#include <vector>
 
 #include "grid/geometry.h"
 #include "scene/camera/camera.h"
 #include "scene/camera/framing.h"
+#include "scene/keyframes.h"
 
 namespace kiln {
 
@@ -27,6 +31,42 @@ struct CameraSpec {
   /// `turns` are the rotations of a turntable (frameVolume). throws: Error kUsage if settings contradict each other (an
   /// eye and a side; a height without a projection) or the camera cannot be used.
   Camera resolve(const FramedBox& box, const ImageSize& size, Turns turns = {}) const;
+};
+
+/// Frame 1 is the still camera. Each later frame turns eye and up by degrees / frames about the axis through the
+/// target, so that frame 1 + `frames` closes a full turn.
+struct Turntable {
+  int frames = 1;
+  double degrees = 360;            // right-handed: seen from the front about superior, towards the patient's left
+  std::optional<glm::dvec3> axis;  // default: the camera's up. unit: world
+};
+
+/// The fixed point of a camera that only turns.
+enum class Pivot { kEye, kTarget };
+
+/// Cameras at some frames: each is the still camera with the key's changes. The orientation follows a spline of its
+/// own. A second spline moves the eye with the target ahead of it, or the target with the eye behind it.
+struct CameraKeyframes {
+  std::vector<Key<CameraSpec>> keys;
+  /// Default: the target if it is equal in all keys or no key has an eye; else the eye.
+  std::optional<Pivot> pivot;
+};
+
+/// Camera to world, for frame 1 and later frames; the camera looks along -z, y is up. Projection, fov and height are
+/// the still camera's. shape: for column vectors.
+using CameraMatrices = std::vector<glm::dmat4>;
+
+/// std::monostate: the camera stands still.
+using CameraPath = std::variant<std::monostate, Turntable, CameraKeyframes, CameraMatrices>;
+
+enum class StereoEye { kLeft, kRight, kBoth };
+
+/// One eye of a stereo pair, or both (job/stereo.h).
+struct Stereo {
+  StereoEye eye = StereoEye::kLeft;
+  double interocular = 0;             // between both eyes. unit: world
+  std::optional<double> convergence;  // depth; else the target's distance from the eye. unit: world
+  bool operator==(const Stereo&) const = default;
 };
 
 }  // namespace kiln

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "grid/declared_look.h"
 #include "grid/value_range.h"
+#include "grid/volume_info.h"
 #include "scene/transfer/color_space.h"
 #include "scene/transfer/transfer_function.h"
 

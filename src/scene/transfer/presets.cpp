@@ -15,6 +15,7 @@
 #include "scene/transfer/ct_presets.h"
 #include "scene/transfer/label_styles.h"
 #include "scene/transfer/named_color_maps.h"
+#include "scene/transfer/preset_ranges.h"
 #include "scene/transfer/tissue_colors.h"
 #include "scene/transfer/value_bins.h"
 

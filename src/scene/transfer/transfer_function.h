@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <glm/vec3.hpp>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "grid/value_range.h"
@@ -68,5 +69,14 @@ TransferFunction inWorld(TransferFunction function, double world_per_own);
 
 /// Converts opacity per `unit` to extinction: -ln(1 - min(opacity, 0.9999)) / unit. unit: 1 / world.
 double extinctionOf(double opacity, double unit);
+
+/// The name of a preset, a transfer function file (FILE, or FILE#NAME for one map of several), or the function itself.
+using TransferFunctionChoice = std::variant<std::string, std::filesystem::path, TransferFunction>;
+
+/// Values from centre - width/2 to centre + width/2, as radiologists set it. unit: the volume's values.
+struct Window {
+  double centre = 0, width = 1;
+  bool operator==(const Window&) const = default;
+};
 
 }  // namespace kiln

@@ -12,6 +12,8 @@
 
 namespace kiln {
 
+struct Manifest;
+
 /// Position and type of a brick, for encoding and decoding.
 struct BrickDesc {
   BrickKey key;
@@ -23,6 +25,9 @@ struct BrickDesc {
   VoxelBox core() const { return coreBox(key.brick, brick_size, geometry.dims); }
   VoxelBox stored() const { return storedBox(core(), apron, geometry.dims); }
 };
+
+/// Returns a brick of a volume. requires: the volume has the level.
+BrickDesc descOf(const Manifest& manifest, const BrickKey& key);
 
 /// Returns the bytes of the brick's file. shape: `voxels` covers frame.stored(), x fastest, in frame.type; `cells` as
 /// in BrickRanges. Equal arguments give equal bytes. thread: safe. cost: about 20 ms for 128³ floats.

@@ -17,6 +17,7 @@
 #include "grid/vdb_lengths.h"
 #include "store/codec/brick_archive.h"
 #include "store/codec/brick_file.h"
+#include "store/codec/dense_brick.h"
 #include "store/codec/half_values.h"
 #include "store/codec/leaf_frame.h"
 #include "store/codec/leaf_turn.h"
@@ -218,7 +219,7 @@ class Decoder {
     for (std::size_t i = 0; i < kGrids.size(); ++i) {
       if (!taken_[i]) fail("the grid " + std::string(kGrids[i]) + " is missing");
     }
-    clampEdges();
+    clampEdges(block_, stored_);
     block_.octree = MinMaxOctree(std::move(cells_), edge_);
   }
 
@@ -378,33 +379,6 @@ class Decoder {
     });
   }
 
-  // Fills voxels of the extent outside the volume with the nearest voxel inside, axis by axis.
-  void clampEdges() {
-    T* const voxels = reinterpret_cast<T*>(block_.voxels.data());
-    const VoxelBox& all = block_.extent;
-    const Extent3 n = all.extent();
-    const auto nearest = [&](std::int64_t i, int axis) {
-      return std::clamp(i, stored_.lo[axis], stored_.hi[axis] - 1) - all.lo[axis];
-    };
-    for (std::int64_t z = stored_.lo.z; z < stored_.hi.z; ++z) {
-      for (std::int64_t y = stored_.lo.y; y < stored_.hi.y; ++y) {
-        T* const row = voxels + ((z - all.lo.z) * n.y + (y - all.lo.y)) * n.x;
-        const std::int64_t first = stored_.lo.x - all.lo.x, end = stored_.hi.x - all.lo.x;
-        std::fill(row, row + first, row[first]);
-        std::fill(row + end, row + n.x, row[end - 1]);
-      }
-      T* const slice = voxels + (z - all.lo.z) * n.y * n.x;
-      for (std::int64_t y = 0; y < n.y; ++y) {
-        const std::int64_t from = nearest(y + all.lo.y, 1);
-        if (from != y) std::copy_n(slice + from * n.x, n.x, slice + y * n.x);
-      }
-    }
-    for (std::int64_t z = 0; z < n.z; ++z) {
-      const std::int64_t from = nearest(z + all.lo.z, 2);
-      if (from != z) std::copy_n(voxels + from * n.y * n.x, n.y * n.x, voxels + z * n.y * n.x);
-    }
-  }
-
   // Copies a leaf from z fastest to x fastest.
   template <class Value>
   void copyLeaf(const Value* from, const std::array<std::int64_t, 2>& stride, const VoxelBox& part) {
@@ -441,20 +415,6 @@ class Decoder {
   std::istream& in_;
   BrickBlock& block_;
 };
-
-BrickBlock emptyBlock(const BrickDesc& frame) {
-  BrickBlock block;
-  block.key = frame.key;
-  block.type = frame.type;
-  block.core = frame.core();
-  block.extent = dilated(block.core, frame.apron);
-  block.voxels.resize(static_cast<std::size_t>(block.extent.count()) * sizeOf(frame.type));
-  return block;
-}
-
-CellSupports supportsOf(const BrickBlock& block) {
-  return CellSupports(block.voxels, block.type, block.extent, block.core.lo, block.octree.edge(0));
-}
 
 }  // namespace
 

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "grid/declared_look.h"
 #include "grid/pyramid.h"
 #include "grid/shared_world.h"
 #include "store/manifest/json_text.h"

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/hash.h"
-#include "grid/declared_look.h"
 #include "grid/geometry.h"
 #include "grid/value_range.h"
 #include "grid/volume_info.h"

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "base/thread/parallel.h"
+#include "store/store_reader.h"
 #include "support/volumes/procedural.h"
 
 namespace kiln::test {
@@ -20,7 +21,7 @@ Image draw(const std::filesystem::path& store, const FrameRequest& request, std:
 Image draw(const std::vector<std::filesystem::path>& stores, const FrameRequest& request, std::uint64_t budget_bytes,
            FrameStatistics* statistics) {
   std::vector<std::unique_ptr<StoreReader>> opened;
-  std::vector<const StoreReader*> readers;
+  std::vector<const BrickedVolume*> readers;
   for (const std::filesystem::path& store : stores) {
     opened.push_back(std::make_unique<StoreReader>(store));
     readers.push_back(opened.back().get());

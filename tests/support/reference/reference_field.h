@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "scene/interpolation.h"
+#include "scene/render_options.h"
 #include "support/volumes/procedural.h"
 
 namespace kiln::test {

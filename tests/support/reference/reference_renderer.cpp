@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "base/thread/parallel.h"
+#include "scene/clip_region.h"
 #include "support/reference/reference_field.h"
 #include "support/reference/reference_labels.h"
 #include "support/volumes/empty_blocks.h"

@@ -1,5 +1,8 @@
 #include "support/volumes/level_volume.h"
 
+#include "store/brick_index.h"
+#include "store/codec/brick_block.h"
+
 namespace kiln::test {
 
 DenseVolume levelVolume(const StoreReader& store, int level) {

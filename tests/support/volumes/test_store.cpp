@@ -10,6 +10,8 @@
 #include "base/hash.h"
 #include "base/progress.h"
 #include "convert/convert.h"
+#include "store/brick_index.h"
+#include "store/codec/brick_block.h"
 #include "store/verify.h"
 
 namespace kiln::test {

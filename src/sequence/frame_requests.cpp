@@ -1,0 +1,42 @@
+#include "sequence/frame_requests.h"
+
+#include "job/job_facts.h"
+#include "job/stereo.h"
+
+namespace kiln {
+
+FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function) {
+  return frameRequest(job.picture, job.speed, camera, transfer_function);
+}
+
+FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed) {
+  FrameRequest out = frameRequest(scene.picture, speed, scene.camera, scene.transfer_function);
+  for (const VolumeScene& volume : scene.volumes)
+    out.volumes.push_back({inWorld(volume.transfer_function, volume.world_per_own), volume.shading, volume.clipping});
+  return out;
+}
+
+FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& speed, const Camera& camera,
+                          const TransferFunction& transfer_function) {
+  FrameRequest request;
+  request.view = resolve(camera, picture.stereo, picture.size);
+  request.transfer_function = transfer_function;
+  request.shading = picture.shading;
+  request.clipping = picture.clipping;
+  if (!drawsPart(picture)) request.background = backgroundOf(picture, transfer_function);
+  request.opacity_threshold = picture.opacity_threshold;
+  request.mode = picture.mode;
+  request.lattice = picture.lattice;
+  request.interpolation = picture.interpolation;
+  request.sample_distance = picture.sample_distance;
+  request.crop = picture.crop;
+  request.samples = picture.samples.value_or(1);
+  request.aovs = picture.aovs;
+  request.level = picture.level;
+  request.coarser = picture.coarser;
+  request.visibility = speed.visibility;
+  request.tile_px = speed.tile_px;
+  return request;
+}
+
+}  // namespace kiln
