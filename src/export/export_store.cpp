@@ -123,16 +123,20 @@ ExportReport exportGrids(const ExportParts& parts) {
   return out;
 }
 
+/// The options that a format takes beside those of all formats.
+struct FormatOptions {
+  bool compresses = false, resumes = false, holds_grids = false;
+};
+
 struct ExportFormat {
   const char* ending;
   ExportReport (*write)(const ExportParts& parts);
-  /// The options that this format takes.
-  bool compresses = false, resumes = false, holds_grids = false;
+  FormatOptions takes = {};
 };
 
 // An ending that ends in another stands before it.
 constexpr ExportFormat kExportFormats[] = {
-    {".nrrd", exportBoxes<openNrrdWriter>, true},
+    {".nrrd", exportBoxes<openNrrdWriter>, {.compresses = true}},
     {".nii.gz", exportBoxes<openGzipNiftiWriter>},
     {".nii", exportBoxes<openNiftiWriter>},
     {".mha", exportBoxes<openMetaImageWriter>},
@@ -140,8 +144,8 @@ constexpr ExportFormat kExportFormats[] = {
     {".raw", exportBoxes<openRawWriter>},
     {".tif", exportBoxes<openTiffWriter>},
     {".tiff", exportBoxes<openTiffWriter>},
-    {".zarr", exportBoxes<openOmeZarrWriter>, false, true},
-    {".vdb", exportGrids, false, false, true},
+    {".zarr", exportBoxes<openOmeZarrWriter>, {.resumes = true}},
+    {".vdb", exportGrids, {.holds_grids = true}},
 };
 
 const ExportFormat& exportFormatOf(const ExportRequest& request) {
@@ -156,9 +160,9 @@ const ExportFormat& exportFormatOf(const ExportRequest& request) {
     throw Error(ErrorCode::kUsage, request.out, option,
                 fmt::format("is for {} only (found {}); leave it out", ending, found->ending));
   };
-  if (request.compress && !found->compresses) refuse("--compress", ".nrrd");
-  if (request.resume && !found->resumes) refuse("--resume", ".zarr");
-  if (found->holds_grids) return *found;
+  if (request.compress && !found->takes.compresses) refuse("--compress", ".nrrd");
+  if (request.resume && !found->takes.resumes) refuse("--resume", ".zarr");
+  if (found->takes.holds_grids) return *found;
   if (request.tiles != 1) refuse("--tiles", ".vdb");
   if (request.values.type != VdbType::kExact) refuse("--type", ".vdb");
   if (request.values.tolerance != 0) refuse("--tolerance", ".vdb");

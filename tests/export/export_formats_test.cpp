@@ -175,7 +175,7 @@ TEST_F(ExportFormats, ThePlaceInTheWorldComesBack) {
         ExportRequest overwriting = request();
         overwriting.overwrite = true;
         exported(storeOf(fmt::format("affine_{}_{}", affine[0][0], static_cast<int>(frame)), volume), overwriting);
-        const VolumeGeometry& found =
+        const VolumeGeometry found =
             reopened({0, boxOf(kFewVoxels), volume.geometry, VoxelType::u8, VolumeClass::kUnknown, 0})->info().geometry;
         if (format_.keeps != Keeps::kSpacing || fs::path(format_.name).extension() == ".tif") {
           EXPECT_EQ(found.unit, "mm");
