@@ -166,6 +166,7 @@ TEST_F(Names, OptionsOfAForeignFileAreNotForAStore) {
   refused(drawn("p.png", {"--channel", "2"}), 2, "--channel: a store has no channels; leave the option out");
   refused(drawn("p.png", {"--time", "2"}), 2, "--time: a store has no times; leave the option out");
   refused(drawn("p.png", {"--scale", "2"}), 2, "--scale: a store has no scales; leave the option out");
+  refused(drawn("p.png", {"--luminance"}), 2, "--luminance applies to TIFF files of RGB colours only");
   // Options apply to INPUT, not to volumes added to the picture.
   writeRaw();
   writeText(in("v.nhdr"),
