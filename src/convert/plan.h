@@ -32,7 +32,7 @@ struct ConversionPlan {
   std::uint64_t kept_bytes = 0;
   /// Times that a block of the source is decoded, on average; 0 if the source decodes no blocks.
   double decodings = 0;
-  /// Memory that decodes each block once. unit: bytes.
+  /// Memory that suffices to decode each block once. unit: bytes.
   std::uint64_t once_bytes = 0;
   /// Memory for parts of bricks that wait for a parent (convert/pyramid/half_brick_store.h). unit: bytes.
   std::uint64_t parts_bytes = 0;

@@ -357,6 +357,23 @@ TEST_F(Messages, TreesOfSeveralBuffers_AreRefusedInOneLine) {
   EXPECT_EQ(refusals, 1);
 }
 
+// Known: with the memory that a dry run names, no chunk is decoded twice.
+TEST_F(Messages, DryRun_namesTheMemoryThatDecodesOnce) {
+  writeZarr(in("d.zarr"), randomVolume({140, 120, 100}, VoxelType::u8, 41),
+            {.axes = {{'z', 16}, {'y', 16}, {'x', 16}}});
+  const auto run = [&](const std::string& memory, const std::string& last) {
+    return done({"convert", in("d.zarr"), last, "--brick-size", "32", "--threads", "1", "--memory", memory}).out;
+  };
+  const std::string foretold = run("2500K", "--dry-run");
+  const std::string words = "decoding     each block of 16 x 16 x 16 up to ", remedy = " times; once with --memory ";
+  ASSERT_NE(foretold.find(words), std::string::npos) << foretold;
+  ASSERT_NE(foretold.find(remedy), std::string::npos) << foretold;
+  const std::size_t at = foretold.find(remedy) + remedy.size();
+  const std::string enough = foretold.substr(at, foretold.find('\n', at) - at);
+  EXPECT_NE(run(enough, "--dry-run").find("each block of 16 x 16 x 16 once\n"), std::string::npos);
+  EXPECT_NE(run(enough, in("d.kiln")).find(", each block decoded once\n"), std::string::npos);
+}
+
 TEST_F(Messages, FaultsOfZarr_NameTheChunkOrTheHeader) {
   const ForeignVolume volume = randomVolume({5, 4, 3}, VoxelType::u16, 1);
   const auto convert = [&](const std::string& name) {
