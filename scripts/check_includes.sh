@@ -64,11 +64,11 @@ FOLDERS=$folders awk '
     if (header ~ /include[ \t]*"/) {
       sub(/^[^"]*"/, "", header); sub(/".*/, "", header)
       if (header !~ /\//) {
-        if (folder != "tools/kiln" || !exists("tools/kiln/" header)) complain(where, "\"" header "\" does not name its folder")
+        if (folder !~ /^tools\/kiln/ || !exists("tools/kiln/" header)) complain(where, "\"" header "\" does not name its folder")
         next
       }
       from = header; sub(/\/[^\/]*$/, "", from)
-      if (from == "bench") from = "tools/bench"
+      if (from ~ /^bench(\/|$)/) from = "tools/" from
       if (from != folder && !allows(may[folder], header, from)) complain(where, folder " may not include \"" header "\"")
       else if (!exists("src/" header) && !exists("tools/" header)) complain(where, "\"" header "\" is not a header of src/")
     } else {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/duration_text.h"
-#include "base/io_count.h"
+#include "base/file/io_count.h"
 #include "base/process.h"
 
 namespace kiln {

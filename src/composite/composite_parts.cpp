@@ -13,7 +13,7 @@
 #include "frame/part_image.h"
 #include "image/image_memory.h"
 #include "job/job_facts.h"
-#include "job/job_json.h"
+#include "job/json/job_json.h"
 #include "job/render_job.h"
 #include "job/stereo.h"
 

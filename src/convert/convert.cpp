@@ -7,9 +7,9 @@
 #include <optional>
 #include <utility>
 
-#include "base/chosen_disk.h"
 #include "base/elapsed.h"
-#include "base/file.h"
+#include "base/file/chosen_disk.h"
+#include "base/file/file.h"
 #include "cluster/ranks.h"
 #include "convert/conversion.h"
 #include "convert/foreign_cache.h"

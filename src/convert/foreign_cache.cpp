@@ -8,10 +8,10 @@
 #include <system_error>
 #include <utility>
 
-#include "base/file_lock.h"
+#include "base/file/file_lock.h"
+#include "base/file/path_status.h"
 #include "base/hash.h"
 #include "base/memory/memory.h"
-#include "base/path_status.h"
 #include "base/shell_text.h"
 #include "convert/plan.h"
 #include "convert/resume/journal.h"

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "cluster/ranks.h"
 #include "convert/convert.h"
 #include "convert/resume/journal.h"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <iterator>
 
-#include "base/chosen_disk.h"
 #include "base/error.h"
+#include "base/file/chosen_disk.h"
 #include "base/memory/large_pages.h"
 #include "base/text.h"
 #include "base/thread/parallel.h"

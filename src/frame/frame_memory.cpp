@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/memory/large_pages.h"
 #include "base/memory/memory.h"
 #include "base/thread/parallel.h"

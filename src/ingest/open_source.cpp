@@ -7,7 +7,7 @@
 #include <glm/ext/matrix_transform.hpp>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/text.h"
 #include "ingest/bytes/inflate_stream.h"
 #include "ingest/dicom/dicom_directory.h"

@@ -10,9 +10,9 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/folder.h"
-#include "base/path_status.h"
+#include "base/file/file.h"
+#include "base/file/folder.h"
+#include "base/file/path_status.h"
 #include "ingest/dicom/dicom_bytes.h"
 #include "ingest/dicom/dicom_directory.h"
 #include "ingest/source/header_text.h"

@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/open_source.h"
 #include "ingest/slice_directory.h"
 #include "ingest/slice_names.h"

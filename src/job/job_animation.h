@@ -1,7 +1,7 @@
 // Reads the options of a job with a still value or a value that changes from frame to frame.
 #pragma once
 
-#include "job/job_json.h"
+#include "job/json/job_json.h"
 #include "job/render_job.h"
 
 namespace kiln {

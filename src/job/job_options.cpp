@@ -8,7 +8,7 @@
 #include "job/job_facts.h"
 #include "job/job_names.h"
 #include "job/job_parts.h"
-#include "job/points_text.h"
+#include "job/json/points_text.h"
 #include "scene/sampling.h"
 #include "scene/scene_limits.h"
 #include "scene/transfer/presets.h"

@@ -2,7 +2,7 @@
 // same keys.
 #pragma once
 
-#include "job/job_json.h"
+#include "job/json/job_json.h"
 #include "job/render_job.h"
 
 namespace kiln {
@@ -12,8 +12,8 @@ CameraSpec cameraFrom(const JobObject& object);
 Shading shadingFrom(const JobObject& object);
 Light lightFrom(const JobObject& object);
 
-/// Reads a transfer function from a key of `owner`: a preset, points (job/points_text.h), a file beside the document,
-/// or the function itself; nothing where the key is absent. throws: Error kUsage for other values.
+/// Reads a transfer function from a key of `owner`: a preset, points (job/json/points_text.h), a file beside the
+/// document, or the function itself; nothing where the key is absent. throws: Error kUsage for other values.
 std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject& owner,
                                                                  std::string_view key = "transferFunction");
 

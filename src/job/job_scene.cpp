@@ -5,7 +5,7 @@
 #include "job/job_names.h"
 #include "job/job_options.h"
 #include "job/job_parts.h"
-#include "job/points_text.h"
+#include "job/json/points_text.h"
 #include "job/transfer_function_json.h"
 #include "scene/transfer/presets.h"
 #include "scene/volume_part.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "job/job_facts.h"
 #include "job/render_job.h"
 #include "job/stereo.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "job/job_flags.h"
-#include "job/job_json.h"
+#include "job/json/job_json.h"
 
 namespace kiln {
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "job/frame_list.h"
 #include "job/job_facts.h"
 #include "job/job_names.h"

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/text.h"
-#include "job/paraview_map.h"
+#include "job/json/paraview_map.h"
 #include "job/transfer_function_json.h"
 #include "scene/transfer/label_styles.h"
 #include "scene/transfer/preset_ranges.h"

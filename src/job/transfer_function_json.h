@@ -1,7 +1,7 @@
 // The `transferFunction` of a job, which may also be a file of its own.
 #pragma once
 
-#include "job/job_json.h"
+#include "job/json/job_json.h"
 #include "scene/transfer/transfer_function.h"
 
 namespace kiln {

@@ -6,9 +6,9 @@
 #include <system_error>
 #include <utility>
 
-#include "base/file.h"
-#include "base/file_lock.h"
-#include "base/same_file.h"
+#include "base/file/file.h"
+#include "base/file/file_lock.h"
+#include "base/file/same_file.h"
 #include "scene/clip_region.h"
 #include "store/store_writer.h"
 

@@ -1,6 +1,6 @@
-// The file consists of records (base/record_file.h). The first record holds the hashes of the frame's files, each later
-// record one tile (sequence/tile_image.h). A tile of equal pixels, such as background, is stored as one pixel, so that
-// the empty part of a poster takes no disk.
+// The file consists of records (base/file/record_file.h). The first record holds the hashes of the frame's files, each
+// later record one tile (sequence/tile_image.h). A tile of equal pixels, such as background, is stored as one pixel, so
+// that the empty part of a poster takes no disk.
 #include "sequence/frame_checkpoint.h"
 
 #include <fmt/format.h>
@@ -14,10 +14,10 @@
 #include <utility>
 
 #include "base/byte_record.h"
-#include "base/file.h"
+#include "base/file/file.h"
+#include "base/file/path_status.h"
+#include "base/file/record_file.h"
 #include "base/hash.h"
-#include "base/path_status.h"
-#include "base/record_file.h"
 #include "frame/aov_planes.h"
 #include "frame/pass/frame_progress.h"
 #include "job/job_facts.h"

@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/hash.h"
 #include "base/thread/profile_scope.h"
 #include "composite/composite_parts.h"

@@ -7,8 +7,8 @@
 #include <system_error>
 #include <utility>
 
-#include "base/file.h"
-#include "base/file_lock.h"
+#include "base/file/file.h"
+#include "base/file/file_lock.h"
 #include "base/thread/parallel.h"
 #include "base/thread/trace.h"
 #include "base/thread/worker_thread.h"

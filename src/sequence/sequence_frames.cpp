@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/file.h"
-#include "base/path_status.h"
-#include "base/temporary_file.h"
+#include "base/file/file.h"
+#include "base/file/path_status.h"
+#include "base/file/temporary_file.h"
 #include "job/frame_list.h"
 #include "job/job_facts.h"
 #include "sequence/video.h"

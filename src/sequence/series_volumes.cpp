@@ -9,8 +9,8 @@
 #include <set>
 #include <utility>
 
-#include "base/folder.h"
-#include "base/path_status.h"
+#include "base/file/folder.h"
+#include "base/file/path_status.h"
 #include "cluster/shared_lists.h"
 #include "grid/shared_world.h"
 #include "image/file/image_file.h"

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/process.h"
 #include "image/file/image_file.h"
 #include "image/srgb.h"

@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
+#include "base/file/path_status.h"
+#include "base/file/same_file.h"
 #include "base/memory/large_pages.h"
 #include "base/memory/memory.h"
-#include "base/path_status.h"
-#include "base/same_file.h"
 #include "base/thread/profile_scope.h"
 #include "store/brick_index.h"
 #include "store/codec/brick_codec.h"

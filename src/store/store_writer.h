@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "store/brick_index.h"
 #include "store/codec/brick_codec.h"
 #include "store/codec/brick_ranges.h"

@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/folder.h"
+#include "base/file/folder.h"
 #include "base/memory/memory.h"
 #include "base/thread/parallel.h"
 #include "store/codec/brick_ranges.h"

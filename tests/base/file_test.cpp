@@ -1,6 +1,6 @@
 // Files read back exactly as written, by every write policy. Sizes lie around a block and around the buffer of direct
 // writes (past the page cache). On a file system without direct writes the test covers the fallback.
-#include "base/file.h"
+#include "base/file/file.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 #include <thread>
 
 #include "base/error.h"
-#include "base/renamed_error.h"
+#include "base/file/renamed_error.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {

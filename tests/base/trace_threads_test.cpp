@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/thread/trace.h"
 #include "support/volumes/test_store.h"
 

@@ -9,7 +9,7 @@
 
 #include <filesystem>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/thread/parallel.h"
 #include "convert/convert.h"
 #include "ingest/open_source.h"

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "support/system/run_tool.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"

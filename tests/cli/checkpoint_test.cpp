@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "support/system/run_tool.h"
 #include "support/system/sanitized.h"
 #include "support/volumes/test_store.h"

@@ -13,7 +13,7 @@
 #include <sstream>
 #include <thread>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/memory/memory.h"
 #include "convert/resume/journal.h"
 #include "image/compare.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "image/file/image_file.h"
 #include "support/system/tool_test.h"
 
@@ -180,7 +180,8 @@ TEST_F(EmptyPicturesCli, WorldBoxBesideTheVolume_isRefusedAsRegionIs) {
 
 // Frames 2 and 3 of four look past the volume, and frame 4 away from it: a warning for each reason.
 TEST_F(EmptyPicturesCli, Sequences_warnOnceWithTheFramesNumbers) {
-  writeText(in("job.json"), R"({"kiln": 2, "volume": "h.kiln", "output": "f_#.png", "image": {"width": 16, "height": 16},
+  writeText(in("job.json"),
+            R"({"kiln": 2, "volume": "h.kiln", "output": "f_#.png", "image": {"width": 16, "height": 16},
       "clip": {"keyframes": [{"frame": 1, "planes": [{"normal": [0, 0, 1], "offset": 10000}]},
                              {"frame": 2, "planes": [{"normal": [0, 0, 1], "offset": -10000}]},
                              {"frame": 4, "planes": [{"normal": [0, 0, 1], "offset": -10000}]}]}})");

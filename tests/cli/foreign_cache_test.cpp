@@ -8,7 +8,7 @@
 #include <set>
 #include <thread>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "image/file/image_file.h"
 #include "support/reference/drawing.h"
 #include "support/system/text_of.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "support/system/run_script.h"
 #include "support/system/run_tool.h"
 #include "support/volumes/test_store.h"

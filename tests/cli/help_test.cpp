@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "support/system/python.h"
 #include "support/system/run_tool.h"
 #include "support/volumes/test_store.h"
@@ -83,7 +83,8 @@ TEST(Help, ManualPagesAndCompletionNameEveryOption) {
     EXPECT_NE(page.find(option), std::string::npos) << option;
     EXPECT_NE(script.find(option), std::string::npos) << option;
   }
-  for (const char* command : {"convert", "info", "verify", "export", "slice", "gallery", "tf", "render", "compare", "bench"})
+  for (const char* command :
+       {"convert", "info", "verify", "export", "slice", "gallery", "tf", "render", "compare", "bench"})
     EXPECT_TRUE(fs::exists(share / "man/man1" / (std::string("kiln-") + command + ".1"))) << command;
   // Calls the completion as bash does: with the words typed so far and the index of the current word.
   const auto completed = [&](const std::string& words, int at) {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "support/system/tool_test.h"
 #include "support/volumes/dicom_files.h"
 #include "support/volumes/foreign_files.h"

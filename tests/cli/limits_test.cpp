@@ -5,7 +5,7 @@
 #include <regex>
 #include <set>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "support/system/sanitized.h"
 #include "support/system/tool_test.h"
 #include "support/volumes/foreign_files.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "support/system/run_script.h"
 #include "support/volumes/test_store.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "support/system/run_tool.h"
 #include "support/system/sanitized.h"
 #include "support/volumes/dicom_files.h"

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <limits>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "support/system/text_of.h"
 #include "support/system/tool_test.h"
 #include "support/volumes/foreign_files.h"

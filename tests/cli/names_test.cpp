@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "image/file/image_file.h"
 #include "support/system/tool_test.h"
 #include "support/volumes/procedural.h"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "support/system/text_of.h"
 #include "support/system/tool_test.h"
 #include "support/volumes/foreign_files.h"
@@ -118,7 +118,8 @@ TEST_F(OverwrittenInputs, NamesOfUnfinishedWork_AreNoOutputs) {
     fs::remove(in("v.mp4.frames"));
     refused(with("v.mp4.frames"), 2, "where the frames of the video are kept until it is made");
   }
-  writeText(in("video.json"), R"({"kiln": 2, "volume": "v.kiln", "output": "v.mp4", "camera": {"turntable": {"frames": 2}},
+  writeText(in("video.json"),
+            R"({"kiln": 2, "volume": "v.kiln", "output": "v.mp4", "camera": {"turntable": {"frames": 2}},
                                   "outputs": [{"path": "v.mp4.frames/d_#.exr", "content": "depth"}]})");
   refused({"render", in("video.json"), "--dry-run"}, 2, "where the frames of the video are kept until it is made");
   EXPECT_FALSE(fs::exists(in("v.mp4.frames")));

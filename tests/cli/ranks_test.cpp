@@ -8,7 +8,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
 #include "support/system/run_tool.h"
@@ -405,7 +405,8 @@ TEST_F(RanksRender, ARankThatIsStoppedEndsTheJobAndIsNamed) {
   EXPECT_EQ(result.err.find("interrupted"), std::string::npos) << result.err;
 }
 
-// All ranks start together, in a call of MPI that waits for the stopped rank. A rank that got further has its own watch.
+// All ranks start together, in a call of MPI that waits for the stopped rank. A rank that got further has its own
+// watch.
 TEST_F(RanksRender, ARankThatIsStoppedWhileMpiStartsEndsTheJob) {
   ToolOptions options;
   options.ranks = 2;
@@ -415,9 +416,9 @@ TEST_F(RanksRender, ARankThatIsStoppedWhileMpiStartsEndsTheJob) {
     if (!stopped) stopped = signalOneRank((directory_ / "many").string(), SIGSTOP);
     return false;
   };
-  const ToolResult result = runTool(
-      {"render", volume_, "-o", (directory_ / "many/t.png").string(), "--size", "64x64", "--rank-timeout", "2"},
-      options);
+  const ToolResult result =
+      runTool({"render", volume_, "-o", (directory_ / "many/t.png").string(), "--size", "64x64", "--rank-timeout", "2"},
+              options);
   ASSERT_TRUE(stopped);
   EXPECT_FALSE(result.timed_out);
   EXPECT_EQ(result.exit_code, 1) << result.err;

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
 #include "support/system/run_tool.h"

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "image/file/image_file.h"
 #include "job/frame_list.h"
 #include "support/system/tool_test.h"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/text.h"
 #include "image/file/image_file.h"
 #include "store/store_reader.h"

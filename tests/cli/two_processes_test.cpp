@@ -8,8 +8,8 @@
 #include <random>
 #include <thread>
 
-#include "base/file.h"
-#include "base/file_lock.h"
+#include "base/file/file.h"
+#include "base/file/file_lock.h"
 #include "store/store_reader.h"
 #include "support/system/text_of.h"
 #include "support/system/tool_test.h"

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
 #include "support/reference/drawing.h"

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
 #include "support/system/tool_test.h"
@@ -24,9 +24,10 @@ class VolumesCli : public ToolTest {
 
   // Writes a job with two volumes; `first` and `second` are their additional keys.
   void writeJob(const std::string& first, const std::string& second, const std::string& more = "") const {
-    writeText(in("job.json"), fmt::format(R"({{"kiln": 2, "volumes": [{{"volume": "h.kiln"{}}}, {{"volume": "e.kiln"{}}}],
+    writeText(in("job.json"),
+              fmt::format(R"({{"kiln": 2, "volumes": [{{"volume": "h.kiln"{}}}, {{"volume": "e.kiln"{}}}],
       "output": "j.exr", "image": {{"width": 40, "height": 36}}{}}})",
-                                          first, second, more));
+                          first, second, more));
   }
 };
 
@@ -144,7 +145,8 @@ TEST_F(VolumesCli, WhatOneVolumeOnlyHasIsRefused) {
   job(R"({"kiln": 2, "volumes": []})", "volumes: expected a list of at least one volume");
   job(R"({"kiln": 2, "volume": "h.kiln", "volumes": [{"volume": "e.kiln"}]})", "volume: is each volume's own");
   job(R"({"kiln": 2, "volumes": [{"volume": "e.kiln"}], "window": [1, 2]})", "window: is each volume's own");
-  job(R"({"kiln": 2, "volumes": [{"volume": "e.kiln"}, {"transferFunction": "auto"}]})", "volumes[1].volume: is missing");
+  job(R"({"kiln": 2, "volumes": [{"volume": "e.kiln"}, {"transferFunction": "auto"}]})",
+      "volumes[1].volume: is missing");
   job(R"({"kiln": 2, "volumes": [{"volume": "e.kiln", "windo": [1, 2]}]})",
       "volumes[0].windo: unknown key; did you mean 'window'?");
 }

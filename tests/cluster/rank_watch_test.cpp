@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "base/io_count.h"
+#include "base/file/io_count.h"
 
 namespace kiln::test {
 namespace {

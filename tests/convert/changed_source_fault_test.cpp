@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/thread/parallel.h"
 #include "convert/foreign_cache.h"
 #include "convert/resume/source_state.h"

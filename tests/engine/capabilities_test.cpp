@@ -9,7 +9,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 
 namespace kiln::test {
 namespace {

@@ -11,7 +11,7 @@
 #include <set>
 #include <sstream>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "call_faults.h"
 #include "support/system/sanitized.h"
 #include "support/volumes/dicom_files.h"

@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
 #include "sequence/render_job_run.h"

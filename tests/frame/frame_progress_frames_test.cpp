@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/byte_record.h"
-#include "base/record_file.h"
+#include "base/file/record_file.h"
 #include "base/thread/parallel.h"
 #include "base/thread/profile_scope.h"
 #include "frame/frame_memory.h"

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/thread/parallel.h"
 #include "sequence/opened_job.h"
 #include "sequence/sequence.h"

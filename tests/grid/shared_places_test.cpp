@@ -11,10 +11,10 @@
 #include <thread>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/file_lock.h"
-#include "base/same_file.h"
-#include "base/temporary_file.h"
+#include "base/file/file.h"
+#include "base/file/file_lock.h"
+#include "base/file/same_file.h"
+#include "base/file/temporary_file.h"
 #include "convert/resume/output_directory.h"
 #include "support/volumes/test_store.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "image/file/image_file.h"
 #include "support/volumes/test_store.h"
 

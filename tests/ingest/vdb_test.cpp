@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/memory/memory.h"
 #include "ingest/source/formats.h"
 #include "support/system/sanitized.h"

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "job/json_place.h"
+#include "job/json/json_place.h"
 #include "job/render_job.h"
 
 namespace kiln {

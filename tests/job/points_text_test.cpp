@@ -1,5 +1,5 @@
 // Known answers: each point's value, opacity and colour; each way to get a text wrong.
-#include "job/points_text.h"
+#include "job/json/points_text.h"
 
 #include <gtest/gtest.h>
 

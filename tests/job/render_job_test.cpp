@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "image/named_color.h"
 #include "job/job_facts.h"
-#include "job/job_json.h"
+#include "job/json/job_json.h"
 #include "job/transfer_function_choice.h"
 #include "sequence/frame_requests.h"
 

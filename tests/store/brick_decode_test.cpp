@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/memory/memory.h"
 #include "grid/vdb_lengths.h"
 #include "store/codec/brick_codec.h"

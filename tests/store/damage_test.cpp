@@ -11,7 +11,7 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/hash.h"
 #include "cache/brick_cache.h"
 #include "ranks/split_store.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <tuple>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/hash.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"

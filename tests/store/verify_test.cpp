@@ -8,7 +8,7 @@
 #include <fstream>
 #include <set>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/thread/parallel.h"
 #include "store/store_writer.h"
 #include "support/volumes/random_scene.h"

@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/memory/memory.h"
 
 namespace kiln {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/memory/memory.h"
 #include "bench/published.h"
 #include "ingest/source/formats.h"

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/hash.h"
 #include "convert/foreign_cache.h"
 #include "ingest/open_source.h"

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/path_status.h"
+#include "base/file/file.h"
+#include "base/file/path_status.h"
 #include "image/file/image_file.h"
 #include "sequence/sequence_frames.h"
 

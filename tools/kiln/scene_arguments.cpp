@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/path_status.h"
+#include "base/file/path_status.h"
+#include "job/json/points_text.h"
 #include "job/option_kinds.h"
-#include "job/points_text.h"
 #include "scene/transfer/presets.h"
 #include "source_arguments.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "job/job_json.h"
+#include "job/json/job_json.h"
 
 namespace kiln::tool {
 namespace {

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <span>
 
-#include "base/file.h"
+#include "base/file/file.h"
 
 namespace kiln {
 namespace fs = std::filesystem;

@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/temporary_file.h"
+#include "base/file/temporary_file.h"
 #include "base/thread/profile_scope.h"
 
 namespace kiln {

@@ -10,7 +10,7 @@
 #include <mutex>
 #include <vector>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "convert/pyramid/half_brick.h"
 
 namespace kiln {

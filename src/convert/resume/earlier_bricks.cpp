@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/byte_record.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/hash.h"
 #include "base/thread/parallel.h"
 #include "store/store_writer.h"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/byte_record.h"
-#include "base/record_file.h"
+#include "base/file/record_file.h"
 
 namespace kiln {
 namespace fs = std::filesystem;

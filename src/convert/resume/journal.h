@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "convert/stream/value_counter.h"
 #include "store/brick_index.h"
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/folder.h"
-#include "base/path_status.h"
-#include "base/same_file.h"
+#include "base/file/folder.h"
+#include "base/file/path_status.h"
+#include "base/file/same_file.h"
 #include "convert/resume/journal.h"
 #include "ingest/source/header_text.h"
 #include "store/store_reader.h"

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "base/file.h"
-#include "base/file_lock.h"
+#include "base/file/file.h"
+#include "base/file/file_lock.h"
 
 namespace kiln {
 

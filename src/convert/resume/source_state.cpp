@@ -10,11 +10,11 @@
 #include <system_error>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/file_stamp.h"
-#include "base/folder.h"
+#include "base/file/file.h"
+#include "base/file/file_stamp.h"
+#include "base/file/folder.h"
+#include "base/file/path_status.h"
 #include "base/hash.h"
-#include "base/path_status.h"
 
 namespace kiln {
 namespace fs = std::filesystem;

@@ -7,7 +7,7 @@
 #include <memory>
 #include <span>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/source/volume_source.h"
 
 namespace kiln {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "base/path_status.h"
+#include "base/file/path_status.h"
 #include "export/output/gzip_output.h"
 
 namespace kiln {

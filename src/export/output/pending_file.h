@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <span>
 
-#include "base/file.h"
-#include "base/temporary_file.h"
+#include "base/file/file.h"
+#include "base/file/temporary_file.h"
 
 namespace kiln {
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "base/file.h"
-#include "base/file_lock.h"
+#include "base/file/file.h"
+#include "base/file/file_lock.h"
 
 namespace kiln {
 

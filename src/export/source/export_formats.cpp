@@ -1,7 +1,7 @@
 #include "export/source/export_formats.h"
 
 #include "base/error.h"
-#include "base/path_status.h"
+#include "base/file/path_status.h"
 
 namespace kiln {
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "export/source/volume_writer.h"
 
 namespace kiln {

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/folder.h"
-#include "base/path_status.h"
+#include "base/file/folder.h"
+#include "base/file/path_status.h"
 #include "export/output/pending_folder.h"
 #include "export/source/numbered_name.h"
 #include "export/tiff/tiff_pages.h"

@@ -11,10 +11,10 @@
 #include <limits>
 #include <type_traits>
 
-#include "base/chosen_disk.h"
-#include "base/file.h"
+#include "base/file/chosen_disk.h"
+#include "base/file/file.h"
+#include "base/file/path_status.h"
 #include "base/memory/memory.h"
-#include "base/path_status.h"
 #include "base/refusal.h"
 #include "export/vdb/baked_filler.h"
 #include "export/vdb/grid_filler.h"

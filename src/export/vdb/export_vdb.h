@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/progress.h"
 #include "export/source/exported_volume.h"
 #include "export/vdb/vdb_values.h"

@@ -9,7 +9,7 @@
 #include <map>
 
 #include "base/error.h"
-#include "base/path_status.h"
+#include "base/file/path_status.h"
 #include "base/thread/parallel.h"
 #include "export/output/pending_folder.h"
 #include "export/source/export_formats.h"

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "base/byte_record.h"
-#include "base/path_status.h"
+#include "base/file/path_status.h"
 #include "ingest/codec/byte_codec.h"
 
 namespace kiln {

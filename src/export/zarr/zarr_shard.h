@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "grid/coords.h"
 
 namespace kiln {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cassert>
 
-#include "base/chosen_disk.h"
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/chosen_disk.h"
+#include "base/file/file.h"
 #include "base/memory/memory.h"
 #include "image/file/exr_deep.h"
 #include "image/file/exr_file.h"

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/renamed_error.h"
+#include "base/file/renamed_error.h"
 
 namespace kiln {
 namespace fs = std::filesystem;

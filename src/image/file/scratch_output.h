@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <span>
 
-#include "base/file.h"
+#include "base/file/file.h"
 
 namespace kiln {
 

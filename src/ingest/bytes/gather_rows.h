@@ -1,7 +1,7 @@
 // Reads a box of voxels out of a file that stores voxels x fastest: rows of equal length at equal distances.
 #pragma once
 
-#include "base/file.h"
+#include "base/file/file.h"
 
 namespace kiln {
 

@@ -1,7 +1,7 @@
 #include "ingest/bytes/header_bytes.h"
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/bytes/inflate_stream.h"
 
 namespace kiln {

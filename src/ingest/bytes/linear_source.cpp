@@ -12,7 +12,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/bytes/bzip2_stream.h"
 #include "ingest/bytes/gather_rows.h"
 #include "ingest/bytes/inflate_stream.h"

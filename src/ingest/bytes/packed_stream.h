@@ -1,7 +1,7 @@
 // A compressed stream inside a file, read forwards. A derived class gives a library the bytes and returns its verdict.
 #pragma once
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/bytes/byte_stream.h"
 
 namespace kiln {

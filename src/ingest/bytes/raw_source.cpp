@@ -1,6 +1,6 @@
 // Headerless voxels. The user gives the dimensions and the type; the file's length must agree with them.
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/bytes/linear_source.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"

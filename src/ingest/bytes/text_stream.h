@@ -1,7 +1,7 @@
 // Voxels that are written as text: decimal numbers, or the hexadecimal digits of their bytes.
 #pragma once
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "grid/voxel_type.h"
 #include "ingest/bytes/byte_stream.h"
 

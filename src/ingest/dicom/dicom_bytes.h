@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/bytes/inflate_stream.h"
 
 namespace kiln {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/module.h"
 #include "ingest/dicom/dicom_codestream.h"
 #include "ingest/dicom/gdcm_frames.h"

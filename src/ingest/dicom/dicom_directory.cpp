@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/text.h"
 #include "ingest/dicom/dicom_elements.h"
 #include "ingest/source/header_text.h"

@@ -1,7 +1,7 @@
 // Finds the fragments of each compressed frame; a frame has one or more fragments.
 #pragma once
 
-#include "base/file.h"
+#include "base/file/file.h"
 
 namespace kiln {
 

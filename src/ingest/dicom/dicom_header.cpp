@@ -12,7 +12,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/dicom/dicom_elements.h"
 #include "ingest/source/header_text.h"
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/path_status.h"
+#include "base/file/file.h"
+#include "base/file/path_status.h"
 #include "base/text.h"
 #include "ingest/source/header_text.h"
 

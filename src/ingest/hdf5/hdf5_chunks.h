@@ -5,7 +5,7 @@
 #include <memory>
 #include <mutex>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/bytes/handle_pool.h"
 #include "ingest/hdf5/hdf5_layout.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/path_status.h"
+#include "base/file/path_status.h"
 #include "base/text.h"
 #include "ingest/hdf5/bdv_xml.h"
 #include "ingest/source/chosen_part.h"

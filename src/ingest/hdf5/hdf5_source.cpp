@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "base/path_status.h"
+#include "base/file/path_status.h"
 #include "base/text.h"
 #include "ingest/bytes/linear_source.h"
 #include "ingest/chunks/chunked_source.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/bytes/stored_type.h"
 
 namespace kiln {

@@ -12,7 +12,7 @@
 #include <jpeglib.h>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/pictures/picture_slice.h"
 
 namespace kiln {

@@ -9,7 +9,7 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/bytes/header_bytes.h"
 #include "ingest/pictures/picture_slice.h"
 

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/text.h"
 #include "ingest/source/header_text.h"
 

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/bytes/stored_type.h"
 #include "ingest/tiff/tiff_kind.h"
 

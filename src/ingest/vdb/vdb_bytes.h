@@ -9,7 +9,7 @@
 #include <streambuf>
 #include <vector>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "grid/vdb_lengths.h"
 
 namespace kiln {

@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/memory/memory.h"
 #include "base/refusal.h"
 #include "grid/openvdb_glue.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/bytes/block_cache.h"
 #include "ingest/codec/unpack_block.h"
 

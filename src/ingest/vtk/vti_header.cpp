@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/source/header_text.h"
 
 namespace kiln {

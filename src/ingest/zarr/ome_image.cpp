@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/path_status.h"
+#include "base/file/path_status.h"
 #include "grid/declared_look.h"
 #include "ingest/source/header_text.h"
 

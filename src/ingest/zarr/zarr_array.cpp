@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "base/folder.h"
-#include "base/path_status.h"
+#include "base/file/folder.h"
+#include "base/file/path_status.h"
 
 namespace kiln {
 namespace fs = std::filesystem;

@@ -10,7 +10,7 @@
 
 #include "base/byte_record.h"
 #include "base/error.h"
-#include "base/path_status.h"
+#include "base/file/path_status.h"
 #include "ingest/bytes/value_map.h"
 #include "ingest/chunks/chunk_voxels.h"
 

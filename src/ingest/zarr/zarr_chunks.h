@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "ingest/bytes/block_cache.h"
 #include "ingest/bytes/handle_pool.h"
 #include "ingest/zarr/zarr_array.h"

@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "base/folder.h"
-#include "base/path_status.h"
+#include "base/file/folder.h"
+#include "base/file/path_status.h"
 #include "base/text.h"
 #include "ingest/source/chosen_part.h"
 #include "ingest/source/header_text.h"

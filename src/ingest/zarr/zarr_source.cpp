@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/folder.h"
-#include "base/path_status.h"
+#include "base/file/folder.h"
+#include "base/file/path_status.h"
 #include "base/text.h"
 #include "ingest/chunks/chunked_source.h"
 #include "ingest/source/formats.h"

@@ -5,7 +5,7 @@
 
 #include <cstdlib>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <utility>
 
-#include "base/file.h"
+#include "base/file/file.h"
 #include "base/hash.h"
 #include "base/progress.h"
 #include "convert/convert.h"

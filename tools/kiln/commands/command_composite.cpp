@@ -1,0 +1,66 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/file/file.h"
+#include "base/memory/memory.h"
+#include "commands.h"
+#include "composite/composite_parts.h"
+#include "examples.h"
+#include "job/job_names.h"
+#include "output_files.h"
+#include "say.h"
+#include "source_arguments.h"
+
+namespace kiln::tool {
+namespace {
+
+struct CompositeArguments {
+  std::vector<std::string> parts;
+  std::string output, exr_type = "half", exr_compression = "zip", memory = kDefaultMemory;
+  int png_bits = 8;
+};
+
+void run(const CompositeArguments& a, Context& context) {
+  requireImagePath(a.output);
+  FileSystem::real().requirePlaceFor(a.output);
+  OutputFiles outputs;
+  outputs.add(a.output);
+  for (const std::string& part : a.parts) outputs.requireNone(part);
+  for (const std::string& part : a.parts) refuseVolumeFile(part, "a partial image");
+  const std::uint64_t memory_bytes = parseBytes(a.memory, "--memory");
+  const CompositedParts made = compositeParts({a.parts.begin(), a.parts.end()}, context.progress, memory_bytes);
+  writeImage(
+      made.image, made.metadata,
+      {a.exr_type == "float", a.png_bits, a.exr_compression, memory_bytes - std::min(memory_bytes, made.image.bytes())},
+      a.output);
+  context.progress.clear();
+  if (made.volume_share < 1)
+    context.progress.warn(fmt::format("the parts hold {:.2f} % of the volume; the rest is missing from the picture",
+                                      100 * made.volume_share));
+  say("{}: {} x {} pixels from {} part{}\n", a.output, made.image.width, made.image.height, a.parts.size(),
+      a.parts.size() == 1 ? "" : "s");
+}
+
+}  // namespace
+
+void addComposite(CLI::App& app, Context& context) {
+  auto a = std::make_shared<CompositeArguments>();
+  CLI::App* command =
+      app.add_subcommand("composite", "put partial images of a volume, drawn with render --part, together");
+  command->add_option("PARTS", a->parts, "the partial images, in any order")->required();
+  command->add_option("-o,--output", a->output, "the whole picture, .exr or .png")->required();
+  command->add_option("--exr-type", a->exr_type, "half (default) or float")->check(CLI::IsMember({"half", "float"}));
+  command
+      ->add_option("--compression", a->exr_compression,
+                   fmt::format("of an EXR: {}; zip if not given", fmt::join(kExrCompressionNames, ", ")))
+      ->check(CLI::IsMember(std::vector<std::string>(kExrCompressionNames.begin(), kExrCompressionNames.end())));
+  addMemory(*command, a->memory, "the picture and a part")->capture_default_str();
+  addNumber(*command, "--png-bits", a->png_bits, "8 (default) or 16")->check(CLI::IsMember({8, 16}));
+  addExamples(*command,
+              {"kiln render head.kiln -o part1.exr --part 1/2", "kiln render head.kiln -o part2.exr --part 2/2",
+               "kiln composite part1.exr part2.exr -o head.exr"});
+  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
+}
+
+}  // namespace kiln::tool

@@ -1,0 +1,613 @@
+#include <fmt/format.h>
+
+#include <set>
+#include <utility>
+
+#include "base/file/file.h"
+#include "base/file/file_lock.h"
+#include "base/file/folder.h"
+#include "base/memory/memory.h"
+#include "cluster/shared_lists.h"
+#include "commands.h"
+#include "examples.h"
+#include "find_program.h"
+#include "foreign_store.h"
+#include "frame/empty_frame.h"
+#include "image/file/image_file.h"
+#include "job/frame_list.h"
+#include "job/job_facts.h"
+#include "job/job_names.h"
+#include "job_arguments.h"
+#include "output_files.h"
+#include "picture_job.h"
+#include "say.h"
+#include "scene/transfer/presets.h"
+#include "scene/volume_part.h"
+#include "scene_arguments.h"
+#include "sequence/dry_run.h"
+#include "sequence/frame_checkpoint.h"
+#include "sequence/frame_files.h"
+#include "sequence/render_job_run.h"
+#include "sequence/sequence.h"
+#include "sequence/sequence_frames.h"
+#include "sequence/sequence_sheet.h"
+#include "sequence/series_volumes.h"
+#include "sequence_report.h"
+#include "store/manifest/read_manifest.h"
+#include "store/store_reader.h"
+
+namespace kiln::tool {
+namespace fs = std::filesystem;
+namespace {
+
+struct RenderArguments {
+  std::string input, stats, progress = "auto";
+  std::vector<std::string> added, added_tfs, labels;
+  std::optional<std::string> store_local, share;
+  bool quiet = false, verbose = false, strict = false, dry_run = false, resume = false, checkpoint = false;
+  int repeat = 1, sheet = 0;
+  JobArguments job;
+  ForeignArguments source;
+};
+
+// Checks that a pair of eyes is complete once the flags are applied.
+void requireStereo(const JobArguments& flags, const std::optional<Stereo>& of_job) {
+  if (!of_job && !flags.has("--stereo") && flags.hasAny({"--interocular", "--convergence"}))
+    throw Error(ErrorCode::kUsage, "--interocular, --convergence: no pair is drawn; add --stereo both, left or right");
+  if (!of_job && flags.has("--stereo") && !flags.has("--interocular"))
+    throw Error(ErrorCode::kUsage, "--stereo: how far the eyes are apart, --interocular, is missing");
+}
+
+void requirePicture(const PictureOptions& picture) {
+  drawnPixels(picture.size, picture.crop);
+  requireEngineOptions(picture);
+}
+
+void requireStillCamera(const JobArguments& flags, const RenderJob& job) {
+  const bool keys = std::holds_alternative<CameraKeyframes>(job.animation.camera);
+  const bool matrices = std::holds_alternative<CameraMatrices>(job.animation.camera);
+  if ((!keys && !matrices) || flags.has("--turntable")) return;
+  for (const char* flag : {"--eye", "--target", "--up", "--view", "--azimuth", "--elevation", "--zoom"}) {
+    if (flags.has(flag))
+      throw Error(ErrorCode::kUsage, fmt::format("{}: the job says by {} where the camera is in each frame; change it "
+                                                 "there, or give --turntable",
+                                                 flag, keys ? "keyframes" : "matrices"));
+  }
+  for (const char* flag : {"--fov", "--height"}) {
+    if (keys && flags.has(flag))
+      throw Error(ErrorCode::kUsage, fmt::format("{}: the job says by keyframes where the camera is in each frame; "
+                                                 "change it there, or give --turntable",
+                                                 flag));
+  }
+}
+
+void findEncoder(const RenderArguments& a, RenderJob& job) {
+  VideoOptions& video = job.output.video;
+  if (a.job.has("--rate") && video.path.empty())
+    throw Error(ErrorCode::kUsage, "--rate: no video is made; name one, such as -o turn.mp4");
+  if (video.path.empty()) return;
+  if (framesOf(job).size() == 1 && !a.job.has("--frames"))
+    throw Error(
+        ErrorCode::kUsage, video.path, "",
+        "a video needs frames (found 1); add --turntable 120, give a job with frames, or name a picture, .exr or "
+        ".png");
+  if (a.dry_run) return;
+  video.encoder = findProgram("ffmpeg");
+  if (video.encoder.empty())
+    throw Error(
+        ErrorCode::kNotFound, video.path, "",
+        "a video needs the program ffmpeg, which is in no absolute folder of PATH; install it (Debian: apt-get install "
+        "ffmpeg), or write pictures");
+}
+
+void requireOutput(const RenderArguments& a, const OutputOptions& output) {
+  if (output.path.empty() && output.files.empty() && output.video.path.empty() && !a.dry_run)
+    throw Error(ErrorCode::kUsage, "-o: name the picture to write, .exr or .png, or a video, .mp4 or .webm");
+}
+
+// Leaves every N-th of the job's frames, from the I-th on.
+void applyShare(const std::string& text, RenderJob& job) {
+  const std::optional<PartNumber> share = partNumbered(text);
+  if (!share)
+    throw Error(ErrorCode::kUsage, fmt::format("--share: expected I/N, I from 1 to N (found '{}'); write 1/4", text));
+  const std::vector<int> all = framesOf(job);
+  job.frames.clear();
+  for (std::size_t i = static_cast<std::size_t>(share->index - 1); i < all.size();
+       i += static_cast<std::size_t>(share->count))
+    job.frames.push_back(all[i]);
+  if (job.frames.empty())
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--share {}: the job has fewer frames (found {}); give a smaller N", text, all.size()));
+  if (!job.output.video.path.empty() && share->count > 1)
+    throw Error(ErrorCode::kUsage, job.output.video.path, "--share",
+                "a video needs all frames (found a share); write pictures, frame_####.png, and make the video of them");
+}
+
+// Returns whether INPUT is a volume, and no job.
+bool isVolumeName(const fs::path& input) { return extensionOf(input) != ".json" && !isPictureName(input); }
+
+// Leaves the frames of a sheet.
+void applySheet(const RenderArguments& a, RenderJob& job) {
+  if (a.resume || a.checkpoint || a.repeat > 1 || !a.stats.empty())
+    throw Error(ErrorCode::kUsage,
+                "--sheet: a sheet is drawn at once; leave --resume, --checkpoint, --repeat and --stats out");
+  job.frames = framesOfSheet(framesOf(job), a.sheet);
+  if (!a.job.has("--size") && isVolumeName(a.input)) job.picture.size = kSheetFrameSize;
+  requireSheet(job);
+}
+
+// Adds volumes to the job. Options of a volume replace the options of the first volume.
+void applyVolumes(const RenderArguments& a, RenderJob& job) {
+  const std::size_t more = a.added.size() + a.labels.size();
+  if (a.added_tfs.size() > more)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--add-tf: {} given for {} volumes of --add and --labels; the first is of the first",
+                            a.added_tfs.size(), more));
+  if (job.volumes.empty() && more == 0) return;
+  if (job.volumes.empty()) makeFirstOfSeveral(job);
+  VolumeOptions& first = job.volumes.front();
+  if (a.job.has("--tf")) {
+    first.transfer_function = job.picture.transfer_function;
+    first.functions.clear();
+  }
+  if (a.job.has("--window")) first.window = job.picture.window;
+  if (auto region = std::exchange(job.picture.clipping.region, std::nullopt)) first.clipping.region = region;
+  for (std::size_t i = 0; i < more; ++i) {
+    VolumeOptions volume;
+    volume.labels = i >= a.added.size();
+    volume.volume = volume.labels ? a.labels[i - a.added.size()] : a.added[i];
+    if (i < a.added_tfs.size()) volume.transfer_function = transferFunctionNamed(a.added_tfs[i], "--add-tf");
+    job.volumes.push_back(std::move(volume));
+  }
+}
+
+// Returns the temporary files beside the pictures: locks and checkpoints.
+std::vector<fs::path> passingFiles(const RenderArguments& a, const RenderJob& job) {
+  std::vector<fs::path> out;
+  if (const fs::path& video = job.output.video.path; !video.empty()) out.push_back(lockOf(behindLinks(video)));
+  if (!a.checkpoint) return out;
+  for (const int frame : framesOf(job)) {
+    if (filesOf(job, frame).empty()) continue;
+    out.push_back(checkpointOf(job, frame));
+    out.push_back(lockOf(out.back()));
+  }
+  return out;
+}
+
+// Returns all files that the command writes.
+OutputFiles outputsOf(const RenderArguments& a, const RenderJob& job) {
+  OutputFiles out;
+  out.add(a.stats, "--stats");
+  out.add(job.trace, "--trace");
+  for (const fs::path& path : namesOf(job.output)) out.add(path);
+  for (const int frame : framesOf(job)) {
+    for (const OutputFile& file : filesOf(job, frame)) out.add(file.path);
+  }
+  for (const fs::path& path : passingFiles(a, job)) out.add(path);
+  return out;
+}
+
+void requireNone(const OutputFiles& outputs, const TransferFunctionChoice& read) {
+  if (const auto* const file = std::get_if<fs::path>(&read)) outputs.requireNone(fileOf(*file));
+}
+
+// Checks that no output is an input. The files of a foreign volume are checked later, when the volume is open
+// (SequenceOptions::store_for).
+void requireInputsApart(const RenderArguments& a, const RenderJob& job) {
+  const OutputFiles outputs = outputsOf(a, job);
+  const auto requireApart = [&](const TransferFunctionChoice& still,
+                                const std::vector<Key<TransferFunctionChoice>>& keys) {
+    requireNone(outputs, still);
+    for (const Key<TransferFunctionChoice>& key : keys) requireNone(outputs, key.value);
+  };
+  std::error_code ignored;
+  if (!fs::is_directory(a.input, ignored)) outputs.requireNone(a.input);
+  requireApart(job.picture.transfer_function, job.animation.functions);
+  for (const VolumeOptions& volume : job.volumes) requireApart(volume.transfer_function, volume.functions);
+  std::set<fs::path> volumes;
+  for (const fs::path& volume : volumesOf(job)) {
+    volumes.insert(volume);
+    for (const int frame : framesOf(job)) volumes.insert(pathOfFrame(volume, frame));
+  }
+  for (const fs::path& volume : volumes) {
+    if (isStore(volume) || !fs::is_directory(volume, ignored)) outputs.requireNone(volume);
+  }
+}
+
+// Returns true if `path` is the folder or lies in it. Neither has to exist.
+bool isIn(const fs::path& path, const fs::path& folder) {
+  std::error_code unknown;
+  const auto whole_name = [&](const fs::path& name) {
+    fs::path out = fs::absolute(name, unknown);
+    if (!unknown) out = fs::weakly_canonical(out, unknown);
+    if (unknown) throw systemError(unknown.value(), name, "looking at its folder");
+    return out;
+  };
+  return isWithin(whole_name(behindLinks(path)), whole_name(folder));
+}
+
+// Checks that no output lies in the folder of a video's frames, because the folder is removed at the end.
+void requireOutsideKeptFrames(const RenderJob& job, const fs::path& path, const char* option) {
+  if (!keepsFramesForVideo(job) || path.empty() || !isIn(path, keptFramesOf(job.output.video))) return;
+  throw Error(ErrorCode::kUsage,
+              fmt::format("{}: {} is in {}, where the frames of the video are kept until it is made; name another file",
+                          option, path.string(), keptFramesOf(job.output.video).string()));
+}
+
+// Checks that statistics and trace do not overwrite another output of the command.
+void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
+  requireInputsApart(a, job);
+  for (const fs::path& path : namesOf(job.output)) requireOutsideKeptFrames(job, path, "-o");
+  if (a.stats.empty() && job.trace.empty()) return;
+  FileNames taken;
+  for (const fs::path& path : namesOf(job.output)) taken.add(path);
+  for (const int frame : framesOf(job)) {
+    for (const OutputFile& file : filesOf(job, frame)) taken.add(file.path);
+  }
+  for (const fs::path& path : passingFiles(a, job)) taken.add(path);
+  for (const auto& [option, name] : {std::pair{"--stats", fs::path(a.stats)}, std::pair{"--trace", job.trace}}) {
+    if (name.empty()) continue;
+    requireOutsideKeptFrames(job, name, option);
+    if (!taken.add(name))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{}: {} is the name of another file of this command", option, name.string()));
+  }
+}
+
+RenderJob jobOf(const RenderArguments& a) {
+  RenderJob job;
+  if (extensionOf(a.input) == ".json") {
+    job = readJob(a.input);
+  } else if (isPictureName(a.input)) {
+    job = jobOfPicture(a.input, parseBytes(a.job.text("--memory").value_or(kDefaultMemory), "--memory"));
+  } else {
+    job.volume = a.input;
+  }
+  requireStillCamera(a.job, job);
+  requireStereo(a.job, job.picture.stereo);
+  if (const auto name = a.job.text("--tf")) transferFunctionNamed(*name, "--tf");
+  a.job.apply(job);
+  if (a.job.hasAny({"--interocular", "--convergence"})) job.animation.stereo.clear();
+  if (a.job.text("--projection") == kProjectionNames[2] && !a.job.has("--size") && isVolumeName(a.input))
+    job.picture.size = kPanoramaSize;
+  requirePicture(job.picture);
+  applyVolumes(a, job);
+  requireOutput(a, job.output);
+  if (a.share) applyShare(*a.share, job);
+  findEncoder(a, job);
+  requirePart(job);
+  requireVolumes(job);
+  requireViews(job);
+  if (a.job.hasAny({"--deep-samples", "--deep-error"}) && !drawsDeep(job))
+    throw Error(ErrorCode::kUsage, "--deep-samples, --deep-error: no deep image is drawn; add --deep");
+  if (a.sheet > 0)
+    applySheet(a, job);
+  else
+    requireOutputs(job, framesOf(job));
+  requireOwnFiles(a, job);
+  return job;
+}
+
+// Volume files of a job: dimensions and types of the command line belong to INPUT, the folder of stores to all volumes;
+// labels are known per volume.
+class InputOptions {
+ public:
+  InputOptions(const RenderArguments& a, const RenderJob& job) : described_(a.source.volume({})) {
+    const fs::path input = job.volumes.empty() ? job.volume : job.volumes.front().volume;
+    names_ = namesIn(job, input);
+    for (const VolumeOptions& volume : job.volumes) {
+      if (volume.labels) labels_.merge(namesIn(job, volume.volume));
+    }
+  }
+  ForeignVolume of(const fs::path& volume) const {
+    return {volume, names_.contains(volume) ? described_.options : SourceOptions(), described_.store_directory};
+  }
+  bool areLabels(const fs::path& volume) const { return labels_.contains(volume); }
+
+ private:
+  // The names of a volume in all frames; also of the first frame on the disk, which decides how a series looks.
+  static std::set<fs::path> namesIn(const RenderJob& job, const fs::path& pattern) {
+    std::set<fs::path> out = {pattern};
+    for (const int frame : framesOf(job)) out.insert(pathOfFrame(pattern, frame));
+    if (const std::vector<int> there = framesOnDisk(pattern); !there.empty())
+      out.insert(pathOfFrame(pattern, there.front()));
+    return out;
+  }
+
+  ForeignVolume described_;  // options and folder, without a name
+  std::set<fs::path> names_, labels_;
+};
+
+void requireNoWarnings(std::uint64_t warnings) {
+  if (warnings > 0)
+    throw Error(ErrorCode::kIo,
+                fmt::format("--strict: all is done, but {}",
+                            warnings == 1 ? "there was a warning" : fmt::format("there were {} warnings", warnings)));
+}
+
+void requireStatisticsPlace(const RenderArguments& a) {
+  if (!a.stats.empty()) FileSystem::real().requirePlaceFor(a.stats);
+}
+
+// Prints the cost of the render. throws: Error kBudget if the memory is too small.
+void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input, const MemoryBeside& beside,
+             TerminalProgress& progress) {
+  requireStatisticsPlace(a);
+  const int first = framesOf(job).front();
+  const bool series = isSeries(job);
+  const OutputFiles outputs = outputsOf(a, job);
+  forEachVolume(job, [&](const fs::path& volume) {
+    const fs::path of_first = series ? pathOfFrame(volume, first) : volume;
+    const auto opened = [&](const SourceInfo& info) { outputs.requireNoneOf(info.files); };
+    const fs::path store = madeStoreFor(input.of(of_first), job.speed.memory_bytes, opened);
+    outputs.requireNone(store);
+    return store == of_first ? volume : store;
+  });
+  const DryRun cost = dryRun(job, beside);
+  if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, dryRunText(cost));
+  if (const std::vector<int> frames = framesOf(job); frames.size() > 1)
+    say("frames       {}; bricks and disk are of the first, {}\n", frames.size(), frames.front());
+  say("bricks       {}; {} hold something the transfer function shows, {} of these are in view\n", cost.bricks_total,
+      cost.bricks_interesting, cost.bricks_in_view);
+  const FrameMemory& memory = cost.memory;
+  say("disk         a frame reads at most {} files, {}{}; it does not read what is hidden behind opaque parts\n",
+      cost.files_in_view, formatBytes(cost.file_bytes_in_view),
+      memory.band > 0 ? ", once for each band of samples that finds them no longer in memory" : "");
+  const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
+  say("memory       {} of image ({} x {} pixels{}), ", formatBytes(memory.image), drawn.width(), drawn.height(),
+      cost.samples > 1 ? fmt::format(" of {} samples", cost.samples) : "");
+  if (memory.band > 0) say("{} of a band of its samples, ", formatBytes(memory.band));
+  if (memory.face > 0) say("{} of a face that it is made of, ", formatBytes(memory.face));
+  if (memory.deep > 0) say("{} of deep samples, ", formatBytes(memory.deep));
+  if (memory.files > 0) say("{} to compress files, ", formatBytes(memory.files));
+  if (memory.functions > 0) say("{} of transfer functions, ", formatBytes(memory.functions));
+  say("{} of visibility, {} of index, {} to draw with, {} of threads' stacks, {}{} {}\n",
+      formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.slabs), formatBytes(memory.threads),
+      memory.trace > 0 ? formatBytes(memory.trace) + " of the trace, " : "", formatBytes(memory.brick),
+      memory.brickText());
+  say("             --memory {} is the smallest that works, with {} to draw with\n", roundedUpBytes(memory.smallest()),
+      formatBytes(memory.least_slabs));
+  const std::uint64_t left = cacheBytes(memory, cost.budget_bytes, job.volume);
+  say("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
+      a.job.text("--memory").value_or(roundedUpBytes(cost.budget_bytes)), formatBytes(left),
+      formatBytes(cost.decoded_bytes_in_view));
+  if (cost.empty != EmptyFrame::kShows)
+    progress.warn(fmt::format("the picture is empty: {}", emptyText(cost.empty)));
+  else if (cost.one_colour)
+    progress.warn(fmt::format("the picture is of one colour: {}", kOneColourText));
+  if (a.strict) requireNoWarnings(progress.warnings());
+}
+
+std::string countedFrames(const std::vector<int>& frames) {
+  return fmt::format("{} frame{} ({})", frames.size(), frames.size() == 1 ? "" : "s", framesText(frames));
+}
+
+// Collective. The warnings of all ranks, on the first.
+std::uint64_t warningsOfAll(Ranks& ranks, const TerminalProgress& progress) {
+  std::uint64_t out = 0;
+  for (const std::uint64_t of_rank : gatherLists(ranks, std::vector<std::uint64_t>{progress.warnings()}))
+    out += of_rank;
+  return out;
+}
+
+ReportKind reportKind(const RenderArguments& a) {
+  if (a.progress == "json") return ReportKind::kEvents;
+  return a.quiet ? ReportKind::kQuiet : a.verbose ? ReportKind::kVerbose : ReportKind::kBrief;
+}
+
+void runFrames(const RenderArguments& a, const RenderJob& job, const SequenceOptions& options, Context& context) {
+  SequenceReport report(context.progress, reportKind(a));
+  try {
+    if (context.ranks->first()) requireStatisticsPlace(a);
+    const SequenceResult result = runSequence(job, options, context.progress, report);
+    const std::uint64_t warnings = warningsOfAll(*context.ranks, context.progress);
+    if (!context.ranks->first()) return;
+    if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(result.statistics));
+    report.finished(job, result);
+    const std::vector<int>& failed = result.statistics.failed;
+    if (!failed.empty())
+      throw Error(ErrorCode::kIo,
+                  fmt::format("{} failed; the first: {}; {}the same command with --resume draws what is missing",
+                              countedFrames(failed), result.first_failure,
+                              failed.size() < framesOf(job).size() ? "the others are there, and " : ""));
+    if (a.strict) requireNoWarnings(warnings);
+  } catch (const Error& error) {
+    report.ended(error);
+    throw;
+  }
+}
+
+void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions& options, Context& context) {
+  if (const std::size_t frames = framesOf(job).size(); frames > 1 || a.resume || !job.output.video.path.empty())
+    throw Error(ErrorCode::kUsage, "--repeat measures one frame: it is not for several frames, --resume or a video");
+  requireStatisticsPlace(a);
+  const int frame = framesOf(job).front();
+  job.series = seriesLook(job, options.store_for);
+  job = jobAtFrame(job, frame);
+  forEachVolume(job, options.store_for);
+  job.frames = {frame};
+  const RenderStatistics statistics = runRenderJob(job, a.repeat, context.progress).statistics;
+  if (!a.stats.empty()) FileSystem::real().writeAtomic(a.stats, statisticsText(statistics));
+  SequenceReport(context.progress, reportKind(a)).frameDone(job, statistics.frames.back(), 1);
+  if (a.strict) requireNoWarnings(context.progress.warnings());
+}
+
+void drawSheet(const RenderArguments& a, const RenderJob& job, const SequenceOptions& options, Context& context) {
+  FileSystem::real().requirePlaceFor(job.output.path);
+  const Image sheet = drawSequenceSheet(job, options.store_for, context.progress);
+  const ImageFileOptions file{job.output.exr_float, job.output.png_bits, job.output.exr_compression};
+  writeImage(sheet, {}, file.within(job.speed.memory_bytes, sheet), job.output.path);
+  context.progress.clear();
+  if (!a.quiet)
+    say("{}: {} x {} pixels, {}\n", job.output.path.string(), sheet.width, sheet.height, countedFrames(framesOf(job)));
+  if (a.strict) requireNoWarnings(context.progress.warnings());
+}
+
+// Returns the store. throws: Error kUsage if labels are required and the store holds amounts.
+fs::path requiredClass(const fs::path& store, bool labels) {
+  if (labels && readManifest(store).volume_class != VolumeClass::kLabels)
+    throw Error(ErrorCode::kUsage, store, "--labels",
+                "holds amounts; convert its source with kiln convert --labels, or give it to --add");
+  return store;
+}
+
+void applyProgress(const std::string& kind, TerminalProgress& progress) {
+  if (kind == "json" || kind == "none")
+    progress.silence();
+  else if (kind == "plain")
+    progress.plain();
+  else if (kind != "auto")
+    throw Error(ErrorCode::kUsage, fmt::format("--progress: expected auto, plain, json or none, found '{}'", kind));
+}
+
+void run(const RenderArguments& a, Context& context) {
+  if (a.repeat < 1) throw Error(ErrorCode::kUsage, "--repeat: expected at least 1");
+  applyProgress(a.quiet && a.progress == "auto" ? "none" : a.progress, context.progress);
+  shareHeaps();
+  const RenderJob job = jobOf(a);
+  if (!context.ranks->first() && (a.dry_run || a.repeat > 1 || a.sheet > 0)) return;
+  SequenceOptions options;
+  options.ranks = context.ranks;
+  options.store_local = a.store_local.value_or("");
+  if (a.store_local && (job.distribution != Distribution::kBricks || context.ranks->alone()))
+    throw Error(ErrorCode::kUsage, "--store-local: is for --distribute bricks, under mpirun with several ranks");
+  options.resume = a.resume;
+  options.checkpoint = a.checkpoint;
+  if (a.checkpoint && (a.repeat > 1 || !context.ranks->alone()))
+    throw Error(ErrorCode::kUsage,
+                "--checkpoint keeps the tiles of one process, drawn once: not with --repeat or mpirun");
+  if (a.progress == "json" && (a.dry_run || a.repeat > 1 || a.sheet > 0))
+    throw Error(
+        ErrorCode::kUsage,
+        "--progress json: tells of frames that become files, not of --dry-run, --repeat and --sheet; --stats has their "
+        "numbers");
+  if (a.checkpoint) requireCheckpoint(job);
+  const InputOptions input(a, job);
+  if (a.dry_run) return sayCost(a, job, input, besideBytes(job, options), context.progress);
+  const OutputFiles outputs = outputsOf(a, job);
+  options.store_for = [&](const fs::path& volume) {
+    const bool labels = input.areLabels(volume);
+    return requiredClass(storeOfInput(input.of(volume), job.speed.memory_bytes, outputs, context, labels), labels);
+  };
+  if (a.repeat > 1)
+    repeatFrame(a, job, options, context);
+  else if (a.sheet > 0)
+    drawSheet(a, job, options, context);
+  else
+    runFrames(a, job, options, context);
+}
+
+// Adds the job's file to an error of the job's camera, unless an option changed the camera.
+Error inJob(const RenderArguments& a, const Error& error) {
+  const std::string text = error.what();
+  const bool of_camera = error.path().empty() && text.find("camera: ") != std::string::npos;
+  const bool changed =
+      a.job.hasAny({"--projection", "--view", "--eye", "--target", "--up", "--azimuth", "--elevation"});
+  if (!of_camera || changed || extensionOf(a.input) != ".json") return error;
+  return Error(error.code(), a.input, "", text);
+}
+
+// The options of the command itself and, by group, the options of jobs.
+class RenderCommandLine {
+ public:
+  RenderCommandLine(CLI::App& command, RenderArguments& a, Context& context) : command_(command), a_(a) {
+    command
+        .add_option("INPUT", a.input,
+                    "A store, a volume file (converted to a store beside it first), JOB.json, or a picture of Kiln, "
+                    ".exr or .png, "
+                    "whose job is drawn.")
+        ->required();
+    for (std::size_t i = 0; i < kOptionGroupNames.size(); ++i) {
+      group_ = static_cast<OptionGroup>(i);
+      a.job.addTo(command, group_);
+      if (group_ == OptionGroup::kShown) addVolumes();
+      if (group_ == OptionGroup::kCost) addCost();
+      if (group_ == OptionGroup::kFrames) addFrames();
+      if (group_ == OptionGroup::kRanks) addRanks(context);
+    }
+    addForeignArguments(command, a.source);
+  }
+
+ private:
+  void flag(const char* name, bool& value, const char* help) {
+    command_.add_flag(name, value, help)->group(nameOf(group_));
+  }
+  template <class T>
+  CLI::Option* option(const char* name, const char* type, T& value, const char* help) {
+    return command_.add_option(name, value, help)->type_name(type)->group(nameOf(group_));
+  }
+
+  void addVolumes() {
+    option("--add", "FILE", a_.added,
+           "Also draw this volume, placed by its own affine. Options about values or voxels are INPUT's. Repeatable.")
+        ->allow_extra_args(false);
+    option("--labels", "FILE", a_.labels, "Also draw this volume of labels, with a colour for each label. Repeatable.")
+        ->allow_extra_args(false);
+    option("--add-tf", "TF", a_.added_tfs,
+           "Transfer function of each --add, then of each --labels, in their order (default auto). Repeatable.")
+        ->allow_extra_args(false);
+  }
+  void addCost() {
+    flag("--dry-run", a_.dry_run, "Print the bricks, the disk reads and the memory of the job; draw nothing.");
+    option("--stats", "FILE", a_.stats, "Write counts and times of the rendering as JSON.");
+    option("--repeat", "N", a_.repeat, "Draw the frame this many times; from the second on bricks are in memory.")
+        ->check(decimalNumber<int>())
+        ->capture_default_str();
+    flag("--strict", a_.strict,
+         "Exit with 1 after a warning: an empty picture or one colour, damaged bricks, an unknown frame or unit.");
+    command_.add_flag("--quiet", a_.quiet, "Print warnings and errors only.")
+        ->group(nameOf(group_))
+        ->excludes(command_.add_flag("--verbose", a_.verbose, "Print counts of bricks and voxels of each frame.")
+                       ->group(nameOf(group_)));
+    option("--progress", "auto|plain|json|none", a_.progress,
+           "Progress of frames and job: auto (default) rewrites a line of a terminal, plain prints a line every ten "
+           "seconds, json prints events to standard output.");
+  }
+  void addFrames() {
+    option("--share", "I/N", a_.share,
+           "Draw every N-th of the frames, from the I-th on: the share of one of N machines without MPI.");
+    option("--sheet", "N", a_.sheet,
+           "Draw N frames at equal steps into one picture, -o, each with its number, and no frame into a file. A frame "
+           "has 256x256 pixels without --size.")
+        ->check(wholeNumberFrom(2, kMostSheetFrames));
+    flag("--resume", a_.resume, "Keep frames that exist and are whole; draw the others.");
+    flag("--checkpoint", a_.checkpoint,
+         "Draw a long frame in tiles of 512x512 pixels, and keep finished tiles in NAME.tiles until the picture is "
+         "written. --resume continues from them.");
+  }
+  void addRanks(Context& context) {
+    addRankTimeout(command_, context)->group(nameOf(group_));
+    option("--store-local", "DIR", a_.store_local,
+           "With --distribute bricks: directory of each rank's part of the store, made by kiln split. A run of # "
+           "becomes the rank's number, from 1 on.");
+  }
+
+  CLI::App& command_;
+  RenderArguments& a_;
+  OptionGroup group_ = OptionGroup::kOutput;
+};
+
+}  // namespace
+
+void addRender(CLI::App& app, Context& context) {
+  auto a = std::make_shared<RenderArguments>();
+  CLI::App* command = app.add_subcommand("render", "Draw a picture of a store, a volume file or a job.");
+  RenderCommandLine(*command, *a, context);
+  addExamples(*command,
+              {"kiln render head.kiln -o face.png --tf ct-skin --view front --size 512x512",
+               "kiln render head.kiln -o mip.png --mode mip --window 1100,2000 --size 512x512",
+               "kiln render head.kiln -o turn.png --tf ct-bone --turntable 120 --sheet 12",
+               "kiln render head.kiln -o frame_####.png --tf ct-bone --turntable 12 --size 256x256 --resume"});
+  command->callback([a, &context] {
+    context.by_all_ranks = true;
+    context.action = [a, &context] {
+      try {
+        run(*a, context);
+      } catch (const Error& error) {
+        throw inJob(*a, error);
+      }
+    };
+  });
+}
+
+}  // namespace kiln::tool

@@ -1,0 +1,152 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/file/file.h"
+#include "base/memory/memory.h"
+#include "commands.h"
+#include "examples.h"
+#include "foreign_store.h"
+#include "frame/slice.h"
+#include "frame/slice_sheet.h"
+#include "image/file/image_file.h"
+#include "job/frame_list.h"
+#include "output_files.h"
+#include "say.h"
+#include "scene_arguments.h"
+#include "source_arguments.h"
+#include "store/brick_index.h"
+#include "store/store_reader.h"
+
+namespace kiln::tool {
+namespace {
+
+struct SliceArguments {
+  std::string store, output, axis = "z", window, colormap = "gray", memory = kDefaultMemory;
+  int level = 0;
+  std::optional<std::string> index, at;
+  bool sheet = false;
+  ForeignArguments source;
+};
+
+void warnBeside(const std::string& picture, const Window& window, const ValueRange& range, Progress& progress) {
+  if (range.empty()) return;
+  if (range.hi >= window.centre - 0.5 * window.width && range.lo <= window.centre + 0.5 * window.width) return;
+  progress.warn(
+      fmt::format("{}: the picture is of one colour: all values of the volume, {:g} to {:g}, lie beside --window",
+                  picture, range.lo, range.hi));
+}
+
+int axisOf(const std::string& name) {
+  const std::string axes = "xyz";
+  if (name.size() != 1 || axes.find(name) == std::string::npos)
+    throw Error(ErrorCode::kUsage, fmt::format("--axis: expected x, y or z, found '{}'", name));
+  return static_cast<int>(axes.find(name));
+}
+
+void write(const Image& image, const StoreReader& store, std::uint64_t memory_bytes,
+           const std::filesystem::path& path) {
+  writeImage(image, {}, ImageFileOptions().within(memory_bytes - store.index().bytes(), image), path);
+}
+
+// The numbers of the slices: those of --index, else the middle one, or all of a numbered output.
+std::vector<int> slicesOf(const SliceArguments& a, std::int64_t count) {
+  if (a.index) {
+    const std::vector<int> out = parseFrames(*a.index, "--index");
+    if (const int most = *std::max_element(out.begin(), out.end()); most >= count)
+      throw Error(ErrorCode::kUsage, fmt::format("--index: {} is not between 0 and {}", most, count - 1));
+    return out;
+  }
+  if (!hasFramePlace(a.output)) return {static_cast<int>(count / 2)};
+  std::vector<int> all(static_cast<std::size_t>(count));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+void drawSlices(const SliceArguments& a, const StoreReader& store, SliceRequest request, Context& context) {
+  request.axis = axisOf(a.axis);
+  request.level = a.level;
+  store.requireLevel(a.level);
+  const std::vector<int> slices = slicesOf(a, store.level(a.level).geometry.dims[request.axis]);
+  if (slices.size() > 1 && !hasFramePlace(a.output))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("-o: {} slices need a name with a place for their number (found {}); write slice_###.png",
+                            slices.size(), a.output));
+  for (const int slice : slices) {
+    request.index = slice;
+    const std::filesystem::path path = pathOfFrame(a.output, slice);
+    const Image image = renderSlice(store, request, context.progress);
+    write(image, store, request.memory_bytes, path);
+    context.progress.clear();
+    say("{}: {} x {} pixels\n", path.string(), image.width, image.height);
+  }
+}
+
+void drawSheet(const SliceArguments& a, const StoreReader& store, const SliceRequest& slice, Context& context) {
+  SliceSheetRequest request{std::nullopt, slice.window, slice.colormap, slice.memory_bytes};
+  if (a.at) {
+    const glm::dvec3 at = parseTriple(*a.at, "--at");
+    request.at = VoxelCoord{std::llround(at.x), std::llround(at.y), std::llround(at.z)};
+  }
+  const SliceSheet sheet = renderSliceSheet(store, request, context.progress);
+  write(sheet.image, store, request.memory_bytes, a.output);
+  context.progress.clear();
+  say("{}: {} x {} pixels, slices of level {} through voxel {},{},{} with the value {:.9g}\n", a.output,
+      sheet.image.width, sheet.image.height, sheet.level, sheet.at.x, sheet.at.y, sheet.at.z, sheet.value);
+}
+
+void run(const SliceArguments& a, Context& context) {
+  requireImagePath(a.output);
+  FileSystem::real().requirePlaceFor(a.output);
+  OutputFiles outputs;
+  outputs.add(a.output);
+  if (a.at && !a.sheet) throw Error(ErrorCode::kUsage, "--at: is a point of a sheet; add --sheet, or give --index");
+  SliceRequest request;
+  request.memory_bytes = parseBytes(a.memory, "--memory");
+  request.colormap = a.colormap;
+  if (!a.window.empty()) request.window = parseWindow(a.window, "--window");
+  const StoreReader store(storeOfInput(a.source.volume(a.store), request.memory_bytes, outputs, context),
+                          request.memory_bytes);
+  if (a.sheet)
+    drawSheet(a, store, request, context);
+  else
+    drawSlices(a, store, request, context);
+  if (request.window) warnBeside(a.output, *request.window, store.manifest().range, context.progress);
+}
+
+}  // namespace
+
+void addSlice(CLI::App& app, Context& context) {
+  auto a = std::make_shared<SliceArguments>();
+  CLI::App* command = app.add_subcommand("slice", "draw slices, the first look after converting");
+  command->add_option("STORE", a->store, "the store, or a volume file (converted to a store beside it first)")
+      ->required();
+  command->add_option("-o,--output", a->output, "the picture, .png or .exr; a run of # becomes the slice's number")
+      ->required();
+  CLI::Option* const axis = command->add_option("--axis", a->axis, "x, y or z")->capture_default_str();
+  CLI::Option* const level = addNumber(*command, "--level", a->level, "0 is finest")->capture_default_str();
+  CLI::Option* const index =
+      command
+          ->add_option("--index", a->index,
+                       "the slice, in voxels of the level: 7, 0-100, 0-100x10 or 3,20; the middle one if not given, or "
+                       "all if the name has a place for a number")
+          ->type_name("SLICES");
+  command
+      ->add_flag("--sheet", a->sheet, "draw three slices through a voxel, the histogram and the voxel's value instead")
+      ->excludes(axis)
+      ->excludes(level)
+      ->excludes(index);
+  command->add_option("--at", a->at, "the voxel of a sheet; the middle if not given")->type_name("X,Y,Z");
+  command->add_option("--window", a->window, "values shown: the middle 99 % if not given")->type_name("CENTRE,WIDTH");
+  command->add_option("--colormap", a->colormap, fmt::format("colours: {}", fmt::join(sliceColorMaps(), ", ")))
+      ->type_name("NAME")
+      ->capture_default_str();
+  addMemory(*command, a->memory, "the picture, a brick and the index")->capture_default_str();
+  addForeignArguments(*command, a->source);
+  addExamples(*command, {"kiln slice head.kiln -o sheet.png --sheet",
+                         "kiln slice head.kiln -o slice_###.png --axis z --index 0-63x16"});
+  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
+}
+
+}  // namespace kiln::tool

@@ -1,0 +1,169 @@
+#include <fmt/format.h>
+
+#include "base/file/file.h"
+#include "base/memory/memory.h"
+#include "commands.h"
+#include "examples.h"
+#include "foreign_store.h"
+#include "frame/transfer_function_picture.h"
+#include "image/file/image_file.h"
+#include "image/srgb.h"
+#include "ingest/open_source.h"
+#include "job/transfer_function_json.h"
+#include "output_files.h"
+#include "say.h"
+#include "scene/transfer/presets.h"
+#include "scene_arguments.h"
+#include "store/manifest/read_manifest.h"
+#include "volume_values.h"
+
+namespace kiln::tool {
+namespace fs = std::filesystem;
+namespace {
+
+struct TfArguments {
+  std::string input, tf, window, output, memory = kDefaultMemory;
+  bool json = false;
+  ForeignArguments source;
+};
+
+// The volume for which a function is shown: a store's or a file's, or without a volume typical values: Hounsfield units
+// from air to dense bone for CT, else 0 to 1, with voxels of 1.
+struct Subject {
+  VolumeValues values;
+  TransferFunctionChoice choice;
+  bool volume = false;
+};
+
+Manifest withoutVolume(const TransferFunctionChoice& choice) {
+  const auto* name = std::get_if<std::string>(&choice);
+  if (name != nullptr && (*name == "auto" || name->starts_with("mr-")))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("'{0}' is found in a volume's histogram: run kiln tf VOLUME --tf {0}", *name));
+  Manifest out;
+  out.type = VoxelType::f32;
+  out.range = {0, 1};
+  if (name != nullptr && name->starts_with("ct-")) out.range = {-1024, 3071};
+  out.levels.resize(1);
+  out.levels[0].geometry.dims = {256, 256, 256};
+  const auto* file = std::get_if<fs::path>(&choice);
+  if (file != nullptr && !readTransferFunction(*file, out).labels.empty()) out.volume_class = VolumeClass::kLabels;
+  return out;
+}
+
+VolumeValues valuesOfFile(const TfArguments& a, const OutputFiles& outputs, Context& context) {
+  const ForeignVolume volume = a.source.volume(a.input);
+  const std::uint64_t memory_bytes = parseBytes(a.memory, "--memory");
+  const std::unique_ptr<VolumeSource> source = openedWithin(memory_bytes, volume);
+  outputs.requireNoneOf(source->info().files);
+  return valuesOf(volume, *source, memory_bytes, context.progress);
+}
+
+Subject subjectOf(const TfArguments& a, const OutputFiles& outputs, Context& context) {
+  const auto choice = [&] { return transferFunctionNamed(a.tf.empty() ? "auto" : a.tf, "--tf"); };
+  if (namesVolumeFile(a.input, a.source)) {
+    const TransferFunctionChoice function = choice();
+    return {valuesOfFile(a, outputs, context), function, true};
+  }
+  std::error_code ignored;
+  if (fs::is_directory(a.input, ignored)) {
+    requireNoOptions(a.input, a.source.resolve());
+    return {{readManifest(a.input), "", 0}, choice(), true};
+  }
+  if (!a.tf.empty())
+    throw Error(ErrorCode::kUsage, fmt::format("--tf goes with a store or a volume file, and '{}' is none", a.input));
+  const TransferFunctionChoice function = transferFunctionNamed(a.input, "kiln tf");
+  return {{withoutVolume(function), "", 0}, function, false};
+}
+
+std::string hexOf(const glm::dvec3& linear) {
+  const SrgbBytes& bytes = SrgbBytes::all();
+  return fmt::format("#{:02x}{:02x}{:02x}", bytes.of(linear.r), bytes.of(linear.g), bytes.of(linear.b));
+}
+
+void print(const TransferFunction& f, const Subject& subject) {
+  const Manifest& manifest = subject.values.manifest;
+  const std::string unit = manifest.geometry().unit.empty() ? "world unit" : manifest.geometry().unit;
+  if (subject.volume && manifest.range.empty()) {
+    say("volume       no value is a number\n");
+  } else if (subject.volume) {
+    say("volume       values {:.9g} to {:.9g}\n", manifest.range.lo, manifest.range.hi);
+    sayHistogram(subject.values);
+    sayWindows(manifest);
+  }
+  say("opacity      per {:.6g} {}, between points linear, outside of them as at the ends\n", f.unit, unit);
+  say("{:>14}  {:>8}  {:>12}  {:>7}  {:<24}\n", "value", "opacity", "extinction", "sRGB",
+      "red, green, blue (linear light)");
+  for (const TransferPoint& p : f.points) {
+    say("{:>14.9g}  {:>8.5f}  {:>12.5g}  {}  {:.4f}, {:.4f}, {:.4f}\n", p.value, p.opacity,
+        extinctionOf(p.opacity, f.unit), hexOf(p.color), p.color.r, p.color.g, p.color.b);
+  }
+  for (const GradientPoint& p : f.gradient_opacity)
+    say("{:>14.9g}  {:>8.5f}  of the opacity, by gradient in values per {}\n", p.gradient, p.factor, unit);
+  say("{} points; extinction is per {}\n", f.points.size(), unit);
+}
+
+void printLabels(const TransferFunction& f) {
+  say("{:>9}  {:>8}  {:>12}  {:>7}  {}\n", "label", "opacity", "extinction", "sRGB", "name");
+  for (const LabelStyle& look : f.labels)
+    say("{:>9.0f}  {:>8.5f}  {:>12.5g}  {}  {}\n", look.label, look.opacity, extinctionOf(look.opacity, f.unit),
+        hexOf(look.color), look.name);
+  say("{} labels; opacity is per {:.6g}\n", f.labels.size(), f.unit);
+}
+
+void run(const TfArguments& a, Context& context) {
+  if (!a.output.empty()) {
+    requireImagePath(a.output);
+    FileSystem::real().requirePlaceFor(a.output);
+  }
+  OutputFiles outputs;
+  outputs.add(a.output);
+  for (const std::string& read : {a.input, a.tf}) {
+    outputs.requireNone(read);
+    outputs.requireNone(fileOf(read));
+  }
+  const Subject subject = subjectOf(a, outputs, context);
+  const Manifest& manifest = subject.values.manifest;
+  std::optional<Window> window;
+  if (!a.window.empty()) window = parseWindow(a.window, "--window");
+  const TransferFunction function = resolve(subject.choice, window, manifest);
+  if (!function.labels.empty() && !a.output.empty())
+    throw Error(ErrorCode::kUsage, "-o: labels have no curve to draw; leave -o out");
+  if (!a.output.empty()) writeImage(transferFunctionPicture(function, manifest.histogram), {}, {}, a.output);
+  if (a.json)
+    // Without a volume, a unit that depends on the volume stays so.
+    sayJson(transferFunctionText(subject.volume ? function : functionFor(subject.choice, window, manifest)));
+  else if (function.labels.empty())
+    print(function, subject);
+  else
+    printLabels(function);
+}
+
+}  // namespace
+
+void addTf(CLI::App& app, Context& context) {
+  auto a = std::make_shared<TfArguments>();
+  CLI::App* command = app.add_subcommand("tf", "show a transfer function as text, and as a picture over the histogram");
+  command
+      ->add_option("INPUT", a->input,
+                   fmt::format("a store, a volume file (which is sampled), a transfer function file (FILE or "
+                               "FILE#NAME), points VALUE:OPACITY[:COLOR],..., or "
+                               "a preset: {}",
+                               presetList()))
+      ->required();
+  command->add_option("--tf", a->tf,
+                      "the transfer function of the store or volume file: a file, points or a preset (default auto)");
+  command
+      ->add_option("--window", a->window, "stretch the function so that it begins and ends with this window of values")
+      ->type_name("CENTRE,WIDTH");
+  command->add_flag("--json", a->json,
+                    "print the function as a transfer function file: the object transferFunction of a job");
+  command->add_option("-o,--output", a->output, "the picture, .png or .exr");
+  addExamples(*command, {"kiln tf ct-bone", "kiln tf scan.nrrd", "kiln tf head.kiln --tf viridis -o viridis.png",
+                         "kiln tf head.kiln --tf ct-bone --json > bone.json"});
+  addMemory(*command, a->memory, "the sample of a volume file")->capture_default_str();
+  addForeignArguments(*command, a->source);
+  command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
+}
+
+}  // namespace kiln::tool
