@@ -144,11 +144,11 @@ std::vector<BudgetRow> pictureRows() {
       rendered("checkpoint", 32, {"--size", "900x900", "--samples", "1", "--checkpoint"}),
       {"projected values", 16, {"render", "IN/head.kiln", "-o", "IN/o.exr", "--mode", "mip", "--size", "500x500"}},
       {"table of 4096 points",
-       48,
+       16,
        {"render", "IN/head.kiln", "-o", "IN/o.exr", "--size", "100x100", "--tf", "IN/points.json"}},
       {"slice", 16, {"slice", "IN/head.kiln", "-o", "IN/o.png"}},
       {"slice, sheet", 16, {"slice", "IN/head.kiln", "-o", "IN/o.png", "--sheet"}},
-      {"gallery", 32, {"gallery", "IN/head.kiln", "-o", "IN/o.png", "--thumbnail", "64"}},
+      {"gallery", 24, {"gallery", "IN/head.kiln", "-o", "IN/o.png", "--thumbnail", "64"}},
       compressed("dwab", "float", 48),
       compressed("piz", "half", 32),
   };
