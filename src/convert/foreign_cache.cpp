@@ -96,12 +96,13 @@ fs::path wholeNameOf(const fs::path& file) {
 }
 
 void requireNoPhantom(const fs::path& input) {
-  if (namesPhantom(input)) {
-    throw Error(ErrorCode::kUsage, "'" + input.string() +
-                                       "' is computed and not a file, so no store can stand beside "
-                                       "it; convert it first: kiln convert " +
-                                       shellText(input.string()) + " NAME.kiln");
-  }
+  if (!namesPhantom(input)) return;
+  const std::string name = input.string();
+  const bool has_size = std::count(name.begin(), name.end(), ':') > 1;
+  throw Error(ErrorCode::kUsage,
+              "'" + name +
+                  "' is computed and not a file, so no store can stand beside it; convert it first: kiln convert " +
+                  shellText(has_size ? name : name + ":256x256x256") + " NAME.kiln");
 }
 
 bool canWriteIn(const fs::path& folder) {

@@ -388,6 +388,11 @@ std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOp
       break;
   }
   if (!described) {
+    if (options.dims || options.type)
+      throw Error(ErrorCode::kUsage, input, options.dims ? "--type" : "--dims",
+                  options.dims
+                      ? "headerless raw voxels need a type, and none is given; add --type, for example --type u16"
+                      : "headerless raw voxels need a size, and none is given; add --dims X,Y,Z");
     requireHeaderOfImage(input);
     throw Error(
         ErrorCode::kUsage, input, "",

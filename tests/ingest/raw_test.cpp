@@ -146,6 +146,12 @@ TEST(IngestOpen, WrongUsesOfOptionsAreUsageErrors) {
   const auto nrrd = files.write("v.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n\nx");
   expectRefused(raw, ErrorCode::kUsage, "--dims and --type");
   expectRefused(raw, ErrorCode::kUsage, "--dims 256,256,113 --type u16");  // in the syntax of the command line
+  SourceOptions half;
+  half.dims = Extent3{4, 4, 4};
+  expectRefused(raw, ErrorCode::kUsage, "--type: headerless raw voxels need a type", half);
+  half = {};
+  half.type = VoxelType::u16;
+  expectRefused(raw, ErrorCode::kUsage, "--dims: headerless raw voxels need a size", half);
   files.write("v.nhdr", "NRRD0004\n");
   expectRefused(raw, ErrorCode::kUsage, "'v.nhdr'");
   SourceOptions options;
