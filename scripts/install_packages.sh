@@ -10,7 +10,8 @@ build=(g++ cmake ninja-build pkg-config
        libglm-dev libfmt-dev libcli11-dev nlohmann-json3-dev)
 mpi=(libopenmpi-dev openmpi-bin)
 # Tests hold Kiln's files and its schema against other programs.
-test=(libgtest-dev openimageio-tools ffmpeg python3-jsonschema python3-zarr lowdown)
+test=(libgtest-dev openimageio-tools ffmpeg lowdown
+      python3-jsonschema python3-zarr python3-h5py python3-mrcfile python3-nibabel python3-tifffile)
 bench=(libbenchmark-dev)
 demo=(invesalius-examples tar)
 # Other renderers, to compare with.

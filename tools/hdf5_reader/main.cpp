@@ -375,7 +375,10 @@ class OpenDataset {
   hid_t at(hid_t file, const std::string& path) {
     if (id_ >= 0 && path == path_) return id_;
     if (id_ >= 0) H5Dclose(id_);
-    id_ = H5Dopen2(file, path.c_str(), H5P_DEFAULT);
+    // External files lie beside the file, as virtual sources do; by default the library takes the working directory.
+    const Id plist(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose, "the properties of an access");
+    H5Pset_efile_prefix(plist, "${ORIGIN}");
+    id_ = H5Dopen2(file, path.c_str(), plist);
     path_ = path;
     require(id_ >= 0, "the data set");
     return id_;

@@ -1,0 +1,94 @@
+// Exports read by nibabel and tifffile, libraries of their fields. Known because the test made voxels
+// and affine; the script compares and prints each difference.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "base/progress.h"
+#include "export/export_store.h"
+#include "store/store_reader.h"
+#include "support/system/python.h"
+#include "support/volumes/foreign_files.h"
+#include "support/volumes/procedural.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+constexpr Extent3 kVolumeDims = {19, 17, 18};
+
+// v.raw holds the voxels, x fastest, in the type of the command line.
+constexpr const char* kComparison = R"(
+import sys, numpy
+where, dtype = sys.argv[1] + '/', numpy.dtype(sys.argv[2])
+expected = numpy.fromfile(where + 'v.raw', dtype).reshape(18, 17, 19)
+affine = numpy.array([[-0.5, 0, 0, 12.5], [0, -0.75, 0, -30], [0, 0, 2, 7.25], [0, 0, 0, 1]])
+def compare(name, data, found=None):
+    if data.dtype.newbyteorder('=') != dtype or not numpy.array_equal(data, expected):
+        sys.exit(name + ' has other voxels')
+    if found is not None and not numpy.array_equal(found, affine):
+        sys.exit(name + ' has the affine ' + str(found))
+)";
+
+struct PythonReader {
+  const char* modules = "";
+  const char* package = "";
+  std::vector<const char*> names;
+  const char* script = "";
+};
+
+const PythonReader kNibabelReader = {"numpy, nibabel", "python3-nibabel", {"v.nii", "v.nii.gz"}, R"(
+import nibabel
+for name in ('v.nii', 'v.nii.gz'):
+    image = nibabel.load(where + name)
+    compare(name, numpy.asanyarray(image.dataobj).T, image.affine)
+    assert image.header.get_xyzt_units()[0] == 'mm'
+)"};
+
+const PythonReader kTifffileReader = {"numpy, tifffile", "python3-tifffile", {"v.tif", "v_##.tif"}, R"(
+import glob, tifffile
+compare('v.tif', tifffile.imread(where + 'v.tif'))
+compare('slices', numpy.stack([tifffile.imread(name) for name in sorted(glob.glob(where + 'v_*.tif'))]))
+with tifffile.TiffFile(where + 'v.tif') as file:
+    assert file.is_imagej and file.imagej_metadata['spacing'] == 2 and file.imagej_metadata['slices'] == 18
+)"};
+
+// The affine is that of the script in left, front and top; nibabel's is in right, back and top.
+DenseVolume exportedVolumeOf(VoxelType type) {
+  DenseVolume out = noise({kVolumeDims, type}, 7, usualRange(type));
+  out.geometry.world_from_index = spacingAffine({0.5, 0.75, 2}, {-12.5, 30, 7.25});
+  out.geometry.frame = PatientFrame::kLps;
+  out.geometry.unit = "mm";
+  return out;
+}
+
+void expectRead(const PythonReader& reader, VoxelType type, const char* numpy_type) {
+  const std::string python = pythonWith(reader.modules);
+  if (python.empty()) GTEST_SKIP() << reader.package << " is not installed";
+  SCOPED_TRACE(numpy_type);
+  const ForeignFiles files;
+  const DenseVolume volume = exportedVolumeOf(type);
+  files.write("v.raw", std::string(reinterpret_cast<const char*>(volume.voxels.data()), volume.voxels.size()));
+  const fs::path store = makeStore(volume, std::string("python_") + numpy_type, 16);
+  Progress silent;
+  for (const char* const name : reader.names) {
+    ExportRequest request;
+    request.out = files.directory() / name;
+    exportStore(StoreReader(store), request, silent);
+  }
+  const fs::path script = files.write("read.py", std::string(kComparison) + reader.script);
+  const std::string command =
+      fmt::format("{} {} {} {}", python, script.string(), files.directory().string(), numpy_type);
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST(ExportPythonReaders, Nibabel_readsVoxelsAffineAndUnit) {
+  expectRead(kNibabelReader, VoxelType::f32, "f4");
+}
+
+TEST(ExportPythonReaders, Tifffile_readsVoxelsAndSpacing) {
+  expectRead(kTifffileReader, VoxelType::u16, "u2");
+}
+
+}  // namespace
+}  // namespace kiln::test

@@ -1,0 +1,173 @@
+// Volumes that the libraries of each field wrote: nibabel, tifffile, mrcfile, h5py. Known because the scripts also
+// wrote the voxels as raw bytes, and the affine as text.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "ingest/open_source.h"
+#include "support/system/python.h"
+#include "support/volumes/foreign_files.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+// keep(name, voxels, affine) writes NAME.raw, x fastest and little-endian, and the rows of the affine as NAME.affine.
+constexpr const char* kCommonLines = R"(
+import sys, numpy
+where = sys.argv[1] + '/'
+random = numpy.random.default_rng(7)
+def volume(dtype, shape=(13, 17, 19)):
+    kind = numpy.dtype(dtype)
+    if kind.kind == 'f':
+        return random.standard_normal(shape).astype(kind)
+    limits = numpy.iinfo(kind)
+    out = random.integers(limits.min, limits.max, shape, dtype=kind.newbyteorder('='), endpoint=True).astype(kind)
+    out.flat[0], out.flat[1] = limits.min, limits.max
+    return out
+def keep(name, voxels, affine=None):
+    voxels.astype(voxels.dtype.newbyteorder('<')).tofile(where + name + '.raw')
+    if affine is not None:
+        numpy.savetxt(where + name + '.affine', affine, fmt='%.17g')
+)";
+
+struct PythonLibrary {
+  const char* modules = "";
+  const char* package = "";
+  int files = 0;
+  const char* script = "";
+};
+
+// Arrays of nibabel have the axes x, y, z. All numbers of the affine are floats of 32 bits.
+const PythonLibrary kNibabel = {"numpy, nibabel", "python3-nibabel", 8 * 2 + 2, R"(
+import nibabel
+affine = numpy.array([[0.5, 0, 0.125, -10], [0, -0.25, 0.5, 4], [0.25, 0.125, 2, 7], [0, 0, 0, 1]])
+def save(name, data, kind, order='<'):
+    header = kind.header_class(endianness=order)
+    header.set_data_dtype(data.dtype)
+    header.set_xyzt_units('mm')
+    nibabel.save(kind(data, affine, header), where + name)
+    keep(name, data.T, affine)
+for number, dtype in enumerate(('u1', 'i1', 'u2', 'i2', 'u4', 'i4', 'f4', 'f8')):
+    save('%d.nii' % number, volume(dtype), nibabel.Nifti1Image)
+    save('%d.nii.gz' % number, volume(dtype), nibabel.Nifti2Image, '>')
+save('pair.img', volume('i2'), nibabel.Nifti1Pair)
+save('wide.nii', volume('i2', (33000, 2, 3)), nibabel.Nifti2Image)
+)"};
+
+const PythonLibrary kTifffile = {"numpy, tifffile", "python3-tifffile", 10 + 6, R"(
+import tifffile
+spacing = numpy.diag([0.25, 0.5, 2, 1])
+def save(name, data, affine=None, **how):
+    tifffile.imwrite(where + name, data, **how)
+    keep(name, data, affine)
+for number, dtype in enumerate(('u1', 'i1', '<u2', '>u2', '<i2', '<u4', '>i4', '<f4', '>f4', '<f8')):
+    save('%d.tif' % number, volume(dtype), byteorder=dtype[0] if dtype[0] in '<>' else None, photometric='minisblack')
+save('big.tif', volume('<u2'), bigtiff=True, photometric='minisblack')
+save('zlib.tif', volume('<u2'), compression='zlib', photometric='minisblack')
+save('tiles.tif', volume('<u2', (5, 40, 50)), tile=(16, 32), photometric='minisblack')
+save('strips.tif', volume('<f4'), rowsperstrip=3, compression='zlib', photometric='minisblack')
+save('imagej.tif', volume('<u2'), spacing, imagej=True, resolution=(4, 2), metadata={'spacing': 2, 'unit': 'um', 'axes': 'ZYX'})
+save('ome.ome.tif', volume('<u2'), spacing, ome=True, photometric='minisblack',
+     metadata={'axes': 'ZYX', 'PhysicalSizeX': 0.25, 'PhysicalSizeY': 0.5, 'PhysicalSizeZ': 2.0})
+)"};
+
+// A half float has its value as a float of 32 bits.
+const PythonLibrary kMrcfile = {"numpy, mrcfile", "python3-mrcfile", 5 + 1, R"(
+import mrcfile
+spacing = numpy.diag([0.5, 0.25, 2, 1])
+def save(name, data, **how):
+    with mrcfile.new(where + name, **how) as file:
+        file.set_data(data)
+        file.set_volume()
+        file.voxel_size = (0.5, 0.25, 2)
+    keep(name, data.astype('f4') if data.dtype == numpy.dtype('f2') else data, spacing)
+for number, dtype in enumerate(('i1', 'i2', 'u2', 'f2', 'f4')):
+    save('%d.mrc' % number, volume(dtype))
+save('packed.mrc.gz', volume('i2'), compression='gzip')
+)"};
+
+const PythonLibrary kH5py = {"numpy, h5py", "python3-h5py", 10 + 8, R"(
+import h5py
+def save(name, data, **how):
+    with h5py.File(where + name, 'w') as file:
+        file.create_dataset('volume', data=data, **how)
+    keep(name, data)
+for number, dtype in enumerate(('u1', 'i1', '<u2', '>u2', '<i2', '<u4', '>i4', '<f4', '>f4', '<f8')):
+    save('%d.h5' % number, volume(dtype))
+parts = (5, 6, 7)
+save('chunks.h5', volume('<u2'), chunks=parts)
+save('gzip.h5', volume('>u2'), chunks=parts, compression='gzip', shuffle=True)
+save('lzf.h5', volume('<f4'), chunks=parts, compression='lzf')
+save('sums.h5', volume('<i4'), chunks=parts, compression='gzip', fletcher32=True)
+save('nbit.h5', volume('<u2') & 1023, chunks=parts, scaleoffset=0)
+save('newest.h5', volume('<u2'), chunks=parts, maxshape=(None, 17, 19))
+data = volume('<u2')
+with h5py.File(where + 'parts.hdf5', 'w') as file:
+    file.create_dataset('low', data=data[:6])
+    file.create_dataset('high', data=data[6:])
+layout = h5py.VirtualLayout(data.shape, data.dtype)
+layout[:6] = h5py.VirtualSource('parts.hdf5', 'low', (6, 17, 19))
+layout[6:] = h5py.VirtualSource('parts.hdf5', 'high', (7, 17, 19))
+with h5py.File(where + 'virtual.h5', 'w') as file:
+    file.create_virtual_dataset('volume', layout)
+keep('virtual.h5', data)
+data.tofile(where + 'outside')
+with h5py.File(where + 'external.h5', 'w') as file:
+    file.create_dataset('volume', data.shape, data.dtype, external=[('outside', 0, data.nbytes)])
+keep('external.h5', data)
+)"};
+
+std::vector<fs::path> volumesIn(const fs::path& folder) {
+  std::vector<fs::path> out;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == ".raw") out.push_back(fs::path(entry.path()).replace_extension());
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+void expectAffine(const std::string& rows, const glm::dmat4& found) {
+  std::istringstream in(rows);
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) {
+      double expected = 0;
+      in >> expected;
+      EXPECT_EQ(found[column][row], expected) << "row " << row << ", column " << column;
+    }
+}
+
+void expectReadBack(const fs::path& file) {
+  const std::unique_ptr<VolumeSource> source = openSource(file);
+  const std::string expected = bytesOf(file.string() + ".raw");
+  const std::vector<std::byte> voxels = readWhole(*source);
+  ASSERT_EQ(voxels.size(), expected.size());
+  EXPECT_TRUE(std::equal(voxels.begin(), voxels.end(), std::as_bytes(std::span(expected)).begin()));
+  const fs::path affine = file.string() + ".affine";
+  if (fs::exists(affine)) expectAffine(bytesOf(affine), source->info().geometry.world_from_index);
+}
+
+void expectAllReadBack(const PythonLibrary& library) {
+  const std::string python = pythonWith(library.modules);
+  if (python.empty()) GTEST_SKIP() << library.package << " is not installed";
+  const ForeignFiles files;
+  const fs::path script = files.write("write.py", std::string(kCommonLines) + library.script);
+  ASSERT_EQ(std::system(fmt::format("{} {} {}", python, script.string(), files.directory().string()).c_str()), 0);
+  const std::vector<fs::path> volumes = volumesIn(files.directory());
+  EXPECT_EQ(static_cast<int>(volumes.size()), library.files);
+  for (const fs::path& volume : volumes) {
+    SCOPED_TRACE(volume.filename().string());
+    expectReadBack(volume);
+  }
+}
+
+TEST(IngestPythonFiles, Nibabel_readsBackExactly) { expectAllReadBack(kNibabel); }
+TEST(IngestPythonFiles, Tifffile_readsBackExactly) { expectAllReadBack(kTifffile); }
+TEST(IngestPythonFiles, Mrcfile_readsBackExactly) { expectAllReadBack(kMrcfile); }
+#ifdef KILN_TEST_HDF5
+TEST(IngestPythonFiles, H5py_readsBackExactly) { expectAllReadBack(kH5py); }
+#endif
+
+}  // namespace
+}  // namespace kiln::test
