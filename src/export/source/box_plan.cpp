@@ -76,7 +76,7 @@ BoxPlan planBoxes(const StoreReader& store, const ExportedVolume& volume, const 
                           formatBytes(least), formatBytes(memory_bytes), roundedUpBytes(least)));
 }
 
-BoxList::BoxList(const VoxelBox& whole, const BoxPlan& plan) : whole_(whole), plan_(plan) {
+BoxList::BoxList(const VoxelBox& whole, const BoxPlan& plan) : whole_(whole), shape_(plan) {
   VoxelCoord counts;
   for (int axis = 0; axis < 3; ++axis) {
     first_[axis] = floorOfQuotient(whole.lo[axis] - plan.anchor[axis], plan.step[axis]);
@@ -89,8 +89,8 @@ VoxelBox BoxList::at(std::int64_t i) const {
   const VoxelCoord place = {i % counts_.x, i / counts_.x % counts_.y, i / counts_.x / counts_.y};
   VoxelBox out;
   for (int axis = 0; axis < 3; ++axis) {
-    out.lo[axis] = plan_.anchor[axis] + (first_[axis] + place[axis]) * plan_.step[axis];
-    out.hi[axis] = out.lo[axis] + plan_.step[axis];
+    out.lo[axis] = shape_.anchor[axis] + (first_[axis] + place[axis]) * shape_.step[axis];
+    out.hi[axis] = out.lo[axis] + shape_.step[axis];
   }
   return intersection(out, whole_);
 }

@@ -28,7 +28,7 @@ class BoxList {
 
  private:
   VoxelBox whole_;
-  BoxPlan plan_;
+  BoxPlan shape_;
   VoxelCoord first_;  // in steps from the anchor
   Extent3 counts_;
 };
