@@ -11,8 +11,8 @@ namespace kiln {
 struct Sampling {
   std::optional<int> level;  // default: in each region the level whose voxels are about the size of a pixel
   Interpolation interpolation = Interpolation::kLinear;
-  /// Distance of samples along a pixel's ray: at least half a pixel, by default at most a pixel. Smaller is more
-  /// faithful, larger is faster. unit: voxels.
+  /// Distance of samples along a pixel's ray: at least half a pixel, by default at most a pixel or a quarter of a
+  /// voxel. Smaller is more faithful, larger is faster. unit: voxels.
   double distance = kSampleDistance;
   /// Only view pixels whose column and row are both even or both odd have rays. View pixels are halves of picture
   /// pixels, so two of four have a ray. Distances along rays refer to picture pixels.
