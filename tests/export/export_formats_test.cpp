@@ -201,10 +201,10 @@ TEST_F(ExportFormats, ARegionOfALevelComesBack) {
     for (const int level : {0, 1}) {
       ExportRequest part = request();
       part.level = level;
-      part.region = VoxelBox{{5, -3, 7}, {25, 15, 90}};
+      part.region = VoxelBox{{-5, 3, 7}, {25, 15, 90}};
       part.overwrite = true;
       exported(path, part);
-      const VoxelBox expected = level == 0 ? VoxelBox{{5, 0, 7}, {25, 15, 24}} : VoxelBox{{2, 0, 7}, {13, 15, 24}};
+      const VoxelBox expected = level == 0 ? VoxelBox{{0, 3, 7}, {25, 15, 24}} : VoxelBox{{0, 3, 7}, {13, 15, 24}};
       const ExportedVolume wanted = exportedVolume(store, level, part.region);
       ASSERT_EQ(wanted.box, expected);
       std::vector<std::byte> voxels(wanted.bytes());

@@ -295,6 +295,24 @@ TEST_F(ExportVdb, LooserValuesStateTheirLargestError) {
   EXPECT_EQ(sparse.largest_error, largest);
 }
 
+// A box of one value that begins inside leaves makes leaves at its border.
+TEST_F(ExportVdb, BordersOfConstantBricksAreCharged) {
+  makeStore<std::uint8_t>(directory_ / "s.kiln", denseInfo(VoxelType::u8, {90, 90, 90}),
+                          [](std::int64_t, std::int64_t, std::int64_t) { return std::uint8_t{7}; });
+  const StoreReader store(directory_ / "s.kiln");
+  const auto part = [&](std::int64_t lo, std::int64_t hi) {
+    return exportedVolume(store, 0, VoxelBox{{lo, lo, lo}, {hi, hi, hi}});
+  };
+  const std::uint64_t little = store.index().bytes() + (100u << 10);
+  EXPECT_NO_THROW(exportVdb(store, part(0, 64), {.out = out(), .memory_bytes = little}, silent_));
+  try {
+    exportVdb(store, part(3, 67), {.out = out(), .overwrite = true, .memory_bytes = little}, silent_);
+    ADD_FAILURE() << "borders are free";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kBudget) << error.what();
+  }
+}
+
 TEST_F(ExportVdb, ValuesThatAGridCannotHoldAreRefused) {
   makeStore<double>(directory_ / "s.kiln", denseInfo(VoxelType::f64, {9, 9, 9}),
                     [](std::int64_t x, std::int64_t, std::int64_t) { return 1e5 + static_cast<double>(x); });

@@ -89,7 +89,7 @@ for number, dtype in enumerate(('i1', 'i2', 'u2', 'f2', 'f4')):
 save('packed.mrc.gz', volume('i2'), compression='gzip')
 )"};
 
-const PythonLibrary kH5py = {"numpy, h5py", "python3-h5py", 10 + 8, R"(
+const PythonLibrary kH5py = {"numpy, h5py", "python3-h5py", 10 + 9, R"(
 import h5py
 def save(name, data, **how):
     with h5py.File(where + name, 'w') as file:
@@ -118,6 +118,11 @@ data.tofile(where + 'outside')
 with h5py.File(where + 'external.h5', 'w') as file:
     file.create_dataset('volume', data.shape, data.dtype, external=[('outside', 0, data.nbytes)])
 keep('external.h5', data)
+with h5py.File(where + 'other.hdf5', 'w') as file:
+    file.create_dataset('volume', data=data, chunks=parts, compression='gzip')
+with h5py.File(where + 'link.h5', 'w') as file:
+    file['volume'] = h5py.ExternalLink('other.hdf5', '/volume')
+keep('link.h5', data)
 )"};
 
 std::vector<fs::path> volumesIn(const fs::path& folder) {

@@ -1,5 +1,7 @@
 // Spacings of TIFF files from tags, and of ImageJ's stacks from their more detailed description. Known because the tags
 // are written here.
+#include "ingest/tiff/tiff_spacing.h"
+
 #include <gtest/gtest.h>
 
 #include "ingest/open_source.h"
@@ -175,6 +177,18 @@ class LoggedSlices {
  private:
   ForeignFiles files_;
 };
+
+// Known from tifffile: the samples of a colour are the last dimension.
+TEST(IngestTiff, SamplesInTifffilesShape_areNoChannels) {
+  for (const char* const description :
+       {R"({"shape": [6, 20, 30, 3]})", R"({"shape": [6, 20, 30, 3], "axes": "ZYXS"})"}) {
+    const std::optional<StackNotes> notes = stackNotes(description, 3);
+    ASSERT_TRUE(notes);
+    EXPECT_EQ(notes->channels, 1);
+    EXPECT_EQ(notes->frames, 1);
+  }
+  EXPECT_EQ(stackNotes(R"({"shape": [6, 20, 30, 3]})")->channels, 6);
+}
 
 TEST(IngestTiff, ALogOfSkyScanStatesTheSpacing) {
   const LoggedSlices rat;

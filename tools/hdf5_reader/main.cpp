@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
@@ -242,7 +243,7 @@ struct Description {
   }
 };
 
-// Objects by their first names, then soft links, then the path that the user named.
+// Objects by their first names, then links, also to other files, then the path that the user named.
 json describe(hid_t file, const std::string& path) {
   Description out;
   const herr_t objects = H5Ovisit(
@@ -255,7 +256,8 @@ json describe(hid_t file, const std::string& path) {
   H5Lvisit(
       file, H5_INDEX_NAME, H5_ITER_NATIVE,
       [](hid_t root, const char* name, const H5L_info_t* info, void* data) -> herr_t {
-        return info->type == H5L_TYPE_SOFT ? static_cast<Description*>(data)->add(root, name, true) : 0;
+        if (info->type == H5L_TYPE_HARD) return 0;
+        return static_cast<Description*>(data)->add(root, name, info->type == H5L_TYPE_SOFT);
       },
       &out);
   if (path.empty() && out.is_cut)
@@ -342,6 +344,16 @@ json filesOf(hid_t plist, H5D_layout_t layout) {
   return names;
 }
 
+// Returns the name of the file with the data set if an external link leads to another file; else an empty text.
+std::string linkedFile(hid_t file, hid_t dataset) {
+  H5O_info_t here, there;
+  require(H5Oget_info(file, &here) >= 0 && H5Oget_info(dataset, &there) >= 0, "the place of the data set");
+  if (here.fileno == there.fileno) return {};
+  char name[4096] = {};
+  require(H5Fget_name(dataset, name, sizeof name) > 0, "the name of a linked file");
+  return std::filesystem::absolute(name).string();
+}
+
 std::string layoutOf(hid_t file, const std::string& path) {
   const Id dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "the data set");
   const Id type(H5Dget_type(dataset), H5Tclose, "its type"), space(H5Dget_space(dataset), H5Sclose, "its shape");
@@ -356,6 +368,12 @@ std::string layoutOf(hid_t file, const std::string& path) {
               {"fill", fillOf(plist)},
               {"user_block", user_block}};
   const H5D_layout_t layout = H5Pget_layout(plist);
+  const std::string linked = linkedFile(file, dataset);
+  // Addresses in another file are of no use to Kiln: the library reads such a data set.
+  if (!linked.empty()) {
+    out["files"] = json::array({linked});
+    return out.dump(-1, ' ', true, json::error_handler_t::replace);
+  }
   if (layout == H5D_CONTIGUOUS) {
     const haddr_t offset = H5Dget_offset(dataset);
     if (offset != HADDR_UNDEF && H5Pget_external_count(plist) <= 0) out["offset"] = offset;

@@ -65,7 +65,10 @@ BoxPlan planBoxes(const StoreReader& store, const ExportedVolume& volume, const 
     const std::uint64_t box_bytes = static_cast<std::uint64_t>(box.count()) * sizeOf(volume.type);
     return store.index().bytes() + box_bytes + writer.workBytes(box_bytes, threads) + threads * read_bytes;
   };
-  const VoxelCoord anchor = rule.kind == BoxRule::Kind::kGrid ? volume.box.lo : VoxelCoord{volume.box.lo.x, 0, 0};
+  const VoxelCoord& lo = volume.box.lo;
+  // Bricks begin at multiples of their size; whole slices and grids begin where the part begins.
+  const VoxelCoord anchor = {lo.x, rule.kind == BoxRule::Kind::kRows ? 0 : lo.y,
+                             rule.kind == BoxRule::Kind::kGrid ? lo.z : 0};
   const std::vector<BoxShape> shapes = shapesOf(rule, dims, store.manifest().brick_size, most_threads);
   for (const BoxShape& shape : shapes)
     for (unsigned threads = most_threads; threads >= shape.least_threads; --threads)

@@ -38,6 +38,8 @@ class BakedFiller {
     }
   }
 
+  bool holds(double constant) const { return of(static_cast<T>(constant)).density != 0; }
+
   void fill(const VoxelBox& box, double constant) {
     const Baked baked = of(static_cast<T>(constant));
     if (baked.density == 0) return;

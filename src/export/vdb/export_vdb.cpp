@@ -26,16 +26,42 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
+std::int64_t leavesDown(std::int64_t a) { return a >> kLeafLog2; }
+
+// Returns a box of the voxels of all leaves that `part` touches in the grid.
+VoxelBox touchedLeaves(const GridPlacement& place, const VoxelBox& part) {
+  VoxelBox out;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t lo = part.lo[axis] + place.origin[axis], hi = part.hi[axis] + place.origin[axis];
+    out.lo[axis] = leavesDown(lo) << kLeafLog2;
+    out.hi[axis] = (leavesDown(hi - 1) + 1) << kLeafLog2;
+  }
+  return out;
+}
+
+// Returns a box of as many voxels as the leaves have that `part` fills in part; all others become tiles of one value.
+VoxelBox partLeaves(const GridPlacement& place, const VoxelBox& part) {
+  std::int64_t touched = 1, whole = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t lo = part.lo[axis] + place.origin[axis], hi = part.hi[axis] + place.origin[axis];
+    touched *= leavesDown(hi - 1) + 1 - leavesDown(lo);
+    whole *= std::max<std::int64_t>(leavesDown(hi) - leavesDown(lo + kLeafEdge - 1), 0);
+  }
+  return boxOf({(touched - whole) * kLeafEdge, kLeafEdge, kLeafEdge});
+}
+
 // Memory for any content of the volume: all voxels of all stored bricks in the tree, one brick being read, the index.
 template <class Filler>
-std::uint64_t sufficientBytes(const StoreReader& store, const ExportedVolume& volume) {
+std::uint64_t sufficientBytes(const StoreReader& store, const ExportedVolume& volume, const GridPlacement& place) {
   const Extent3 lattice = store.level(volume.level).bricks;
   std::uint64_t grid = 0, read = 0;
   for (std::int64_t i = 0; i < lattice.count(); ++i) {
     const BrickKey key{volume.level, brickAt(lattice, i)};
     const VoxelBox part = intersection(store.frame(key).core(), volume.box);
-    if (part.empty() || store.index().at(key).constant) continue;
-    grid += Filler::growthBytes(part);
+    if (part.empty()) continue;
+    const bool constant = store.index().at(key).constant;
+    grid += Filler::growthBytes(constant ? partLeaves(place, part) : touchedLeaves(place, part));
+    if (constant) continue;
     read = std::max<std::uint64_t>(read, store.readBytes(key));
   }
   return grid + read + store.index().bytes();
@@ -66,7 +92,7 @@ FilledGrids filledBy(Filler filler, const GridExport& parts) {
                 fmt::format("{} beside the index is too little: the grid and reading one brick take more (found a "
                             "brick of {}); give --memory {}, which surely suffices, or export a coarser level",
                             formatBytes(parts.memory_bytes), formatBytes(parts.store.readBytes(key)),
-                            roundedUpBytes(sufficientBytes<Filler>(parts.store, parts.volume))));
+                            roundedUpBytes(sufficientBytes<Filler>(parts.store, parts.volume, parts.place))));
   };
   const auto bricks = static_cast<std::uint64_t>(lattice.count());
   for (std::uint64_t i = 0; i < bricks; ++i) {
@@ -76,9 +102,10 @@ FilledGrids filledBy(Filler filler, const GridExport& parts) {
     const VoxelBox part = intersection(store.frame(key).core(), volume.box);
     if (part.empty()) continue;
     if (entry.constant) {
+      if (filler.holds(entry.core.lo) && !filler.charge(partLeaves(place, part), 0)) refuse(key);
       filler.fill(part, entry.core.lo);
     } else {
-      if (!filler.charge(part, store.readBytes(key))) refuse(key);
+      if (!filler.charge(touchedLeaves(place, part), store.readBytes(key))) refuse(key);
       filler.take(store.read(key), part);
     }
     progress.advance("exporting", "bricks", i + 1, bricks);

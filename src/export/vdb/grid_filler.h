@@ -15,8 +15,8 @@
 
 namespace kiln {
 
-/// Fills a grid of type `Grid` with voxels of type T. Every filler has `fill`, `take`, `charge`, `growthBytes`,
-/// `finish` and `largestError`.
+/// Fills a grid of type `Grid` with voxels of type T. Every filler has `holds`, `fill`, `take`, `charge`,
+/// `growthBytes`, `finish` and `largestError`.
 template <class T, class Grid>
 class GridFiller {
  public:
@@ -34,6 +34,9 @@ class GridFiller {
     if (manifest.volume_class == VolumeClass::kFog) grid_->setGridClass(openvdb::GRID_FOG_VOLUME);
     if (level_set_) grid_->setGridClass(openvdb::GRID_LEVEL_SET);
   }
+
+  /// Returns whether a box of one value enters the tree.
+  bool holds(double constant) { return !isBackground(written(static_cast<T>(constant))); }
 
   /// Takes a box of one value.
   void fill(const VoxelBox& box, double constant) {

@@ -1,6 +1,7 @@
 // The place of a level's voxels in a grid of OpenVDB.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -8,6 +9,10 @@
 #include "store/store_reader.h"
 
 namespace kiln {
+
+/// Edge of a leaf of OpenVDB's trees. unit: voxels.
+inline constexpr int kLeafLog2 = 3;
+inline constexpr std::int64_t kLeafEdge = 1 << kLeafLog2;
 
 /// Maps the voxels of a level to grid coordinates.
 struct GridPlacement {

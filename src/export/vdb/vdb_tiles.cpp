@@ -7,11 +7,10 @@
 
 #include "base/error.h"
 #include "export/source/numbered_name.h"
+#include "export/vdb/grid_placement.h"
 
 namespace kiln {
 namespace {
-
-constexpr std::int64_t kLeafEdge = 8;
 
 int longestAxis(const Extent3& extent) {
   if (extent.x >= extent.y && extent.x >= extent.z) return 0;

@@ -50,9 +50,10 @@ std::vector<ExportedVolume> exportedPyramid(const ExportTarget& target, const Ex
 // The voxels of an unfinished export must be those of the finished one.
 std::string contentsText(const ExportTarget& target, const ExportedVolume& volume) {
   const VoxelBox& box = volume.box;
-  return fmt::format("kiln export 1, OME-Zarr, index {}, level {}, {},{},{} to {},{},{}\n",
-                     toHex(target.store.manifest().index_checksum), volume.level, box.lo.x, box.lo.y, box.lo.z,
-                     box.hi.x, box.hi.y, box.hi.z);
+  return fmt::format("kiln export 2, OME-Zarr, index {}, {} {}, background {}, level {}, {},{},{} to {},{},{}\n",
+                     toHex(target.store.manifest().index_checksum), nameOf(volume.type),
+                     static_cast<int>(volume.volume_class), volume.background, volume.level, box.lo.x, box.lo.y,
+                     box.lo.z, box.hi.x, box.hi.y, box.hi.z);
 }
 
 Leftover leftoverOf(const ExportTarget& target) {

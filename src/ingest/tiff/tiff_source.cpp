@@ -152,7 +152,7 @@ void requireImages(Stack& stack, const StackNotes& notes, std::size_t found, con
 
 void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index, const SourceOptions& options) {
   TiffFile file(files[index], stack.colours);
-  const std::optional<StackNotes> notes = stackNotes(file.description());
+  const std::optional<StackNotes> notes = stackNotes(file.description(), file.page().samples);
   if (index == 0) {
     stack.first = file.page();
     stack.notes = notes;

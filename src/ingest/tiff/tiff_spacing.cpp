@@ -222,11 +222,16 @@ void useTifffileLengths(StackNotes& out, const JsonNode& description) {
 }
 
 // {"shape": [2, 5, 64, 64], "axes": "CZYX"}. Without axes all dimensions beyond the last three are channels.
-StackNotes notesOfTifffile(const JsonNode& description) {
+StackNotes notesOfTifffile(const JsonNode& description, int samples) {
   std::vector<std::int64_t> dims = description.at("shape").wholes();
   for (std::int64_t& dim : dims) dim = std::clamp<std::int64_t>(dim, 1, kMostStacks);
   const std::optional<JsonNode> named = description.find("axes");
   std::string axes = named ? named->text() : "";
+  // The samples of a colour are the last dimension, and no axis of the volume.
+  if (samples > 1 && !dims.empty() && dims.back() == samples) {
+    if (axes.size() == dims.size()) axes.pop_back();
+    dims.pop_back();
+  }
   if (axes.size() != dims.size()) {
     std::erase(dims, 1);
     axes = std::string(dims.size() > 3 ? dims.size() - 3 : 0, 'C') + "ZYX";
@@ -252,10 +257,10 @@ StackNotes notesOfTifffile(const JsonNode& description) {
 }
 
 // A text that only resembles tifffile's says nothing.
-std::optional<StackNotes> tifffileNotes(std::string_view description) {
+std::optional<StackNotes> tifffileNotes(std::string_view description, int samples) {
   if (!description.starts_with("{\"shape\": [")) return std::nullopt;
   try {
-    return notesOfTifffile(JsonNode({}, std::string(description)));
+    return notesOfTifffile(JsonNode({}, std::string(description)), samples);
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -273,11 +278,11 @@ glm::dvec2 pixelInUnit(const TiffPage& page, const StackNotes& stack) {
 
 }  // namespace
 
-std::optional<StackNotes> stackNotes(std::string_view description) {
-  for (const auto& read : {imageJNotes, omeNotes, tifffileNotes}) {
+std::optional<StackNotes> stackNotes(std::string_view description, int samples) {
+  for (const auto& read : {imageJNotes, omeNotes}) {
     if (std::optional<StackNotes> out = read(description)) return out;
   }
-  return std::nullopt;
+  return tifffileNotes(description, samples);
 }
 
 VolumeGeometry tiffGeometry(const Extent3& dims, const TiffPage& page, const std::optional<StackNotes>& stack,

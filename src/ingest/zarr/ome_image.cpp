@@ -180,6 +180,9 @@ std::vector<ArrayAxis> OmeImage::axes(std::size_t count) const {
   return out;
 }
 
+// A manifest with more colours takes seconds to read: its keys are sought one by one.
+constexpr std::size_t kMostDeclaredLabels = 4096;
+
 // Looks are left out, not refused, if they are not as expected: OMERO's keys are no part of the standard.
 std::vector<JsonNode> OmeImage::omeroChannels() const {
   const std::optional<JsonNode> omero = objectAt(ome_, "omero");
@@ -197,6 +200,11 @@ void OmeImage::addLook(ArrayVolume& volume) const {
     for (const JsonNode& color : listAt(*labels, "colors"))
       if (const auto label = labelIn(color)) volume.look.labels.push_back(*label);
     sortDeclared(volume.look.labels);
+    if (const std::size_t count = volume.look.labels.size(); count > kMostDeclaredLabels) {
+      volume.look.labels.clear();
+      volume.notes.push_back(
+          fmt::format("declares the colours of {} labels; more than {} are not used", count, kMostDeclaredLabels));
+    }
     return;
   }
   const std::vector<JsonNode> channels = omeroChannels();
