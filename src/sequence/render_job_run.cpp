@@ -49,6 +49,19 @@ RenderResult drawFirstFrame(const RenderJob& job, OpenedJob& opened, int repeat,
   return result;
 }
 
+// `open` returns the opened job. The trace covers opening, drawing and writing.
+template <class Open>
+RenderResult runJob(const RenderJob& job, int repeat, Progress& progress, const Open& open) {
+  requireDrawable(job);
+  const ThreadLimit threads(job.speed.threads);
+  std::optional<Trace> trace;
+  if (!job.trace.empty()) trace.emplace(job.trace);
+  OpenedJob opened = open();
+  RenderResult result = drawFirstFrame(job, opened, repeat, progress);
+  if (trace) trace->finish();
+  return result;
+}
+
 }  // namespace
 
 Camera cameraFor(const PictureOptions& picture, const BrickedVolume& volume) {
@@ -60,23 +73,15 @@ TransferFunction transferFunctionFor(const PictureOptions& picture, const Bricke
 }
 
 RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress) {
-  requireDrawable(job);
-  const ThreadLimit threads(job.speed.threads);
-  std::optional<Trace> trace;
-  if (!job.trace.empty()) trace.emplace(job.trace);
-  RenderJob at_frame = jobAtFrame(job, framesOf(job).front());
-  if (!at_frame.series) at_frame.series = seriesLook(job, {});
-  OpenedJob opened(at_frame, progress);
-  RenderResult result = drawFirstFrame(job, opened, repeat, progress);
-  if (trace) trace->finish();
-  return result;
+  return runJob(job, repeat, progress, [&] {
+    RenderJob at_frame = jobAtFrame(job, framesOf(job).front());
+    if (!at_frame.series) at_frame.series = seriesLook(job, {});
+    return OpenedJob(at_frame, progress);
+  });
 }
 
 RenderResult runRenderJob(const RenderJob& job, std::span<const BrickedVolume* const> volumes, Progress& progress) {
-  requireDrawable(job);
-  const ThreadLimit threads(job.speed.threads);
-  OpenedJob opened(job, OpenedVolumes(job, volumes), progress);
-  return drawFirstFrame(job, opened, 1, progress);
+  return runJob(job, 1, progress, [&] { return OpenedJob(job, OpenedVolumes(job, volumes), progress); });
 }
 
 }  // namespace kiln

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/file/file.h"
 #include "convert/open_array.h"
 #include "sequence/render_job_run.h"
 #include "store/brick_index.h"
@@ -247,6 +248,18 @@ TEST(OpenArrayPictures, SeveralVolumes_drawTheStoresPicture) {
   EXPECT_EQ(opened[1]->manifest().geometry().unit, "cm");
   opened.pop_back();
   EXPECT_THROW(runRenderJob(job, opened, silent), Error);
+}
+
+// A job's trace has a frame whatever holds its volumes.
+TEST(OpenArrayPictures, JobWithTrace_writesTheTrace) {
+  const DenseVolume volume = smallHead(VoxelType::u8);
+  RenderJob job = jobOf({});
+  job.trace = freshDirectory("array_trace") / "trace.json";
+  Progress silent;
+  const std::unique_ptr<BrickedVolume> array = openArray(arrayOf(volume), {.brick_size = 16}, silent);
+  const BrickedVolume* const volumes[] = {array.get()};
+  runRenderJob(job, volumes, silent);
+  EXPECT_NE(readTextFile(job.trace).find("\"frame\""), std::string::npos);
 }
 
 TEST(OpenArrayErrors, WrongArray_isRefused) {
