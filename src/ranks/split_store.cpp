@@ -96,12 +96,9 @@ StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const fs
     throw Error(ErrorCode::kExists, directory, "", "is there already; remove it, or name another directory");
   const auto holds = bricksOfStorePart(store, box);
   const auto forEach = [&](auto&& body) {
-    for (int level = 0; level < store.index().levels(); ++level) {
-      const Extent3& lattice = store.index().lattice(level);
-      for (std::int64_t i = 0; i < lattice.count(); ++i) {
-        if (const BrickKey key{level, brickAt(lattice, i)}; holds(key)) body(key);
-      }
-    }
+    store.index().forEachKey([&](const BrickKey& key) {
+      if (holds(key)) body(key);
+    });
   };
   NewDirectory part(directory);
   const fs::path& building = part.building();

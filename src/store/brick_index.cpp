@@ -109,10 +109,7 @@ ValueRange BrickIndex::valueRange() const {
 
 std::uint64_t BrickIndex::largest(const std::function<std::uint64_t(const BrickKey&)>& bytes_of) const {
   std::uint64_t out = 0;
-  for (int level = 0; level < levels(); ++level) {
-    for (std::int64_t i = 0; i < lattice(level).count(); ++i)
-      out = std::max(out, bytes_of({level, brickAt(lattice(level), i)}));
-  }
+  forEachKey([&](const BrickKey& key) { out = std::max(out, bytes_of(key)); });
   return out;
 }
 

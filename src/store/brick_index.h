@@ -51,6 +51,12 @@ class BrickIndex {
   std::size_t size() const { return entries_.size(); }
   /// Position of a brick among all bricks of all levels. requires: contains(key).
   std::size_t place(const BrickKey& key) const;
+  /// Calls each(key) for the bricks of all levels, in the order of `place`.
+  template <class Each>
+  void forEachKey(const Each& each) const {
+    for (int level = 0; level < levels(); ++level)
+      for (std::int64_t i = 0; i < lattice(level).count(); ++i) each(BrickKey{level, brickAt(lattice(level), i)});
+  }
   /// The range of all voxels of level 0, ignoring NaN. requires: level 0 has all its entries.
   ValueRange valueRange() const;
   /// Returns the largest of bytes_of(key) over all bricks.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
 #include <mutex>
 #include <optional>
@@ -42,12 +41,9 @@ class Verification {
     forEachEntry([&](const BrickKey& key, const BrickEntry&) { total_ += has(key) ? 1 : 0; });
     for (int level = 0; level < store_.index().levels(); ++level) {
       const Extent3& lattice = store_.index().lattice(level);
-      std::atomic<std::int64_t> next = 0;
-      parallelFor(lanes, [&](std::size_t) {
-        for (std::int64_t i = next++; i < lattice.count(); i = next++) {
-          const BrickKey key{level, brickAt(lattice, i)};
-          if (has(key)) brick(key);
-        }
+      parallelInLanes(lanes, static_cast<std::size_t>(lattice.count()), [&](std::size_t, std::size_t i) {
+        const BrickKey key{level, brickAt(lattice, static_cast<std::int64_t>(i))};
+        if (has(key)) brick(key);
       });
     }
     noteStrangers();
@@ -109,13 +105,7 @@ class Verification {
   template <class F>
   void forEachEntry(F&& f) const {
     const BrickIndex& index = store_.index();
-    for (int level = 0; level < index.levels(); ++level) {
-      const Extent3& lattice = index.lattice(level);
-      for (std::int64_t i = 0; i < lattice.count(); ++i) {
-        const BrickKey key{level, brickAt(lattice, i)};
-        f(key, index.at(key));
-      }
-    }
+    index.forEachKey([&](const BrickKey& key) { f(key, index.at(key)); });
   }
 
   void brick(const BrickKey& key) {

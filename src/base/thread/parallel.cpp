@@ -80,13 +80,18 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body
   failure.rethrow();
 }
 
-void parallelForInOrder(std::size_t count, const std::function<void(std::size_t)>& body) {
+void parallelInLanes(std::size_t lanes, std::size_t count,
+                     const std::function<void(std::size_t lane, std::size_t i)>& body) {
   std::atomic<std::size_t> begun = 0;
   FirstFailure failure;
-  parallelFor(std::min<std::size_t>(count, ThreadLimit::active()), [&](std::size_t) {
-    for (std::size_t i = begun++; i < count && !failure.happened(); i = begun++) failure.keepOf([&] { body(i); });
+  parallelFor(std::min(count, lanes), [&](std::size_t lane) {
+    for (std::size_t i = begun++; i < count && !failure.happened(); i = begun++) failure.keepOf([&] { body(lane, i); });
   });
   failure.rethrow();
+}
+
+void parallelForInOrder(std::size_t count, const std::function<void(std::size_t)>& body) {
+  parallelInLanes(ThreadLimit::active(), count, [&](std::size_t, std::size_t i) { body(i); });
 }
 
 // Constructed in place: TBB identifies a control by its address, and a copy limits nothing.

@@ -17,6 +17,11 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& body
 /// together.
 void parallelForInOrder(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// Calls body(lane, i) once for each i in [0, count). The items of a lane, of `lanes` lanes, follow each other, so a
+/// lane may own data. Items begin in order. throws: the first exception of a body.
+void parallelInLanes(std::size_t lanes, std::size_t count,
+                     const std::function<void(std::size_t lane, std::size_t i)>& body);
+
 /// Limits all loops of the process to `threads` threads during its lifetime; 0 keeps the limit in force.
 class ThreadLimit {
  public:
