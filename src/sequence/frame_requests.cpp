@@ -5,10 +5,6 @@
 
 namespace kiln {
 
-FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function) {
-  return frameRequest(job.picture, job.speed, camera, transfer_function);
-}
-
 FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed) {
   FrameRequest out = frameRequest(scene.picture, speed, scene.camera, scene.transfer_function);
   for (const VolumeScene& volume : scene.volumes)

@@ -9,7 +9,6 @@ namespace kiln {
 
 /// Return the request of a frame. Without a number of samples a pixel has one sample; scenes always have a number
 /// (SceneOfJob).
-FrameRequest frameRequest(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
 FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed);
 FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& speed, const Camera& camera,
                           const TransferFunction& transfer_function);

@@ -32,8 +32,9 @@ TEST(Paging, AFrameReadsWhatItDraws) {
     std::vector<FrameStatistics> frames(2);
     for (std::size_t i = 0; i < frames.size(); ++i) {
       job.picture.camera.azimuth_deg = 20 + static_cast<double>(i);
-      renderFrame(cache, frameRequest(job, cameraFor(job.picture, store), transferFunctionFor(job.picture, store)),
-                  progress, frames[i]);
+      const FrameRequest request =
+          frameRequest(job.picture, job.speed, cameraFor(job.picture, store), transferFunctionFor(job.picture, store));
+      renderFrame(cache, request, progress, frames[i]);
     }
     EXPECT_GT(frames[0].bricks_contributing, 20u);
     EXPECT_GT(frames[0].bricks_hidden, 2u);

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "base/file/file.h"
@@ -29,29 +27,12 @@ struct ExportArguments {
   ExportRequest request;
 };
 
-// The box of X0,Y0,Z0,X1,Y1,Z1, as kiln render reads it.
-VoxelBox regionOf(const std::string& text) {
-  const std::string expected = VoxelBounds{}.form().expected;
-  const std::vector<double> numbers = parseNumbers(text, ',', "--region", expected.c_str());
-  bool legal = numbers.size() == 6;
-  VoxelBox out;
-  for (int axis = 0; axis < 3 && legal; ++axis) {
-    const double lo = numbers[static_cast<std::size_t>(axis)], hi = numbers[static_cast<std::size_t>(axis) + 3];
-    legal = lo < hi && std::max(std::abs(lo), std::abs(hi)) < 0x1p53 && lo == std::floor(lo) && hi == std::floor(hi);
-    if (!legal) break;
-    out.lo[axis] = static_cast<std::int64_t>(lo);
-    out.hi[axis] = static_cast<std::int64_t>(hi);
-  }
-  if (!legal) throw Error(ErrorCode::kUsage, fmt::format("--region: expected {}, found '{}'", expected, text));
-  return out;
-}
-
 void run(const ExportArguments& a, Context& context) {
   const ThreadLimit threads(a.threads);
   ExportRequest request = a.request;
   if (a.type) request.values.type = *a.type == "half" ? VdbType::kHalf : VdbType::kFloat;
   requireExportFormat(request);
-  if (a.region) request.region = regionOf(*a.region);
+  if (a.region) request.region = valueOfFlag<std::optional<VoxelBox>>(VoxelBounds(), *a.region, "--region");
   OutputFiles outputs;
   outputs.add(request.out, "OUT");
   outputs.requireNone(a.store);
