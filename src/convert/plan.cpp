@@ -88,9 +88,9 @@ void planWindow(ConversionPlan& plan, const VolumeSource& source, const ConvertO
 // axis.
 std::uint64_t parentsReached(const Extent3& dims, const Extent3& by, std::int64_t brick_size) {
   std::uint64_t out = 1;
+  const Extent3 coarse = coarseBox(boxOf(dims), by).extent();
   for (int axis = 0; axis < 3; ++axis) {
-    const std::int64_t coarse = (dims[axis] + by[axis] - 1) / by[axis];
-    if (coarse > brick_size) out *= by[axis] == 2 ? 2 : 3;
+    if (coarse[axis] > brick_size) out *= by[axis] == 2 ? 2 : 3;
   }
   return out;
 }
@@ -98,12 +98,12 @@ std::uint64_t parentsReached(const Extent3& dims, const Extent3& by, std::int64_
 // Size of the pieces that a brick leaves to the parents; pieces overlap by an apron, and are clipped to a thin volume.
 // unit: bytes.
 std::uint64_t leftBytes(const Extent3& dims, const Extent3& by, std::int64_t brick_size, std::uint64_t voxel_bytes) {
-  const auto coarse = [&](int axis) { return (dims[axis] + by[axis] - 1) / by[axis]; };
-  const auto along = [&](int axis) { return std::min(brick_size / by[axis], coarse(axis)); };
+  const Extent3 coarse = coarseBox(boxOf(dims), by).extent();
+  const auto along = [&](int axis) { return std::min(brick_size / by[axis], coarse[axis]); };
   std::int64_t voxels = 1;
   // Along a halved axis a part touches one neighbouring parent, along a whole axis two.
   for (int axis = 0; axis < 3; ++axis)
-    voxels *= std::min(brick_size / by[axis] + (by[axis] == 2 ? 1 : 2) * kApron, coarse(axis));
+    voxels *= std::min(brick_size / by[axis] + (by[axis] == 2 ? 1 : 2) * kApron, coarse[axis]);
   const Extent3 part = {along(0), along(1), along(2)};
   const std::uint64_t overlap_bytes = static_cast<std::uint64_t>(voxels - part.count()) * voxel_bytes;
   const std::uint64_t neighbours = parentsReached(dims, by, brick_size) - 1;
@@ -154,6 +154,11 @@ Waiting waitingOf(const SourceInfo& info, const ConvertOptions& options, const B
   return out;
 }
 
+// Memory of the tables of bricks, if bricks are converted in this order. unit: bytes.
+std::uint64_t tablesOf(const SourceInfo& info, const ConvertOptions& options, const BrickOrder& order) {
+  return kBrickBytes * brickCountOf(info, options) + waitingOf(info, options, order).place_bytes;
+}
+
 // Returns the fewest blocks that must be kept to decode each of them once.
 std::uint64_t leastKeptForOnce(const BrickOrder::Lattice& lattice, const Extent3& shape) {
   std::uint64_t out = UINT64_MAX;
@@ -179,8 +184,7 @@ void planDecoding(ConversionPlan& plan, const VolumeSource& source, const Conver
   const std::uint64_t block_bytes = blocks->bytes + BlockCache::kOwnBytes;
   if (options.ranks == nullptr || options.ranks->alone()) {
     const BrickOrder order = cheapestOrder(lattice, blocks->shape, left / block_bytes);
-    const std::uint64_t more = waitingOf(info, options, order).place_bytes;
-    const std::uint64_t tables = kBrickBytes * brickCountOf(info, options) + more;
+    const std::uint64_t tables = tablesOf(info, options, order);
     if (tables <= plan.index_bytes + left / 16) {
       plan.order = order;
       plan.index_bytes = std::max(plan.index_bytes, tables);
@@ -258,8 +262,7 @@ std::uint64_t brickCountOf(const SourceInfo& info, const ConvertOptions& options
 }
 
 std::uint64_t tablesBytes(const SourceInfo& info, const ConvertOptions& options) {
-  return kBrickBytes * brickCountOf(info, options) +
-         waitingOf(info, options, BrickOrder(readingLattice(info, options))).place_bytes;
+  return tablesOf(info, options, BrickOrder(readingLattice(info, options)));
 }
 
 void requireRoomForIndex(const SourceInfo& info, const ConvertOptions& options) {

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <atomic>
 #include <mutex>
 #include <utility>
 
@@ -23,57 +22,26 @@ namespace {
 
 constexpr const char* kName = "array";
 
-VoxelBox cellsOf(const VoxelBox& box) { return coarseBox(box, {kCellSize, kCellSize, kCellSize}); }
-
-// Calls each(cell of the level, cell of the brick) for all cells of a brick's core.
-template <class Each>
-void forEachCell(const BrickDesc& brick, const VoxelBox& cell_box, const Each& each) {
-  const VoxelBox own = cellsOf(brick.core());
-  const std::int64_t edge = brick.brick_size / kCellSize;
-  for (std::int64_t z = own.lo.z; z < own.hi.z; ++z) {
-    for (std::int64_t y = own.lo.y; y < own.hi.y; ++y) {
-      for (std::int64_t x = own.lo.x; x < own.hi.x; ++x) {
-        const std::int64_t in_brick = ((z - own.lo.z) * edge + y - own.lo.y) * edge + x - own.lo.x;
-        each(offsetIn(cell_box, {x, y, z}), static_cast<std::size_t>(in_brick));
-      }
-    }
-  }
-}
-
-CoarseLevel emptyLevel(const Extent3& dims, VoxelType type) {
-  CoarseLevel out;
-  out.box = boxOf(dims);
-  out.voxels.resize(static_cast<std::size_t>(dims.count()) * sizeOf(type));
-  out.cell_box = cellsOf(out.box);
-  out.cells.resize(static_cast<std::size_t>(out.cell_box.count()));
-  return out;
-}
-
-std::uint64_t levelBytes(const Extent3& dims, VoxelType type) {
-  return static_cast<std::uint64_t>(dims.count()) * sizeOf(type) +
-         static_cast<std::uint64_t>(cellsOf(boxOf(dims)).count()) * sizeof(ValueRange);
-}
-
 Manifest emptyManifest(const SourceInfo& info, const ArrayOptions& options) {
   ConvertOptions conversion;
   conversion.brick_size = options.brick_size;
   conversion.labels = options.labels;
   requireBricks(info, conversion);
   Manifest out = draftOf(info, conversion);
-  for (LevelInfo& level : out.levels) level.bricks = brickLattice(level.geometry.dims, out.brick_size);
+  out.layBricks();
   return out;
 }
 
-BrickIndex emptyIndex(const Manifest& manifest) {
-  std::vector<Extent3> lattices;
-  for (const LevelInfo& level : manifest.levels) lattices.push_back(level.bricks);
-  return BrickIndex(std::move(lattices));
+// Memory of the levels from 1 on.
+std::uint64_t coarseBytes(const Manifest& manifest) {
+  std::uint64_t out = 0;
+  for (std::size_t l = 1; l < manifest.levels.size(); ++l)
+    out += CoarseLevel::bytesOf(manifest.levels[l].geometry.dims, manifest.type);
+  return out;
 }
 
 void requireMemory(const Manifest& manifest, const BrickIndex& index, std::uint64_t memory_bytes) {
-  std::uint64_t needed = BrickIndex::bytesOf(index.size(), 0, manifest.brick_size);
-  for (std::size_t l = 1; l < manifest.levels.size(); ++l)
-    needed += levelBytes(manifest.levels[l].geometry.dims, manifest.type);
+  const std::uint64_t needed = BrickIndex::bytesOf(index.size(), 0, manifest.brick_size) + coarseBytes(manifest);
   if (needed <= memory_bytes) return;
   throw Error(ErrorCode::kBudget, kName, "memory",
               fmt::format("coarser levels and index take {} (allowed: {}); give {} or more", formatBytes(needed),
@@ -101,10 +69,10 @@ class VolumeBuild {
 
   void run() {
     for (std::size_t l = 1; l < manifest_.levels.size(); ++l) {
-      levels_.push_back(emptyLevel(manifest_.levels[l].geometry.dims, manifest_.type));
+      levels_.emplace_back(manifest_.levels[l].geometry.dims, manifest_.type);
       supports_.emplace_back(static_cast<std::size_t>(manifest_.levels[l].bricks.count()));
     }
-    const ValueCounter none(manifest_.type, isLabels());
+    const ValueCounter none(manifest_.type, manifest_.volume_class == VolumeClass::kLabels);
     counters_.assign(ThreadLimit::active(), none);
     for (int level = 0; level < index_.levels(); ++level) visitLevel(level);
     for (std::size_t lane = 1; lane < counters_.size(); ++lane) counters_[0].add(counters_[lane].take());
@@ -116,17 +84,13 @@ class VolumeBuild {
   std::vector<CoarseLevel> takeLevels() { return std::move(levels_); }
 
  private:
-  bool isLabels() const { return manifest_.volume_class == VolumeClass::kLabels; }
   bool hasNext(int level) const { return level + 1 < index_.levels(); }
 
   void visitLevel(int level) {
     const Extent3& lattice = index_.lattice(level);
-    std::atomic<std::int64_t> next = 0;
-    parallelFor(counters_.size(), [&](std::size_t lane) {
-      for (std::int64_t i = next++; i < lattice.count(); i = next++) {
-        progress_.throwIfCancelled("opening an array");
-        visit({level, brickAt(lattice, i)}, counters_[lane]);
-      }
+    parallelInLanes(counters_.size(), static_cast<std::size_t>(lattice.count()), [&](std::size_t lane, std::size_t i) {
+      progress_.throwIfCancelled("opening an array");
+      visit({level, brickAt(lattice, static_cast<std::int64_t>(i))}, counters_[lane]);
     });
   }
 
@@ -148,10 +112,12 @@ class VolumeBuild {
   void includeFiner(const BrickDesc& brick, BrickRanges& ranges) {
     const std::size_t finer = static_cast<std::size_t>(brick.key.level) - 1;
     CoarseLevel& level = levels_[finer];
-    forEachCell(brick, level.cell_box, [&](std::size_t in_level, std::size_t in_brick) {
-      ranges.core.include(level.cells[in_level]);
-      level.cells[in_level].include(ranges.cells[in_brick]);
-      ranges.cells[in_brick] = level.cells[in_level];
+    forEachCoord(cellsOf(brick.core()), [&, cube = cellCubeOf(brick)](const VoxelCoord& cell) {
+      ValueRange &in_level = level.cells[offsetIn(level.cell_box, cell)],
+                 &in_brick = ranges.cells[offsetIn(cube, cell)];
+      ranges.core.include(in_level);
+      in_level.include(in_brick);
+      in_brick = in_level;
     });
     ranges.support.include(supports_[finer][placeOf(index_.lattice(brick.key.level), brick.key.brick)]);
   }
@@ -160,24 +126,15 @@ class VolumeBuild {
                  const BrickEntry& entry) {
     const auto next = static_cast<std::size_t>(brick.key.level);
     const Extent3 by = halvingOf(manifest_.levels[next].geometry);
-    const HalfBrick part = entry.constant ? constantPartOf(brick, entry.core.lo, by)
-                                          : coarsePartOf(brick, voxels, brick.stored(), ranges, by,
-                                                         isLabels() ? Coarse::kMostFrequent : Coarse::kMean);
+    const HalfBrick part =
+        entry.constant ? constantPartOf(brick, entry.core.lo, by)
+                       : coarsePartOf(brick, voxels, brick.stored(), ranges, by, coarseOf(manifest_.volume_class));
     CoarseLevel& level = levels_[next];
     copyCommon(part.voxels, part.box, level.voxels, level.box, sizeOf(manifest_.type));
-    const VoxelCoord& lo = part.box.lo;
-    const std::int64_t size = manifest_.brick_size;
-    const BrickCoord parent{static_cast<std::int32_t>(lo.x / size), static_cast<std::int32_t>(lo.y / size),
-                            static_cast<std::int32_t>(lo.z / size)};
+    const BrickCoord parent = brickOf(part.box.lo, manifest_.brick_size);
     const std::scoped_lock lock(mutex_);  // small bricks share a cell
     supports_[next][placeOf(index_.lattice(brick.key.level + 1), parent)].include(part.support);
-    std::size_t i = 0;
-    for (std::int64_t z = part.cell_box.lo.z; z < part.cell_box.hi.z; ++z) {
-      for (std::int64_t y = part.cell_box.lo.y; y < part.cell_box.hi.y; ++y) {
-        for (std::int64_t x = part.cell_box.lo.x; x < part.cell_box.hi.x; ++x, ++i)
-          level.cells[offsetIn(level.cell_box, {x, y, z})].include(part.cells[i]);
-      }
-    }
+    includeCells(part.cells, part.cell_box, level.cells, level.cell_box);
   }
 
   void finishManifest() {
@@ -202,10 +159,21 @@ class VolumeBuild {
 
 }  // namespace
 
+CoarseLevel::CoarseLevel(const Extent3& dims, VoxelType type)
+    : box(boxOf(dims)),
+      voxels(static_cast<std::size_t>(dims.count()) * sizeOf(type)),
+      cell_box(cellsOf(box)),
+      cells(static_cast<std::size_t>(cell_box.count())) {}
+
+std::uint64_t CoarseLevel::bytesOf(const Extent3& dims, VoxelType type) {
+  return static_cast<std::uint64_t>(dims.count()) * sizeOf(type) +
+         static_cast<std::uint64_t>(cellsOf(boxOf(dims)).count()) * sizeof(ValueRange);
+}
+
 SourceVolume::SourceVolume(std::unique_ptr<VolumeSource> source, const ArrayOptions& options, Progress& progress)
     : BrickedVolume(kName), source_(std::move(source)) {
   Manifest manifest = emptyManifest(source_->info(), options);
-  BrickIndex index = emptyIndex(manifest);
+  BrickIndex index(manifest.lattices());
   requireMemory(manifest, index, options.memory_bytes);
   VolumeBuild build(*source_, std::move(manifest), std::move(index), progress);
   build.run();
@@ -218,25 +186,22 @@ BrickBlock SourceVolume::read(const BrickKey& key) const {
   const BrickDesc brick = frame(key);
   const BrickEntry& entry = index().at(key);
   if (entry.constant) return constantBrick(brick, entry.core.lo);
-  const UnsetBytes voxels = storedVoxels(brick, *source_, *coarse_);
-  const auto edge = static_cast<std::size_t>(brick.brick_size / kCellSize);
-  if (key.level == 0)
-    return denseBrick(brick, voxels,
-                      cellRanges(voxels, brick.type, brick.stored(), brick.core(), static_cast<int>(edge)));
+  if (key.level == 0) {
+    const UnsetBytes voxels = storedVoxels(brick, *source_, *coarse_);
+    const int edge = static_cast<int>(brick.brick_size / kCellSize);
+    return denseBrick(brick, voxels, brick.stored(),
+                      cellRanges(voxels, brick.type, brick.stored(), brick.core(), edge));
+  }
   const CoarseLevel& level = (*coarse_)[static_cast<std::size_t>(key.level) - 1];
-  std::vector<ValueRange> cells(edge * edge * edge);
-  forEachCell(brick, level.cell_box,
-              [&](std::size_t in_level, std::size_t in_brick) { cells[in_brick] = level.cells[in_level]; });
-  return denseBrick(brick, voxels, std::move(cells));
+  const VoxelBox cube = cellCubeOf(brick);
+  std::vector<ValueRange> cells(static_cast<std::size_t>(cube.count()));
+  includeCells(level.cells, level.cell_box, cells, cube);
+  return denseBrick(brick, level.voxels, level.box, std::move(cells));
 }
 
 std::size_t SourceVolume::readBytes(const BrickKey& key) const { return denseBytes(frame(key)); }
 
-std::uint64_t SourceVolume::heldBytes() const {
-  std::uint64_t out = index().bytes();
-  for (const CoarseLevel& level : *coarse_) out += level.bytes();
-  return out;
-}
+std::uint64_t SourceVolume::heldBytes() const { return index().bytes() + coarseBytes(manifest()); }
 
 std::unique_ptr<BrickedVolume> SourceVolume::share() const { return std::make_unique<SourceVolume>(*this); }
 

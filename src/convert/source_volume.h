@@ -14,12 +14,15 @@ namespace kiln {
 
 /// A coarser level in memory.
 struct CoarseLevel {
+  CoarseLevel(const Extent3& dims, VoxelType type);
+
   VoxelBox box;       // the whole level
   UnsetBytes voxels;  // shape: box, x fastest
   VoxelBox cell_box;
   std::vector<ValueRange> cells;  // shape: cell_box, x fastest; values of this level and of finer levels
 
-  std::uint64_t bytes() const { return voxels.size() + cells.size() * sizeof(ValueRange); }
+  /// Memory of a level. unit: bytes.
+  static std::uint64_t bytesOf(const Extent3& dims, VoxelType type);
 };
 
 class SourceVolume final : public BrickedVolume {

@@ -143,12 +143,8 @@ void refine(const BrickedVolume& store, const ShownValues& shown, ShownBox& box)
   box.files += entry.constant ? 0 : 1;
   box.file_bytes += entry.file_bytes;
 
-  const Extent3 span = manifest.spanOf(level), coarse = store.level(level).geometry.dims;
-  VoxelBox within;
-  for (int axis = 0; axis < 3; ++axis) {
-    within.lo[axis] = box.box.lo[axis] / span[axis];
-    within.hi[axis] = std::min(coarse[axis], (box.box.hi[axis] + span[axis] - 1) / span[axis]);
-  }
+  const Extent3 span = manifest.spanOf(level);
+  const VoxelBox within = intersection(coarseBox(box.box, span), boxOf(store.level(level).geometry.dims));
   const VoxelBox found =
       withVoxelType(block.type, [&]<class T>(std::type_identity<T>) { return boxOfVoxels<T>(block, shown, within); });
   if (found.empty()) return;

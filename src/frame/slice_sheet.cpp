@@ -57,10 +57,7 @@ std::int64_t onLevel(std::int64_t voxel, std::int64_t finest, std::int64_t coars
 }
 
 double valueOf(const BrickedVolume& store, const VoxelCoord& v) {
-  const std::int64_t size = store.manifest().brick_size;
-  const BrickBlock block = store.read({0,
-                                       {static_cast<std::int32_t>(v.x / size), static_cast<std::int32_t>(v.y / size),
-                                        static_cast<std::int32_t>(v.z / size)}});
+  const BrickBlock block = store.read({0, brickOf(v, store.manifest().brick_size)});
   return withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     return static_cast<double>(block.data<T>()[block.offsetOf(v)]);
   });

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <compare>
 #include <cstdint>
+#include <utility>
 
 namespace kiln {
 
@@ -76,10 +77,38 @@ inline VoxelBox dilated(const VoxelBox& box, std::int64_t voxels) {
           {box.hi.x + voxels, box.hi.y + voxels, box.hi.z + voxels}};
 }
 
+/// Calls each(coordinate) for all coordinates in a box, x fastest.
+template <class Each>
+void forEachCoord(const VoxelBox& box, const Each& each) {
+  VoxelCoord at;
+  for (at.z = box.lo.z; at.z < box.hi.z; ++at.z)
+    for (at.y = box.lo.y; at.y < box.hi.y; ++at.y)
+      for (at.x = box.lo.x; at.x < box.hi.x; ++at.x) each(std::as_const(at));
+}
+
+/// The coarse box that a box meets, where a coarse element spans `by` voxels along each axis. requires: no coordinate
+/// is negative.
+inline VoxelBox coarseBox(const VoxelBox& fine, const Extent3& by) {
+  VoxelBox out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.lo[axis] = fine.lo[axis] / by[axis];
+    out.hi[axis] = (fine.hi[axis] + by[axis] - 1) / by[axis];
+  }
+  return out;
+}
+
+/// The cells or bricks of edge `edge` that a box meets. requires: no coordinate is negative.
+inline VoxelBox coarseBox(const VoxelBox& fine, std::int64_t edge) { return coarseBox(fine, {edge, edge, edge}); }
+
 /// Number of bricks of edge `brick_size` that cover a volume, along each axis.
 inline Extent3 brickLattice(const Extent3& dims, std::int64_t brick_size) {
-  const auto up = [&](std::int64_t n) { return (n + brick_size - 1) / brick_size; };
-  return {up(dims.x), up(dims.y), up(dims.z)};
+  return coarseBox(boxOf(dims), brick_size).extent();
+}
+
+/// The brick that holds a voxel. requires: no coordinate is negative.
+inline BrickCoord brickOf(const VoxelCoord& v, std::int64_t brick_size) {
+  return {static_cast<std::int32_t>(v.x / brick_size), static_cast<std::int32_t>(v.y / brick_size),
+          static_cast<std::int32_t>(v.z / brick_size)};
 }
 
 /// The `i`-th brick of a lattice, x fastest: the order of a store's index. requires: 0 <= i < lattice.count().

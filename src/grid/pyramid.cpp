@@ -23,7 +23,7 @@ VolumeGeometry coarserThan(const VolumeGeometry& fine) {
   const Extent3 by = halvingOf(fine);
   const glm::dvec3 factors(by.x, by.y, by.z);
   VolumeGeometry coarse = fine;
-  coarse.dims = {(fine.dims.x + by.x - 1) / by.x, (fine.dims.y + by.y - 1) / by.y, (fine.dims.z + by.z - 1) / by.z};
+  coarse.dims = coarseBox(boxOf(fine.dims), by).extent();
   coarse.world_from_index = glm::scale(glm::translate(fine.world_from_index, (factors - 1.0) / 2.0), factors);
   return coarse;
 }

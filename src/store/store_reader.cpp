@@ -132,15 +132,13 @@ StoreReader::StoreReader(const fs::path& directory, std::uint64_t memory_bytes, 
 }
 
 void StoreReader::open(std::uint64_t memory_bytes, std::uint64_t held_bytes) {
-  const std::optional<FileIdentity> identity = identityOf(manifestOf(path()));
-  opened_ = identity ? std::make_shared<const FileIdentity>(*identity) : nullptr;
+  opened_ = std::make_shared<const std::optional<FileIdentity>>(identityOf(manifestOf(path())));
   Manifest manifest = readManifest(path());
   requireIndexWithin(manifest, memory_bytes, held_bytes, path());
   const fs::path index = path() / "index.bin";
   const auto data = checkedFile<UnsetBytes>(index, manifest.index_bytes, manifest.index_checksum);
-  std::vector<Extent3> lattices;
-  for (const LevelInfo& level : manifest.levels) lattices.push_back(level.bricks);
-  hold(std::move(manifest), BrickIndex::decode(data, lattices, index));
+  BrickIndex entries = BrickIndex::decode(data, manifest.lattices(), index);
+  hold(std::move(manifest), std::move(entries));
 }
 
 std::unique_ptr<BrickedVolume> StoreReader::share() const { return std::make_unique<StoreReader>(*this); }
@@ -151,7 +149,7 @@ std::vector<std::byte> StoreReader::readFile(const BrickKey& key) const {
 
 void StoreReader::requireUnchanged() const {
   const std::optional<FileIdentity> now = identityOf(path() / "manifest.json");
-  if (now == (opened_ ? std::optional(*opened_) : std::nullopt)) return;
+  if (now == *opened_) return;
   throw Error(ErrorCode::kReplaced, path(), "",
               fmt::format("the store was {} while it was read by this command; run the command again",
                           now ? "replaced" : "replaced or removed"));

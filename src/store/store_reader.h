@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -48,7 +49,7 @@ class StoreReader final : public BrickedVolume {
   template <class Bytes>
   Bytes bytesOfFile(const BrickKey& key) const;
 
-  std::shared_ptr<const FileIdentity> opened_;  // identity of the manifest; null if there was no file
+  std::shared_ptr<const std::optional<FileIdentity>> opened_;  // identity of the manifest; nothing if there was no file
 };
 
 /// True if `directory` has a manifest and thus is a store. StoreReader tests whether the store is intact.

@@ -36,15 +36,11 @@ StoreWriter::StoreWriter(const fs::path& directory, Manifest draft, FileSystem& 
   if (isStore(directory)) {
     throw Error(ErrorCode::kExists, directory, "", "is there already; name another output or give --overwrite");
   }
-  std::vector<Extent3> lattices;
-  for (std::size_t i = 0; i < manifest_.levels.size(); ++i) {
-    LevelInfo& level = manifest_.levels[i];
-    level.bricks = brickLattice(level.geometry.dims, manifest_.brick_size);
-    lattices.push_back(level.bricks);
+  manifest_.layBricks();
+  for (std::size_t i = 0; i < manifest_.levels.size(); ++i)
     disk_.makeDirectories(directory_ / "bricks" / std::to_string(i));
-  }
   manifest_.container_version = containerVersion();
-  index_ = BrickIndex(std::move(lattices));
+  index_ = BrickIndex(manifest_.lattices());
   if (sub_ranges_on_disk) sub_ranges_.emplace(disk_.makeScratch(directory_));
 }
 
@@ -103,14 +99,12 @@ void StoreWriter::write(const EncodedBrick& brick) {
 ValueRange StoreWriter::range() const { return index_.valueRange(); }
 
 void StoreWriter::countStored() {
-  for (int l = 0; l < index_.levels(); ++l) {
-    LevelInfo& level = manifest_.levels[static_cast<std::size_t>(l)];
-    for (std::int64_t i = 0; i < level.bricks.count(); ++i) {
-      const BrickEntry& entry = index_.at({l, brickAt(level.bricks, i)});
-      if (!entry.constant) ++level.stored_bricks;
-      level.stored_bytes += entry.file_bytes;
-    }
-  }
+  index_.forEachKey([&](const BrickKey& key) {
+    LevelInfo& level = manifest_.levels[static_cast<std::size_t>(key.level)];
+    const BrickEntry& entry = index_.at(key);
+    if (!entry.constant) ++level.stored_bricks;
+    level.stored_bytes += entry.file_bytes;
+  });
 }
 
 std::uint64_t StoreWriter::storedBricks() const {

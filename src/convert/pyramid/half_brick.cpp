@@ -156,9 +156,6 @@ void chooseLabels(const T* voxels, const VoxelBox& box, const VoxelBox& core, co
   }
 }
 
-// Returns the cells that contain the voxels of a box.
-VoxelBox cellsOf(const VoxelBox& box) { return coarseBox(box, {kCellSize, kCellSize, kCellSize}); }
-
 // The fixed part of a half brick's bytes; voxels and cells follow.
 struct PartHead {
   VoxelBox box, cell_box;
@@ -185,13 +182,16 @@ std::uint64_t HalfBrick::bytesOf(const Extent3& voxels, std::uint64_t voxel_byte
   return bytes + bytes / 4;
 }
 
-VoxelBox coarseBox(const VoxelBox& fine, const Extent3& by) {
-  VoxelBox out;
-  for (int axis = 0; axis < 3; ++axis) {
-    out.lo[axis] = fine.lo[axis] / by[axis];
-    out.hi[axis] = (fine.hi[axis] + by[axis] - 1) / by[axis];
-  }
-  return out;
+VoxelBox cellCubeOf(const BrickDesc& brick) {
+  const VoxelCoord lo = cellsOf(brick.core()).lo;
+  const std::int64_t edge = brick.brick_size / kCellSize;
+  return {lo, {lo.x + edge, lo.y + edge, lo.z + edge}};
+}
+
+void includeCells(std::span<const ValueRange> from, const VoxelBox& from_box, std::span<ValueRange> to,
+                  const VoxelBox& to_box) {
+  forEachCoord(intersection(from_box, to_box),
+               [&](const VoxelCoord& cell) { to[offsetIn(to_box, cell)].include(from[offsetIn(from_box, cell)]); });
 }
 
 HalfBrick coarsePartOf(const BrickDesc& fine, std::span<const std::byte> voxels, const VoxelBox& box,
@@ -206,20 +206,11 @@ HalfBrick coarsePartOf(const BrickDesc& fine, std::span<const std::byte> voxels,
     else
       chooseLabels(from, box, core, by, part.box, to);
   });
-  const std::int64_t edge = fine.brick_size / kCellSize;
-  const VoxelBox fine_cells = cellsOf(core);
-  const Extent3 n = part.cell_box.extent();
-  for (std::int64_t z = fine_cells.lo.z; z < fine_cells.hi.z; ++z) {
-    for (std::int64_t y = fine_cells.lo.y; y < fine_cells.hi.y; ++y) {
-      for (std::int64_t x = fine_cells.lo.x; x < fine_cells.hi.x; ++x) {
-        const VoxelCoord into = {x / by.x - part.cell_box.lo.x, y / by.y - part.cell_box.lo.y,
-                                 z / by.z - part.cell_box.lo.z};
-        const VoxelCoord from = {x - fine_cells.lo.x, y - fine_cells.lo.y, z - fine_cells.lo.z};
-        part.cells[static_cast<std::size_t>((into.z * n.y + into.y) * n.x + into.x)].include(
-            ranges.cells[static_cast<std::size_t>((from.z * edge + from.y) * edge + from.x)]);
-      }
-    }
-  }
+  const VoxelBox cube = cellCubeOf(fine);
+  forEachCoord(cellsOf(core), [&](const VoxelCoord& cell) {
+    const VoxelCoord coarser = {cell.x / by.x, cell.y / by.y, cell.z / by.z};
+    part.cells[offsetIn(part.cell_box, coarser)].include(ranges.cells[offsetIn(cube, cell)]);
+  });
   part.support = ranges.support;
   return part;
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "grid/volume_info.h"
 #include "store/codec/brick_ranges.h"
 
 namespace kiln {
@@ -29,6 +30,17 @@ struct HalfBrick {
 /// Value of a coarse voxel: the mean of the voxels below, or their most frequent value (on a tie the smallest that is
 /// not 0).
 enum class Coarse { kMean, kMostFrequent };
+inline Coarse coarseOf(VolumeClass volume_class) {
+  return volume_class == VolumeClass::kLabels ? Coarse::kMostFrequent : Coarse::kMean;
+}
+
+/// Returns the cells that contain the voxels of a box.
+inline VoxelBox cellsOf(const VoxelBox& box) { return coarseBox(box, kCellSize); }
+/// Returns the cells of BrickRanges: a cube from the core's first cell on, also where the volume ends inside the brick.
+VoxelBox cellCubeOf(const BrickDesc& brick);
+/// Includes the ranges of the cells that two boxes of cells have in common. shape: each span covers its box, x fastest.
+void includeCells(std::span<const ValueRange> from, const VoxelBox& from_box, std::span<ValueRange> to,
+                  const VoxelBox& to_box);
 
 /// Halves a brick along the axes where `by` is 2. The mean covers the voxels that exist (in the volume, not NaN),
 /// rounded to the nearest value of the type, halves upwards; NaN if no voxel exists.
@@ -47,8 +59,5 @@ HalfBrick cropped(const HalfBrick& part, const VoxelBox& box);
 /// `place`.
 std::vector<std::byte> bytesOf(const HalfBrick& part);
 HalfBrick partFrom(std::span<const std::byte> bytes, const std::filesystem::path& place);
-
-/// Returns the coarse voxels made from a box of fine voxels.
-VoxelBox coarseBox(const VoxelBox& fine, const Extent3& by);
 
 }  // namespace kiln

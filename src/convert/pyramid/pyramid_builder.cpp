@@ -14,13 +14,7 @@ namespace {
 // Calls f(brick) for each brick of a box of bricks.
 template <class F>
 void forEachBrick(const VoxelBox& bricks, F&& f) {
-  for (std::int64_t z = bricks.lo.z; z < bricks.hi.z; ++z) {
-    for (std::int64_t y = bricks.lo.y; y < bricks.hi.y; ++y) {
-      for (std::int64_t x = bricks.lo.x; x < bricks.hi.x; ++x) {
-        f(BrickCoord{static_cast<std::int32_t>(x), static_cast<std::int32_t>(y), static_cast<std::int32_t>(z)});
-      }
-    }
-  }
+  forEachCoord(bricks, [&](const VoxelCoord& at) { f(brickOf(at, 1)); });
 }
 
 }  // namespace
@@ -49,8 +43,7 @@ VoxelBox PyramidBuilder::parentsOf(const BrickKey& key) const {
   const VoxelBox reached =
       intersection(dilated(part, writer_.manifest().apron),
                    boxOf(writer_.manifest().levels[static_cast<std::size_t>(key.level) + 1].geometry.dims));
-  const std::int64_t b = writer_.manifest().brick_size;
-  return coarseBox(reached, {b, b, b});
+  return coarseBox(reached, writer_.manifest().brick_size);
 }
 
 VoxelBox PyramidBuilder::childrenOf(const BrickKey& key) const {
@@ -60,8 +53,7 @@ VoxelBox PyramidBuilder::childrenOf(const BrickKey& key) const {
   const VoxelBox fine = intersection({{stored.lo.x * by.x, stored.lo.y * by.y, stored.lo.z * by.z},
                                       {stored.hi.x * by.x, stored.hi.y * by.y, stored.hi.z * by.z}},
                                      boxOf(dims));
-  const std::int64_t b = writer_.manifest().brick_size;
-  return coarseBox(fine, {b, b, b});
+  return coarseBox(fine, writer_.manifest().brick_size);
 }
 
 // A constant brick needs no part: its index entry has its value.
@@ -69,9 +61,8 @@ bool PyramidBuilder::keepsPart(const BrickKey& key) const { return hasNext(key.l
 
 HalfBrick PyramidBuilder::partOf(const BrickKey& key, std::span<const std::byte> voxels, const VoxelBox& box,
                                  const BrickRanges& ranges) const {
-  const bool labels = writer_.manifest().volume_class == VolumeClass::kLabels;
   return coarsePartOf(writer_.frame(key), voxels, box, ranges, levels_[static_cast<std::size_t>(key.level)].by,
-                      labels ? Coarse::kMostFrequent : Coarse::kMean);
+                      coarseOf(writer_.manifest().volume_class));
 }
 
 int PyramidBuilder::ownerOf(const BrickKey& key) const {
@@ -165,32 +156,18 @@ void PyramidBuilder::gather(const BrickKey& child, const BrickKey& key, std::vec
   const Extent3& by = levels_[static_cast<std::size_t>(child.level)].by;
   const HalfBrick part = entry.constant ? constantPartOf(fine, entry.core.lo, by) : parts_.take(child, key);
   copyCommon(part.voxels, part.box, voxels, frame.stored(), sizeOf(frame.type));
-  const VoxelBox core = frame.core();
-  if (intersection(part.box, core).empty()) return;  // a child in the apron only adds no ranges
+  if (intersection(part.box, frame.core()).empty()) return;  // a child in the apron only adds no ranges
   below.support.include(part.support);
-  const std::int64_t edge = frame.brick_size / kCellSize;
-  const Extent3 n = part.cell_box.extent();
-  std::size_t i = 0;
-  for (std::int64_t z = 0; z < n.z; ++z) {
-    for (std::int64_t y = 0; y < n.y; ++y) {
-      for (std::int64_t x = 0; x < n.x; ++x, ++i) {
-        const VoxelCoord cell = {part.cell_box.lo.x + x - core.lo.x / kCellSize,
-                                 part.cell_box.lo.y + y - core.lo.y / kCellSize,
-                                 part.cell_box.lo.z + z - core.lo.z / kCellSize};
-        below.cells[static_cast<std::size_t>((cell.z * edge + cell.y) * edge + cell.x)].include(part.cells[i]);
-        below.core.include(part.cells[i]);
-      }
-    }
-  }
+  for (const ValueRange& cell : part.cells) below.core.include(cell);
+  includeCells(part.cells, part.cell_box, below.cells, cellCubeOf(frame));
 }
 
 PyramidBuilder::Built PyramidBuilder::build(const BrickKey& key) {
   const BrickDesc frame = writer_.frame(key);
   const VoxelBox box = frame.stored();
   std::vector<std::byte> voxels(static_cast<std::size_t>(box.count()) * sizeOf(frame.type));
-  const auto edge = static_cast<std::size_t>(frame.brick_size / kCellSize);
   BrickRanges below;
-  below.cells.resize(edge * edge * edge);
+  below.cells.resize(static_cast<std::size_t>(cellCubeOf(frame).count()));
   forEachBrick(childrenOf(key), [&](const BrickCoord& brick) { gather({key.level - 1, brick}, key, voxels, below); });
   if (half_) {
     const double error = roundToHalf(frame.type, voxels).largest_error;

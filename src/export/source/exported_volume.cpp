@@ -13,16 +13,6 @@ namespace {
 
 std::string voxelText(const VoxelCoord& voxel) { return fmt::format("{},{},{}", voxel.x, voxel.y, voxel.z); }
 
-// The voxels of a level that meet a box of voxels of level 0.
-VoxelBox boxAtLevel(const VoxelBox& finest, const Extent3& span) {
-  VoxelBox out;
-  for (int axis = 0; axis < 3; ++axis) {
-    out.lo[axis] = finest.lo[axis] / span[axis];
-    out.hi[axis] = (finest.hi[axis] + span[axis] - 1) / span[axis];
-  }
-  return out;
-}
-
 }  // namespace
 
 ExportedVolume exportedVolume(const StoreReader& store, int level, const std::optional<VoxelBox>& region) {
@@ -36,7 +26,7 @@ ExportedVolume exportedVolume(const StoreReader& store, int level, const std::op
     throw Error(ErrorCode::kUsage, store.path(), "--region",
                 fmt::format("must hold voxels of the volume, which is from 0,0,0 to {} (found {} to {})",
                             voxelText(whole.hi), voxelText(region->lo), voxelText(region->hi)));
-  out.box = intersection(boxAtLevel(shown, manifest.spanOf(level)), boxOf(geometry.dims));
+  out.box = intersection(coarseBox(shown, manifest.spanOf(level)), boxOf(geometry.dims));
   out.geometry.dims = out.box.extent();
   const glm::dvec3 origin = geometry.worldOf({out.box.lo.x, out.box.lo.y, out.box.lo.z});
   out.geometry.world_from_index[3] = glm::dvec4(origin, 1);

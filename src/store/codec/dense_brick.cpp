@@ -62,9 +62,10 @@ CellSupports supportsOf(const BrickBlock& block) {
   return CellSupports(block.voxels, block.type, block.extent, block.core.lo, block.octree.edge(0));
 }
 
-BrickBlock denseBrick(const BrickDesc& brick, std::span<const std::byte> voxels, std::vector<ValueRange> cells) {
+BrickBlock denseBrick(const BrickDesc& brick, std::span<const std::byte> voxels, const VoxelBox& box,
+                      std::vector<ValueRange> cells) {
   BrickBlock block = emptyBlock(brick);
-  copyCommon(voxels, brick.stored(), block.voxels, block.extent, sizeOf(brick.type));
+  copyCommon(voxels, box, block.voxels, block.extent, sizeOf(brick.type));
   clampEdges(block, brick.stored());
   block.octree = MinMaxOctree(std::move(cells), static_cast<int>(brick.brick_size / kCellSize));
   block.supports = supportsOf(block);

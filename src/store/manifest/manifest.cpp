@@ -327,6 +327,16 @@ Extent3 Manifest::spanOf(int level) const {
   return out;
 }
 
+void Manifest::layBricks() {
+  for (LevelInfo& level : levels) level.bricks = brickLattice(level.geometry.dims, brick_size);
+}
+
+std::vector<Extent3> Manifest::lattices() const {
+  std::vector<Extent3> out;
+  for (const LevelInfo& level : levels) out.push_back(level.bricks);
+  return out;
+}
+
 nlohmann::ordered_json volumeJson(const Manifest& m) {
   const VolumeGeometry& geometry = m.geometry();
   return {{"dimensions", triple(geometry.dims)},

@@ -69,6 +69,10 @@ struct Manifest {
   const VolumeGeometry& geometry() const { return levels.front().geometry; }
   /// Size of a voxel of a level along each axis. unit: voxels of level 0.
   Extent3 spanOf(int level) const;
+  /// Sets the brick lattice of each level from the level's extent.
+  void layBricks();
+  /// The brick lattice of each level, as an index takes them.
+  std::vector<Extent3> lattices() const;
 
   /// Lengths in the world per length in the volume's own world; 1 unless `placeIn` has scaled the volume. Not part of
   /// the file.
