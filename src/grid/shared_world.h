@@ -3,24 +3,13 @@
 // another unit is scaled.
 #pragma once
 
-#include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "grid/geometry.h"
+#include "grid/length_unit.h"
 
 namespace kiln {
-
-/// Units of `to` per unit of `from`, as a quotient of integers, so powers of ten are exact.
-struct LengthRatio {
-  double numerator = 1, denominator = 1;
-  double of(double length) const { return length * numerator / denominator; }
-  bool operator==(const LengthRatio&) const = default;
-};
-
-/// Returns nothing if a name is no known unit of length. Equal names are equal units, known or not.
-std::optional<LengthRatio> lengthRatio(std::string_view from, std::string_view to);
 
 /// The world of a picture: the first known frame and the first known unit; all further members are the first volume's.
 /// requires: at least one volume.

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "grid/shared_world.h"
 #include "ingest/source/header_text.h"
-#include "ingest/source/length_unit.h"
 
 namespace kiln {
 namespace {
@@ -34,21 +34,16 @@ ExportedVolume exportedVolume(const StoreReader& store, int level, const std::op
 }
 
 glm::dmat4 affineIn(PatientFrame frame, const VolumeGeometry& geometry) {
-  glm::dmat4 out = geometry.world_from_index;
-  const bool unknown = frame == PatientFrame::kUnknown || geometry.frame == PatientFrame::kUnknown;
-  if (unknown || frame == geometry.frame) return out;
-  for (int column = 0; column < 4; ++column) {
-    out[column].x = 0 - out[column].x;  // no zero becomes -0
-    out[column].y = 0 - out[column].y;
-  }
-  return out;
+  VolumeGeometry world;
+  world.frame = frame;
+  return worldChange(geometry, world).of(geometry.world_from_index);
 }
 
 VolumeGeometry withUnitOf(std::initializer_list<std::string_view> units, const VolumeGeometry& geometry,
                           ExportNotes& notes) {
   VolumeGeometry out = geometry;
   if (geometry.unit.empty() || std::find(units.begin(), units.end(), geometry.unit) != units.end()) return out;
-  const std::optional<UnitRatio> ratio = unitRatio(geometry.unit, *units.begin());
+  const std::optional<LengthRatio> ratio = lengthRatio(geometry.unit, *units.begin());
   if (!ratio) {
     out.unit.clear();
     notes.push_back(
@@ -56,8 +51,7 @@ VolumeGeometry withUnitOf(std::initializer_list<std::string_view> units, const V
     return out;
   }
   out.unit = *units.begin();
-  for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 3; ++row) out.world_from_index[column][row] = ratio->of(out.world_from_index[column][row]);
+  out.world_from_index = WorldChange{false, *ratio}.of(out.world_from_index);
   notes.push_back(
       fmt::format("the format has no unit {}; lengths are written in {}", inQuotes(geometry.unit), out.unit));
   return out;

@@ -7,9 +7,9 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "grid/length_unit.h"
 #include "ingest/source/chosen_part.h"
 #include "ingest/source/header_text.h"
-#include "ingest/source/length_unit.h"
 
 namespace kiln {
 namespace {
@@ -130,13 +130,13 @@ void placeInWorld(const std::vector<ArrayAxis>& axes, bool has_scale, const Sour
   std::string unit = space[0] ? space[0]->unit : "";
   for (int i = 0; i < 3; ++i) {
     if (!space[i]) continue;
-    const std::optional<UnitRatio> ratio = unitRatio(space[i]->unit, unit);
+    const std::optional<LengthRatio> ratio = lengthRatio(space[i]->unit, unit);
     if (!ratio)
       out.notes.push_back(
           fmt::format("lengths along {} are in {} and along x in {}, of which one is unknown; they are "
                       "taken as equal; --spacing sets another size",
                       kNamesOfSpace[i], inQuotes(space[i]->unit), inQuotes(unit)));
-    const UnitRatio in_x = ratio.value_or(UnitRatio());
+    const LengthRatio in_x = ratio.value_or(LengthRatio());
     scale[i] = in_x.of(space[i]->scale);
     origin[i] = in_x.of(space[i]->translation);
   }

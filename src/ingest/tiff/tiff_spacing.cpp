@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "base/error.h"
+#include "grid/length_unit.h"
 #include "ingest/source/header_text.h"
 #include "ingest/source/json_node.h"
-#include "ingest/source/length_unit.h"
 
 namespace kiln {
 namespace {
@@ -62,7 +62,7 @@ void useUnits(StackNotes& out, const std::string& x, const std::string& y, const
   out.unit = unitName(x);
   if (out.unit.empty()) out.remarks.push_back(unknownUnit(out.writer, x));
   if (out.spacing == 0 && out.images > 1) out.spacing = 1;
-  const std::optional<UnitRatio> from_y = unitRatio(y, x), from_z = unitRatio(z, x);
+  const std::optional<LengthRatio> from_y = lengthRatio(y, x), from_z = lengthRatio(z, x);
   if (from_y) out.y_scale = from_y->of(1);
   if (!from_y) out.remarks.push_back(unlikeUnit(out.writer, 'y', y, x));
   if (!from_z) out.remarks.push_back(unlikeUnit(out.writer, 'z', z, x));
@@ -195,7 +195,7 @@ std::optional<StackNotes> omeNotes(std::string_view description) {
   }
   const auto length = [&](const std::string& axis) {
     const double number = doubleOf(of("PhysicalSize" + axis)).value_or(0);
-    const std::optional<UnitRatio> ratio = unitRatio(unit(axis), of_x);
+    const std::optional<LengthRatio> ratio = lengthRatio(unit(axis), of_x);
     if (!ratio && number != 0) out.remarks.push_back(unlikeUnit(out.writer, axis == "Y" ? 'y' : 'z', unit(axis), of_x));
     return ratio ? ratio->of(number) : 0;
   };
@@ -269,7 +269,7 @@ std::optional<StackNotes> tifffileNotes(std::string_view description, int sample
 // The edges of a pixel by the tags, in the unit of the description; 0 if the tags have no usable size.
 glm::dvec2 pixelInUnit(const TiffPage& page, const StackNotes& stack) {
   if (stack.tags_may_have_units && page.resolution_unit != kNoUnit) {
-    const std::optional<UnitRatio> from_mm = unitRatio("mm", stack.unit);
+    const std::optional<LengthRatio> from_mm = lengthRatio("mm", stack.unit);
     const glm::dvec2 tags = pixelByTags(page);
     return from_mm ? glm::dvec2(from_mm->of(tags.x), from_mm->of(tags.y)) : glm::dvec2(0);
   }

@@ -1,4 +1,4 @@
-#include "ingest/source/length_unit.h"
+#include "grid/length_unit.h"
 
 #include <array>
 #include <cstdint>
@@ -48,12 +48,12 @@ std::string unitName(std::string_view unit) {
   return known ? known->name : "";
 }
 
-std::optional<UnitRatio> unitRatio(std::string_view from, std::string_view to) {
-  if (from == to) return UnitRatio();
+std::optional<LengthRatio> lengthRatio(std::string_view from, std::string_view to) {
+  if (from == to) return LengthRatio();
   const LengthUnit *const a = unitNamed(from), *const b = unitNamed(to);
   if (!a || !b) return std::nullopt;
   const std::int64_t common = std::gcd(a->picometres, b->picometres);
-  return UnitRatio{static_cast<double>(a->picometres / common), static_cast<double>(b->picometres / common)};
+  return LengthRatio{static_cast<double>(a->picometres / common), static_cast<double>(b->picometres / common)};
 }
 
 }  // namespace kiln

@@ -11,12 +11,13 @@ namespace kiln {
 /// unknown.
 std::string unitName(std::string_view unit);
 
-/// A quotient of two units. Multiplying before dividing keeps powers of ten exact.
-struct UnitRatio {
+/// Units of `to` per unit of `from`, as a quotient of integers. Multiplying before dividing keeps powers of ten exact.
+struct LengthRatio {
   double numerator = 1, denominator = 1;
   double of(double length) const { return length * numerator / denominator; }
+  bool operator==(const LengthRatio&) const = default;
 };
-/// Returns the number of `to` in one `from`; nothing if they differ and either is unknown.
-std::optional<UnitRatio> unitRatio(std::string_view from, std::string_view to);
+/// Returns nothing if a name is no known unit of length. Equal names are equal units, known or not.
+std::optional<LengthRatio> lengthRatio(std::string_view from, std::string_view to);
 
 }  // namespace kiln
