@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/file/file_lock.h"
+#include "base/file/path_name.h"
 #include "base/file/path_status.h"
 #include "base/hash.h"
 #include "base/memory/memory.h"
@@ -83,7 +84,7 @@ fs::path baseOf(const fs::path& input) {
   if (const std::string part = partOf(input); !part.empty()) return containerOf(input).string() + dotted(part);
   if (!fs::is_directory(input, error)) return input;
   const fs::path whole = fs::canonical(input, error);
-  const fs::path named = input.has_filename() ? input : input.parent_path();
+  const fs::path named = withoutTrailingSlash(input);
   return error || (named.filename() != "." && named.filename() != "..") ? named : whole;
 }
 
@@ -92,7 +93,7 @@ fs::path wholeNameOf(const fs::path& file) {
   std::error_code unknown;
   fs::path out = fs::weakly_canonical(file, unknown);
   if (unknown) out = fs::absolute(file, unknown);
-  return out.has_filename() ? out : out.parent_path();
+  return withoutTrailingSlash(out);
 }
 
 void requireNoPhantom(const fs::path& input) {

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/file/chosen_disk.h"
+#include "base/file/path_name.h"
 #include "base/memory/large_pages.h"
 #include "base/text.h"
 #include "base/thread/parallel.h"
@@ -149,8 +150,7 @@ constexpr ExportFormat kExportFormats[] = {
 };
 
 const ExportFormat& exportFormatOf(const ExportRequest& request) {
-  const fs::path out = request.out.has_filename() ? request.out : request.out.parent_path();  // a folder's slash
-  const std::string name = lowered(out.filename().string());
+  const std::string name = lowered(withoutTrailingSlash(request.out).filename().string());
   const auto found = std::find_if(std::begin(kExportFormats), std::end(kExportFormats),
                                   [&](const ExportFormat& format) { return name.ends_with(format.ending); });
   if (found == std::end(kExportFormats))

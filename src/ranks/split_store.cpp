@@ -8,6 +8,7 @@
 
 #include "base/file/file.h"
 #include "base/file/file_lock.h"
+#include "base/file/path_name.h"
 #include "base/file/same_file.h"
 #include "scene/clip_region.h"
 #include "store/store_writer.h"
@@ -85,7 +86,7 @@ std::function<bool(const BrickKey&)> bricksOfStorePart(const StoreReader& store,
 
 StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const fs::path& path, Progress& progress) {
   FileSystem& disk = FileSystem::real();
-  const fs::path directory = path.has_filename() ? path : path.parent_path();
+  const fs::path directory = withoutTrailingSlash(path);
   requireOutsideStores(directory, "-o");
   if (directory.has_parent_path()) disk.makeDirectories(directory.parent_path());
   const FileLock lock(lockOf(directory), refusalOf(directory));

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/file/file.h"
+#include "base/file/path_name.h"
 #include "base/file/path_status.h"
 #include "base/file/same_file.h"
 #include "base/memory/large_pages.h"
@@ -214,7 +215,7 @@ void requireOutsideStores(const fs::path& path, const std::string& option) {
   if (isWrittenInPlace(path)) return;
   std::error_code unknown;
   // Only the existing folders, if some folders of the name are still to be made.
-  fs::path folder = behindLinks(path.has_filename() ? path : path.parent_path()).parent_path();
+  fs::path folder = behindLinks(withoutTrailingSlash(path)).parent_path();
   folder = fs::weakly_canonical(fs::absolute(folder.empty() ? "." : folder, unknown), unknown);
   for (; !unknown && folder.has_relative_path(); folder = folder.parent_path()) {
     if (!holdsStore(folder)) continue;

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/file/file.h"
+#include "base/file/path_name.h"
 #include "base/file/path_status.h"
 #include "image/file/image_file.h"
 #include "sequence/sequence_frames.h"
@@ -21,7 +22,7 @@ namespace {
 // Returns the places at which a volume of the picture may be, the likeliest first.
 std::vector<fs::path> placesOf(const fs::path& volume, const fs::path& picture) {
   const fs::path folder = picture.parent_path();
-  const fs::path named = volume.has_filename() ? volume : volume.parent_path();
+  const fs::path named = withoutTrailingSlash(volume);
   std::vector<fs::path> out{folder / named, folder / named.filename(), named};
   for (auto place = out.begin() + 1; place != out.end();)
     place = std::find(out.begin(), place, *place) != place ? out.erase(place) : place + 1;

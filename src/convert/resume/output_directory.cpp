@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/file/folder.h"
+#include "base/file/path_name.h"
 #include "base/file/path_status.h"
 #include "base/file/same_file.h"
 #include "convert/resume/journal.h"
@@ -88,8 +89,6 @@ bool holdsOnlyAStore(const fs::path& directory) {
 bool mayBeRemoved(const fs::path& old) {
   return isNothing(old) || (holdsOnlyAStore(old) && !isStore(old) && !isUnfinished(old));
 }
-
-fs::path withoutTrailingSlash(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
 
 // Resolves links, "." and "..", because the ".partial" and ".old" names are formed from the result.
 fs::path placeOf(const fs::path& out) {

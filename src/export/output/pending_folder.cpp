@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/file/folder.h"
+#include "base/file/path_name.h"
 #include "base/file/path_status.h"
 
 namespace kiln {
@@ -23,12 +24,13 @@ bool isBarelyBegun(const fs::path& folder) {
   return out;
 }
 
-fs::path plainFolder(const fs::path& out) { return behindLinks(out.has_filename() ? out : out.parent_path()); }
-
 }  // namespace
 
 PendingFolder::PendingFolder(const fs::path& out, const std::string& contents, Leftover leftover, FileSystem& disk)
-    : out_(plainFolder(out)), path_(out_.string() + ".partial"), disk_(disk), lock_(lockOf(out_), refusalOf(out_)) {
+    : out_(behindLinks(withoutTrailingSlash(out))),
+      path_(out_.string() + ".partial"),
+      disk_(disk),
+      lock_(lockOf(out_), refusalOf(out_)) {
   begin(contents, leftover);
 }
 

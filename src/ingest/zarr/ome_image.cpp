@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/file/path_name.h"
 #include "base/file/path_status.h"
 #include "grid/declared_look.h"
 #include "ingest/source/header_text.h"
@@ -52,10 +53,7 @@ bool transform(const JsonNode& list, std::vector<ArrayAxis>& axes) {
 }
 
 // Without "." and "..", and without a slash at the end.
-fs::path plainPath(const fs::path& path) {
-  const fs::path normal = path.lexically_normal();
-  return normal.has_filename() ? normal : normal.parent_path();
-}
+fs::path plainPath(const fs::path& path) { return withoutTrailingSlash(path.lexically_normal()); }
 
 ArrayAxis axisOf(const JsonNode& json) {
   ArrayAxis out;

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/file/folder.h"
+#include "base/file/path_name.h"
 #include "base/file/path_status.h"
 #include "base/text.h"
 #include "ingest/source/chosen_part.h"
@@ -68,10 +69,7 @@ std::optional<ZarrImage> ofN5Scales(const fs::path& folder, const SourceOptions&
 }
 
 // An absolute path without "." and "..", and without a slash at the end.
-fs::path wholePath(const fs::path& folder) {
-  const fs::path whole = fs::absolute(folder).lexically_normal();
-  return whole.has_filename() ? whole : whole.parent_path();
-}
+fs::path wholePath(const fs::path& folder) { return withoutTrailingSlash(fs::absolute(folder).lexically_normal()); }
 
 // The image whose scale an array is, if the group above lists the array.
 std::optional<ZarrImage> imageAbove(const fs::path& folder, const SourceOptions& options) {

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/file/folder.h"
+#include "base/file/path_name.h"
 #include "base/file/path_status.h"
 #include "base/text.h"
 #include "ingest/chunks/chunked_source.h"
@@ -32,8 +33,7 @@ bool isOfN5(const fs::path& header) {
 bool isZarrFolder(const fs::path& folder) {
   const fs::path header = zarrHeaderIn(folder);
   if (!header.empty() && (header.filename() != "attributes.json" || isOfN5(header))) return true;
-  const std::string ending =
-      lowered(folder.has_filename() ? folder.extension().string() : folder.parent_path().extension().string());
+  const std::string ending = lowered(withoutTrailingSlash(folder).extension().string());
   return ending == ".zarr" || ending == ".n5";
 }
 
