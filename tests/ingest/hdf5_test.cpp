@@ -359,6 +359,28 @@ TEST(IngestHdf5, NexusNamesItsSignalAndAxes) {
   EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(0.5, 6, 2));
 }
 
+// Coordinates that are not one for each voxel place nothing.
+TEST(IngestHdf5, NexusCoordinatesOfAnotherLength_areNotUsed) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({4, 3, 5}, VoxelType::u8, 519);
+  const fs::path file = files.directory() / "a.nxs";
+  {
+    Hdf5File out(file);
+    out.add("/entry/data", volume);
+    out.addNumbers("/entry/z", {0, 2, 4, 6, 8});
+    out.addNumbers("/entry/y", {5, 6, 7});
+    out.addNumbers("/entry/x", {0, 0.5, 1});
+    out.setText("/", "default", "entry");
+    out.setText("/entry", "signal", "data");
+    out.setTexts("/entry", "axes", {"z", "y", "x"});
+  }
+  const auto source = openSource(file);
+  EXPECT_EQ(source->info().geometry.spacing().x, 1);
+  const std::vector<std::string>& notes = source->info().notes;
+  EXPECT_TRUE(std::find(notes.begin(), notes.end(),
+                        "the coordinates /entry/x are 3 numbers for 4 voxels and are not used") != notes.end());
+}
+
 // Known: the axes of the data set are x, y, z, so that the library gives what a raw file could not.
 TEST(IngestHdf5, ContiguousDataOfOtherAxesOrTypesReadBack) {
   const ForeignFiles files;

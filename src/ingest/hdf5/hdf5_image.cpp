@@ -175,6 +175,13 @@ bool placeByCoordinates(const Hdf5Object* coordinates, ArrayAxis& axis) {
   return true;
 }
 
+// True for a coordinate for each voxel. EMD may list the first two alone.
+bool isForAxis(const Hdf5Object* coordinates, std::int64_t voxels, bool is_emd) {
+  if (!coordinates) return false;
+  const std::size_t count = coordinates->values.size();
+  return count == static_cast<std::size_t>(voxels) || (is_emd && count == 2);
+}
+
 std::string parentOf(const std::string& path) {
   const std::size_t slash = path.find_last_of('/');
   return slash == 0 ? "" : path.substr(0, slash);
@@ -197,7 +204,12 @@ void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
     if (named) axis.name = names[i];
     if (!named && labels.size() == count) axis.name = labels[i];
     const bool of_space = i + 3 >= count;
-    const bool has_place = placeByCoordinates(objects.find(coordinates), axis);
+    const Hdf5Object* const list = objects.find(coordinates);
+    const bool fits = isForAxis(list, dataset.shape[i], !named);
+    const bool has_place = fits && placeByCoordinates(list, axis);
+    if (list && !list->values.empty() && !fits)
+      out.notes.push_back(fmt::format("the coordinates {} are {} numbers for {} voxels and are not used",
+                                      shown(coordinates), list->values.size(), dataset.shape[i]));
     space += of_space ? 1 : 0;
     placed += of_space && has_place ? 1 : 0;
   }

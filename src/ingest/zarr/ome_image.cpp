@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "base/file/path_name.h"
@@ -90,7 +91,8 @@ std::string textAt(const JsonNode& json, const char* key) {
   return found && found->isText() ? found->text() : "";
 }
 
-// The window and the colour in which OMERO shows a channel; nothing for curves and inverted windows.
+// The window and the colour in which OMERO shows a channel; nothing for curves, inverted windows, and windows whose
+// ends are no values: drawing computes in floats of 32 bits.
 std::optional<DeclaredLook::Ramp> rampIn(const JsonNode& channel) {
   const std::optional<JsonNode> window = objectAt(channel, "window");
   const std::string family = textAt(channel, "family");
@@ -101,7 +103,9 @@ std::optional<DeclaredLook::Ramp> rampIn(const JsonNode& channel) {
   if (inverted && inverted->isTruth() && inverted->truth()) return std::nullopt;
   const DeclaredLook::Ramp out = {begin->number(), end->number(),
                                   displayColorOf(textAt(channel, "color")).value_or(DisplayColor())};
-  return out.begin < out.end ? std::optional(out) : std::nullopt;
+  constexpr double kLargest = std::numeric_limits<float>::max() / 2;
+  const bool drawable = out.begin < out.end && std::abs(out.begin) <= kLargest && std::abs(out.end) <= kLargest;
+  return drawable ? std::optional(out) : std::nullopt;
 }
 
 // {"label-value": 3, "rgba": [255, 128, 0, 255]}.
