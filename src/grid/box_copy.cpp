@@ -3,22 +3,37 @@
 #include <cstring>
 
 namespace kiln {
+namespace {
+
+// Calls each(first voxel) for each row of a box.
+template <class Each>
+void forEachRow(const VoxelBox& box, const Each& each) {
+  if (!box.empty()) forEachCoord({box.lo, {box.lo.x + 1, box.hi.y, box.hi.z}}, each);
+}
+
+}  // namespace
+
+void copyPart(const VoxelBox& part, std::span<const std::byte> from, const VoxelBox& from_box, std::span<std::byte> to,
+              const VoxelBox& to_box, std::size_t voxel_bytes) noexcept {
+  const std::size_t row_bytes = static_cast<std::size_t>(part.extent().x) * voxel_bytes;
+  forEachRow(part, [&](const VoxelCoord& first) {
+    std::memcpy(to.data() + offsetIn(to_box, first) * voxel_bytes,
+                from.data() + offsetIn(from_box, first) * voxel_bytes, row_bytes);
+  });
+}
 
 void copyCommon(std::span<const std::byte> from, const VoxelBox& from_box, std::span<std::byte> to,
-                const VoxelBox& to_box, std::size_t voxel_bytes) {
-  const VoxelBox common = intersection(from_box, to_box);
-  if (common.empty()) return;
-  const auto at = [&](const VoxelBox& box, std::int64_t y, std::int64_t z) {
-    const Extent3 n = box.extent();
-    return static_cast<std::size_t>(((z - box.lo.z) * n.y + (y - box.lo.y)) * n.x + (common.lo.x - box.lo.x)) *
-           voxel_bytes;
-  };
-  for (std::int64_t z = common.lo.z; z < common.hi.z; ++z) {
-    for (std::int64_t y = common.lo.y; y < common.hi.y; ++y) {
-      std::memcpy(to.data() + at(to_box, y, z), from.data() + at(from_box, y, z),
-                  static_cast<std::size_t>(common.extent().x) * voxel_bytes);
-    }
-  }
+                const VoxelBox& to_box, std::size_t voxel_bytes) noexcept {
+  copyPart(intersection(from_box, to_box), from, from_box, to, to_box, voxel_bytes);
+}
+
+void fillPart(const VoxelBox& part, std::span<const std::byte> voxel, std::span<std::byte> to,
+              const VoxelBox& to_box) noexcept {
+  forEachRow(part, [&](const VoxelCoord& first) {
+    std::byte* out = to.data() + offsetIn(to_box, first) * voxel.size();
+    for (std::int64_t x = 0; x < part.extent().x; ++x, out += voxel.size())
+      std::memcpy(out, voxel.data(), voxel.size());
+  });
 }
 
 }  // namespace kiln

@@ -178,15 +178,18 @@ Bytes StoreReader::bytesOfFile(const BrickKey& key) const {
   return checkedFile<Bytes>(path() / brickPath(key), entry.file_bytes, entry.checksum);
 }
 
-BrickBlock StoreReader::read(const BrickKey& key) const {
+std::optional<double> StoreReader::constantOf(const BrickKey& key) const {
   const BrickEntry& entry = index().at(key);
-  if (entry.constant) {
-    if (!holds(manifest().type, entry.core.lo))
-      throw Error(
-          ErrorCode::kDamaged, path() / "index.bin", brickPath(key).string(),
-          fmt::format("is all {}, which is no {}; convert the source again", entry.core.lo, nameOf(manifest().type)));
-    return constantBrick(frame(key), entry.core.lo);
-  }
+  if (!entry.constant) return std::nullopt;
+  if (!holds(manifest().type, entry.core.lo))
+    throw Error(
+        ErrorCode::kDamaged, path() / "index.bin", brickPath(key).string(),
+        fmt::format("is all {}, which is no {}; convert the source again", entry.core.lo, nameOf(manifest().type)));
+  return entry.core.lo;
+}
+
+BrickBlock StoreReader::read(const BrickKey& key) const {
+  if (const std::optional<double> constant = constantOf(key)) return constantBrick(frame(key), *constant);
   return decode(key, bytesOfFile<UnsetBytes>(key));
 }
 

@@ -37,8 +37,7 @@ NiftiPlace niftiPlaceOf(const VolumeGeometry& given, ExportNotes& notes) {
   out.ras_from_index = affineIn(PatientFrame::kRas, geometry);
   out.spacing = geometry.spacing();
   const bool known = geometry.frame != PatientFrame::kUnknown;
-  const bool at_origin = isUnturned(geometry.world_from_index) && geometry.worldOf({0, 0, 0}) == glm::dvec3(0);
-  out.world_code = known ? kScannerWorld : at_origin ? std::int16_t{0} : kAlignedWorld;
+  out.world_code = known ? kScannerWorld : isPlacedBySpacing(geometry) ? std::int16_t{0} : kAlignedWorld;
   if (out.world_code == kAlignedWorld)
     notes.push_back(
         "NIfTI has no affine without a patient frame; programs take the axes of the world as right, "
@@ -114,15 +113,10 @@ std::vector<std::byte> nifti2Header(const ExportedVolume& volume, const NiftiPla
 
 // The farthest that a corner of the volume moves where the affine is rounded to floats. unit: world.
 double shiftInFloats(const ExportedVolume& volume, const NiftiPlace& place) {
+  VolumeGeometry shift = volume.geometry;
+  shift.world_from_index = glm::dmat4(glm::mat4(place.ras_from_index)) - place.ras_from_index;
   double most = 0;
-  for (const Extent3& dims = volume.geometry.dims; const double z : {0.0, 1.0})
-    for (const double y : {0.0, 1.0})
-      for (const double x : {0.0, 1.0}) {
-        const glm::dvec4 corner(x * static_cast<double>(dims.x - 1), y * static_cast<double>(dims.y - 1),
-                                z * static_cast<double>(dims.z - 1), 1);
-        const glm::dmat4 rounded(glm::mat4(place.ras_from_index));
-        most = std::max(most, glm::length(glm::dvec3(rounded * corner - place.ras_from_index * corner)));
-      }
+  for (const glm::dvec3& corner : shift.corners()) most = std::max(most, glm::length(corner));
   return most;
 }
 

@@ -20,9 +20,8 @@ std::string commandToRead(const std::filesystem::path& file, const ExportedVolum
 std::unique_ptr<VolumeWriter> openRawWriter(const ExportTarget& target, const ExportedVolume& volume,
                                             ExportNotes& notes) {
   const VolumeGeometry& geometry = volume.geometry;
-  const bool placed = !isUnturned(geometry.world_from_index) || geometry.worldOf({0, 0, 0}) != glm::dvec3(0) ||
-                      geometry.frame != PatientFrame::kUnknown || !geometry.unit.empty();
-  if (placed) notes.push_back("a raw file has no origin, directions, patient frame and unit");
+  if (!isPlacedBySpacing(geometry) || geometry.frame != PatientFrame::kUnknown || !geometry.unit.empty())
+    notes.push_back("a raw file has no origin, directions, patient frame and unit");
   LinearLayout layout;
   layout.lines = {"to read it: " + commandToRead(target.out, volume)};
   return linearWriter(target, volume, std::move(layout));

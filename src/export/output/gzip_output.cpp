@@ -15,7 +15,7 @@
 namespace kiln {
 namespace {
 
-constexpr std::size_t kBlock = 512 << 10, kHeldBlocks = 8, kWindow = 32 << 10;
+constexpr std::size_t kBlock = 512 << 10, kWindow = 32 << 10;
 // On a phantom of CT as small as level 6, in a third of the time.
 constexpr int kGzipLevel = 4;
 
@@ -48,7 +48,6 @@ std::uint32_t crcOf(std::span<const std::byte> data) {
 }  // namespace
 
 GzipOutput::GzipOutput(Sink sink) : sink_(std::move(sink)) {
-  held_.reserve(kWindow + kHeldBlocks * kBlock);
   // Magic, deflate, no flags, no time, no hint, unknown system.
   constexpr std::uint8_t kHeader[] = {0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 0, 255};
   sink_(std::as_bytes(std::span(kHeader)));
@@ -56,12 +55,15 @@ GzipOutput::GzipOutput(Sink sink) : sink_(std::move(sink)) {
 
 std::uint64_t GzipOutput::bytes(unsigned threads) {
   constexpr std::uint64_t kDeflateState = 272 << 10;
-  return kWindow + 2 * kHeldBlocks * (kBlock + kBlock / 512) + threads * kDeflateState;
+  return kWindow + threads * (2 * (kBlock + kBlock / 512) + kDeflateState);
 }
 
+// A block for each thread is held. Blocks begin at multiples of their length, so the bytes do not depend on threads.
 void GzipOutput::write(std::span<const std::byte> data) {
+  const std::size_t most = ThreadLimit::active() * kBlock;
+  held_.reserve(kWindow + most);
   while (!data.empty()) {
-    const std::size_t room = held_begin_ + kHeldBlocks * kBlock - held_.size(), taken = std::min(room, data.size());
+    const std::size_t room = held_begin_ + most - held_.size(), taken = std::min(room, data.size());
     held_.insert(held_.end(), data.begin(), data.begin() + static_cast<std::ptrdiff_t>(taken));
     data = data.subspan(taken);
     if (taken == room) compressHeld();

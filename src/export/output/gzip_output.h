@@ -13,6 +13,7 @@ class GzipOutput {
  public:
   using Sink = std::function<void(std::span<const std::byte>)>;
   /// Gives the compressed bytes to `sink`, in order. The bytes do not depend on threads or on the pieces of `write`.
+  /// requires: the bytes of all calls under a larger ThreadLimit than later calls have are less than a block.
   explicit GzipOutput(Sink sink);
   /// throws: as the sink; std::bad_alloc.
   void write(std::span<const std::byte> data);

@@ -64,6 +64,10 @@ bool isUnturned(const glm::dmat4& world_from_index) {
   return true;
 }
 
+bool isPlacedBySpacing(const VolumeGeometry& geometry) {
+  return isUnturned(geometry.world_from_index) && geometry.worldOf({0, 0, 0}) == glm::dvec3(0);
+}
+
 std::string extentText(const ExportedVolume& volume) {
   const Extent3& dims = volume.geometry.dims;
   return fmt::format("{} x {} x {} voxels of {}", dims.x, dims.y, dims.z, nameOf(volume.type));

@@ -43,6 +43,9 @@ VolumeGeometry withUnitOf(std::initializer_list<std::string_view> units, const V
 /// True if axes of voxels and world agree but for lengths: no rotation, exchange or mirroring.
 bool isUnturned(const glm::dmat4& world_from_index);
 
+/// True if spacings alone place the voxels: axes unturned, and the first voxel at the origin.
+bool isPlacedBySpacing(const VolumeGeometry& geometry);
+
 /// "64 x 64 x 32 voxels of u16".
 std::string extentText(const ExportedVolume& volume);
 

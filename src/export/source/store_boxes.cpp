@@ -1,51 +1,39 @@
 #include "export/source/store_boxes.h"
 
-#include <cstring>
+#include <optional>
 
 #include "base/thread/parallel.h"
+#include "grid/box_copy.h"
 #include "store/codec/brick_block.h"
+#include "store/codec/brick_codec.h"
 
 namespace kiln {
-namespace {
 
-// The bricks that meet a box. shape: a box of the brick lattice.
-VoxelBox bricksOf(const VoxelBox& box, std::int64_t brick_size) {
-  VoxelBox out;
-  for (int axis = 0; axis < 3; ++axis) {
-    out.lo[axis] = box.lo[axis] / brick_size;
-    out.hi[axis] = (box.hi[axis] + brick_size - 1) / brick_size;
-  }
-  return out;
-}
+BricksOfBox::BricksOfBox(const StoreReader& store, int level, const VoxelBox& box)
+    : store_(store), level_(level), box_(box), bricks_(coarseBox(box, store.manifest().brick_size)) {}
 
-}  // namespace
-
-void copyVoxels(const VoxelBox& part, std::size_t voxel_bytes, const VoxelBox& from_box, const std::byte* from,
-                const VoxelBox& to_box, std::byte* to) noexcept {
-  const auto placeIn = [&](const VoxelBox& box, std::int64_t y, std::int64_t z) {
-    const Extent3 extent = box.extent();
-    const std::int64_t row = (z - box.lo.z) * extent.y + y - box.lo.y;
-    return static_cast<std::size_t>(row * extent.x + part.lo.x - box.lo.x) * voxel_bytes;
-  };
-  const std::size_t row_bytes = static_cast<std::size_t>(part.extent().x) * voxel_bytes;
-  for (std::int64_t z = part.lo.z; z < part.hi.z; ++z)
-    for (std::int64_t y = part.lo.y; y < part.hi.y; ++y)
-      std::memcpy(to + placeIn(to_box, y, z), from + placeIn(from_box, y, z), row_bytes);
+BricksOfBox::Part BricksOfBox::at(std::size_t i) const {
+  const BrickCoord inside = brickAt(bricks_.extent(), static_cast<std::int64_t>(i));
+  const BrickKey key{level_, brickOf({inside.x + bricks_.lo.x, inside.y + bricks_.lo.y, inside.z + bricks_.lo.z}, 1)};
+  return {key, intersection(store_.frame(key).core(), box_)};
 }
 
 void readBox(const StoreReader& store, int level, const VoxelBox& box, const Progress& progress,
              std::span<std::byte> out) {
-  const VoxelBox bricks = bricksOf(box, store.manifest().brick_size);
-  const std::size_t voxel_bytes = sizeOf(store.manifest().type);
-  parallelForInOrder(static_cast<std::size_t>(bricks.count()), [&](std::size_t i) {
+  const BricksOfBox bricks(store, level, box);
+  const VoxelType type = store.manifest().type;
+  parallelForInOrder(bricks.count(), [&](std::size_t i) {
     progress.throwIfCancelled("exporting");
-    const BrickCoord inside = brickAt(bricks.extent(), static_cast<std::int64_t>(i));
-    const BrickKey key{
-        level,
-        {static_cast<std::int32_t>(inside.x + bricks.lo.x), static_cast<std::int32_t>(inside.y + bricks.lo.y),
-         static_cast<std::int32_t>(inside.z + bricks.lo.z)}};
+    const auto [key, part] = bricks.at(i);
+    if (const std::optional<double> constant = store.constantOf(key)) {
+      withVoxelType(type, [&, part = part]<class T>(std::type_identity<T>) {
+        const T value = static_cast<T>(*constant);
+        fillPart(part, std::as_bytes(std::span(&value, 1)), out, box);
+      });
+      return;
+    }
     const BrickBlock block = store.read(key);
-    copyVoxels(intersection(block.core, box), voxel_bytes, block.extent, block.voxels.data(), box, out.data());
+    copyPart(part, block.voxels, block.extent, out, box, sizeOf(type));
   });
 }
 

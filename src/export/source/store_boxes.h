@@ -9,15 +9,30 @@
 
 namespace kiln {
 
-/// Fills `out` with the voxels of a box of a level. Bricks are decoded on all threads, each thread holding one. shape:
-/// x fastest, densely packed, in the store's type. requires: the box lies in the level. throws: as StoreReader::read;
-/// Error kCancelled.
+/// The bricks of a level that meet a box, x fastest.
+class BricksOfBox {
+ public:
+  /// requires: the box lies in the level.
+  BricksOfBox(const StoreReader& store, int level, const VoxelBox& box);
+
+  struct Part {
+    BrickKey key;
+    VoxelBox box;  // the voxels of the brick's core in the box
+  };
+  std::size_t count() const { return static_cast<std::size_t>(bricks_.count()); }
+  /// requires: i < count().
+  Part at(std::size_t i) const;
+
+ private:
+  const StoreReader& store_;
+  int level_;
+  VoxelBox box_, bricks_;
+};
+
+/// Fills `out` with the voxels of a box of a level. Bricks are decoded on all threads, each thread holding one; bricks
+/// of one value are not decoded. shape: x fastest, densely packed, in the store's type. requires: the box lies in the
+/// level. throws: as StoreReader::read; Error kCancelled.
 void readBox(const StoreReader& store, int level, const VoxelBox& box, const Progress& progress,
              std::span<std::byte> out);
-
-/// Copies the voxels of `part` from a box to a box. shape: both x fastest, densely packed. requires: `part` lies in
-/// both boxes.
-void copyVoxels(const VoxelBox& part, std::size_t voxel_bytes, const VoxelBox& from_box, const std::byte* from,
-                const VoxelBox& to_box, std::byte* to) noexcept;
 
 }  // namespace kiln

@@ -4,6 +4,7 @@
 #include "export/tiff/tiff_pages.h"
 
 #include <fmt/format.h>
+#include <tiff.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,25 +16,6 @@
 namespace kiln {
 namespace {
 
-enum class TiffType : std::uint16_t { kAscii = 2, kShort = 3, kLong = 4, kRational = 5, kLong8 = 16 };
-
-enum class TiffTag : std::uint16_t {
-  kWidth = 256,
-  kLength = 257,
-  kBits = 258,
-  kCompression = 259,
-  kPhotometric = 262,
-  kDescription = 270,
-  kStripOffsets = 273,
-  kSamples = 277,
-  kRowsPerStrip = 278,
-  kStripByteCounts = 279,
-  kXResolution = 282,
-  kYResolution = 283,
-  kResolutionUnit = 296,
-  kSampleFormat = 339
-};
-
 // Voxels begin at a multiple of this many bytes.
 constexpr std::uint64_t kStripAlignment = 16;
 
@@ -42,9 +24,9 @@ std::uint64_t alignedUp(std::uint64_t bytes, std::uint64_t alignment) {
 }
 
 std::uint16_t sampleFormatOf(VoxelType type) {
-  constexpr std::uint16_t kUnsigned = 1, kSigned = 2, kFloat = 3;
-  if (isFloating(type)) return kFloat;
-  return type == VoxelType::i8 || type == VoxelType::i16 || type == VoxelType::i32 ? kSigned : kUnsigned;
+  if (isFloating(type)) return SAMPLEFORMAT_IEEEFP;
+  const bool has_sign = type == VoxelType::i8 || type == VoxelType::i16 || type == VoxelType::i32;
+  return has_sign ? SAMPLEFORMAT_INT : SAMPLEFORMAT_UINT;
 }
 
 // Pixels per unit as the fraction with the largest terms. The description has the exact length of a pixel.
@@ -76,21 +58,21 @@ class EntryList {
  public:
   explicit EntryList(bool big) : big_(big) {}
 
-  void add(TiffTag tag, TiffType type, std::uint64_t count, std::uint64_t value) {
+  void add(std::uint16_t tag, TIFFDataType type, std::uint64_t count, std::uint64_t value) {
     appendValue(bytes_, tag);
-    appendValue(bytes_, type);
+    appendValue(bytes_, static_cast<std::uint16_t>(type));
     appendWord(count);
     appendWord(value);  // little-endian: a shorter value fills the first bytes
     ++count_;
   }
-  void addShort(TiffTag tag, std::uint16_t value) { add(tag, TiffType::kShort, 1, value); }
-  void addLong(TiffTag tag, std::int64_t value) { add(tag, TiffType::kLong, 1, static_cast<std::uint64_t>(value)); }
-  void addOffset(TiffTag tag, std::uint64_t value) { add(tag, big_ ? TiffType::kLong8 : TiffType::kLong, 1, value); }
+  void addShort(std::uint16_t tag, std::uint16_t value) { add(tag, TIFF_SHORT, 1, value); }
+  void addLong(std::uint16_t tag, std::int64_t value) { add(tag, TIFF_LONG, 1, static_cast<std::uint64_t>(value)); }
+  void addOffset(std::uint16_t tag, std::uint64_t value) { add(tag, big_ ? TIFF_LONG8 : TIFF_LONG, 1, value); }
   // A fraction fits into the entry of a BigTIFF; in a classic file it is at `place`.
-  void addFraction(TiffTag tag, const TiffFraction& fraction, std::uint64_t place) {
+  void addFraction(std::uint16_t tag, const TiffFraction& fraction, std::uint64_t place) {
     std::uint64_t value = place;
     if (big_) std::memcpy(&value, &fraction, sizeof value);
-    add(tag, TiffType::kRational, 1, value);
+    add(tag, TIFF_RATIONAL, 1, value);
   }
   std::vector<std::byte> directory(std::uint64_t next) {
     std::vector<std::byte> entries = std::move(bytes_);
@@ -118,7 +100,8 @@ class EntryList {
 };
 
 std::vector<std::byte> tiffHeader(bool big) {
-  constexpr std::uint16_t kLittleEndian = 0x4949, kClassic = 42, kBig = 43, kOffsetBytes = 8;
+  constexpr std::uint16_t kLittleEndian = TIFF_LITTLEENDIAN, kClassic = TIFF_VERSION_CLASSIC, kBig = TIFF_VERSION_BIG,
+                          kOffsetBytes = 8;
   std::vector<std::byte> out;
   appendValue(out, kLittleEndian);
   appendValue(out, big ? kBig : kClassic);
@@ -177,22 +160,22 @@ std::uint64_t TiffPages::directoryBegin(std::int64_t page) const {
 std::vector<std::byte> TiffPages::entries(std::int64_t page, std::uint64_t described_at) const {
   const Extent3& dims = volume_.geometry.dims;
   EntryList list(big_);
-  list.addLong(TiffTag::kWidth, dims.x);
-  list.addLong(TiffTag::kLength, dims.y);
-  list.addShort(TiffTag::kBits, static_cast<std::uint16_t>(8 * sizeOf(volume_.type)));
-  list.addShort(TiffTag::kCompression, 1);
-  list.addShort(TiffTag::kPhotometric, 1);
+  list.addLong(TIFFTAG_IMAGEWIDTH, dims.x);
+  list.addLong(TIFFTAG_IMAGELENGTH, dims.y);
+  list.addShort(TIFFTAG_BITSPERSAMPLE, static_cast<std::uint16_t>(8 * sizeOf(volume_.type)));
+  list.addShort(TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  list.addShort(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
   if (described_at != kNotDescribed)
-    list.add(TiffTag::kDescription, TiffType::kAscii, description_.size() + 1, described_at);
-  list.addOffset(TiffTag::kStripOffsets, stripBegin(page));
-  list.addShort(TiffTag::kSamples, 1);
-  list.addLong(TiffTag::kRowsPerStrip, dims.y);
-  list.addOffset(TiffTag::kStripByteCounts, stripBegin(1) - stripBegin(0));
+    list.add(TIFFTAG_IMAGEDESCRIPTION, TIFF_ASCII, description_.size() + 1, described_at);
+  list.addOffset(TIFFTAG_STRIPOFFSETS, stripBegin(page));
+  list.addShort(TIFFTAG_SAMPLESPERPIXEL, 1);
+  list.addLong(TIFFTAG_ROWSPERSTRIP, dims.y);
+  list.addOffset(TIFFTAG_STRIPBYTECOUNTS, stripBegin(1) - stripBegin(0));
   const glm::dvec3 spacing = volume_.geometry.spacing();
-  list.addFraction(TiffTag::kXResolution, TiffFraction(spacing.x), resolution_begin_);
-  list.addFraction(TiffTag::kYResolution, TiffFraction(spacing.y), resolution_begin_ + sizeof(TiffFraction));
-  list.addShort(TiffTag::kResolutionUnit, 1);
-  list.addShort(TiffTag::kSampleFormat, sampleFormatOf(volume_.type));
+  list.addFraction(TIFFTAG_XRESOLUTION, TiffFraction(spacing.x), resolution_begin_);
+  list.addFraction(TIFFTAG_YRESOLUTION, TiffFraction(spacing.y), resolution_begin_ + sizeof(TiffFraction));
+  list.addShort(TIFFTAG_RESOLUTIONUNIT, RESUNIT_NONE);
+  list.addShort(TIFFTAG_SAMPLEFORMAT, sampleFormatOf(volume_.type));
   return list.directory(page + 1 < pages_ ? directoryBegin(page + 1) : 0);
 }
 

@@ -4,24 +4,31 @@
 
 #include <openvdb/tools/Prune.h>
 
-#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
+#include "export/vdb/brick_voxels.h"
 #include "export/vdb/export_vdb.h"
 #include "export/vdb/grid_placement.h"
-#include "store/codec/brick_block.h"
 
 namespace kiln {
 
 template <class T>
 class BakedFiller {
  public:
+  struct Baked {
+    float density = 0;
+    openvdb::Vec3f color{0};
+  };
+
+  /// Upper bound of a voxel in the leaves of both grids, and the table of types of 8 and 16 bits. unit: bytes.
+  static constexpr std::uint64_t kVoxelBytes = sizeof(Baked) + 2,
+                                 kFixedBytes = sizeof(T) <= 2 ? sizeof(Baked) << (8 * sizeof(T)) : 0;
+
   /// requires: the function has a unit of length.
-  BakedFiller(const TransferFunction& function, VdbType type, const GridPlacement& place, std::uint64_t memory_bytes)
-      : memory_bytes_(memory_bytes - std::min(memory_bytes, kTableBytes)),
-        function_(function),
+  BakedFiller(const TransferFunction& function, VdbType type, const GridPlacement& place)
+      : function_(function),
         place_(place),
         density_(newGrid<openvdb::FloatGrid>(0)),
         color_(newGrid<openvdb::Vec3SGrid>(openvdb::Vec3f(0))) {
@@ -49,32 +56,17 @@ class BakedFiller {
   }
 
   void take(const BrickBlock& block, const VoxelBox& part) {
-    const T* const voxels = block.data<T>();
     auto densities = density_->getAccessor();
     auto colors = color_->getAccessor();
-    for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
-      for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-        const T* const row = voxels + block.offsetOf({part.lo.x, y, z});
-        for (std::int64_t x = part.lo.x; x < part.hi.x; ++x) {
-          const Baked baked = of(row[x - part.lo.x]);
-          if (baked.density == 0) continue;
-          densities.setValueOn(place_.of({x, y, z}), baked.density);
-          colors.setValueOn(place_.of({x, y, z}), baked.color);
-        }
-      }
-    }
+    forEachVoxel<T>(block, part, [&](const VoxelCoord& at, T voxel) {
+      const Baked baked = of(voxel);
+      if (baked.density == 0) return;
+      densities.setValueOn(place_.of(at), baked.density);
+      colors.setValueOn(place_.of(at), baked.color);
+    });
   }
 
-  bool charge(const VoxelBox& part, std::uint64_t read_bytes) {
-    const std::uint64_t needed = growthBytes(part) + read_bytes;
-    if (held_bytes_ + needed > memory_bytes_) held_bytes_ = density_->memUsage() + color_->memUsage();
-    if (held_bytes_ + needed > memory_bytes_) return false;
-    held_bytes_ += growthBytes(part);
-    return true;
-  }
-  static std::uint64_t growthBytes(const VoxelBox& part) {
-    return static_cast<std::uint64_t>(part.count()) * (sizeof(Baked) + 2);
-  }
+  std::uint64_t treeBytes() const { return density_->memUsage() + color_->memUsage(); }
 
   openvdb::GridPtrVec finish() {
     density_->pruneGrid(0);
@@ -84,13 +76,6 @@ class BakedFiller {
   double largestError() const { return 0; }
 
  private:
-  struct Baked {
-    float density = 0;
-    openvdb::Vec3f color{0};
-  };
-
-  static constexpr std::uint64_t kTableBytes = sizeof(T) <= 2 ? sizeof(Baked) << (8 * sizeof(T)) : 0;
-
   openvdb::GridPtrVec grids() const { return {density_, color_}; }
   Baked evaluated(double value) const {
     const Classified seen = function_.at(value);
@@ -105,13 +90,11 @@ class BakedFiller {
       return evaluated(static_cast<double>(voxel));
   }
 
-  std::uint64_t memory_bytes_;
   const TransferFunction& function_;
   const GridPlacement& place_;
   openvdb::FloatGrid::Ptr density_;
   openvdb::Vec3SGrid::Ptr color_;
   std::vector<Baked> table_;  // of types of 8 and 16 bits
-  std::uint64_t held_bytes_ = 0;
 };
 
 }  // namespace kiln

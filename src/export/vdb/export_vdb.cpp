@@ -9,13 +9,15 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <type_traits>
 
 #include "base/file/chosen_disk.h"
 #include "base/file/file.h"
-#include "base/file/path_status.h"
 #include "base/memory/memory.h"
 #include "base/refusal.h"
+#include "export/source/output_place.h"
+#include "export/source/store_boxes.h"
 #include "export/vdb/baked_filler.h"
 #include "export/vdb/grid_filler.h"
 #include "store/brick_index.h"
@@ -50,23 +52,6 @@ VoxelBox partLeaves(const GridPlacement& place, const VoxelBox& part) {
   return boxOf({(touched - whole) * kLeafEdge, kLeafEdge, kLeafEdge});
 }
 
-// Memory for any content of the volume: all voxels of all stored bricks in the tree, one brick being read, the index.
-template <class Filler>
-std::uint64_t sufficientBytes(const StoreReader& store, const ExportedVolume& volume, const GridPlacement& place) {
-  const Extent3 lattice = store.level(volume.level).bricks;
-  std::uint64_t grid = 0, read = 0;
-  for (std::int64_t i = 0; i < lattice.count(); ++i) {
-    const BrickKey key{volume.level, brickAt(lattice, i)};
-    const VoxelBox part = intersection(store.frame(key).core(), volume.box);
-    if (part.empty()) continue;
-    const bool constant = store.index().at(key).constant;
-    grid += Filler::growthBytes(constant ? partLeaves(place, part) : touchedLeaves(place, part));
-    if (constant) continue;
-    read = std::max<std::uint64_t>(read, store.readBytes(key));
-  }
-  return grid + read + store.index().bytes();
-}
-
 /// The parts of an export that every kind of grid needs.
 struct GridExport {
   const StoreReader& store;
@@ -83,32 +68,89 @@ struct FilledGrids {
   double largest_error = 0;
 };
 
+// The leaves of a brick's part that hold voxels of their own, as a box of as many voxels.
+VoxelBox heldLeaves(const GridExport& parts, const BricksOfBox::Part& brick) {
+  const bool constant = parts.store.index().at(brick.key).constant;
+  return constant ? partLeaves(parts.place, brick.box) : touchedLeaves(parts.place, brick.box);
+}
+
+// Memory for reading a brick; none for a constant brick. unit: bytes.
+std::uint64_t readingBytes(const StoreReader& store, const BrickKey& key) {
+  return store.index().at(key).constant ? 0 : store.readBytes(key);
+}
+
+// Charges the tree of a grid: before a brick is read, the tree, its growth and the reading of the brick must fit.
+template <class Filler>
+class TreeCharge {
+ public:
+  TreeCharge(const GridExport& parts, const Filler& filler) : parts_(parts), filler_(filler) {}
+
+  /// Charges a brick whose voxels may all enter the tree. The tree is measured only if its upper bound is too large.
+  /// throws: Error kBudget.
+  void add(const BricksOfBox::Part& brick) {
+    const std::uint64_t growth = growthBytes(brick), needed = growth + readingBytes(parts_.store, brick.key);
+    if (held_bytes_ + needed > parts_.memory_bytes) held_bytes_ = Filler::kFixedBytes + filler_.treeBytes();
+    if (held_bytes_ + needed > parts_.memory_bytes) refuse(brick.key);
+    held_bytes_ += growth;
+  }
+
+ private:
+  std::uint64_t growthBytes(const BricksOfBox::Part& brick) const {
+    return static_cast<std::uint64_t>(heldLeaves(parts_, brick).count()) * Filler::kVoxelBytes;
+  }
+  // Memory for any content of the volume: all voxels of all bricks in the tree, one brick being read, the index.
+  std::uint64_t sufficientBytes() const {
+    const BricksOfBox bricks(parts_.store, parts_.volume.level, parts_.volume.box);
+    std::uint64_t grid = Filler::kFixedBytes, read = 0;
+    for (std::size_t i = 0; i < bricks.count(); ++i) {
+      grid += growthBytes(bricks.at(i));
+      read = std::max(read, readingBytes(parts_.store, bricks.at(i).key));
+    }
+    return grid + read + parts_.store.index().bytes();
+  }
+  [[noreturn]] void refuse(const BrickKey& key) const {
+    throw Error(ErrorCode::kBudget, parts_.request.out, "--memory",
+                fmt::format("{} beside the index is too little: the grid and reading one brick take more (found a "
+                            "brick of {}); give --memory {}, which surely suffices, or export a coarser level",
+                            formatBytes(parts_.memory_bytes), formatBytes(parts_.store.readBytes(key)),
+                            roundedUpBytes(sufficientBytes())));
+  }
+
+  const GridExport& parts_;
+  const Filler& filler_;
+  std::uint64_t held_bytes_ = Filler::kFixedBytes;
+};
+
+// Refuses values that a grid of floats cannot hold, in the words of the largest value that it can.
+[[noreturn]] void refuseBeyond(const VdbRequest& request, double most, const std::string& found) {
+  throw Error(ErrorCode::kUsage, request.out, "--type",
+              fmt::format("values must be at most {:g} (found {}); {}", most, found,
+                          request.values.type == VdbType::kHalf ? "write --type float" : "leave --type out"));
+}
+
+double largestOf(VdbType type, double of_grid) {
+  constexpr double kLargestHalf = 65504;
+  return type == VdbType::kHalf ? kLargestHalf : of_grid;
+}
+
 template <class Filler>
 FilledGrids filledBy(Filler filler, const GridExport& parts) {
   const auto& [store, volume, request, place, memory_bytes, progress] = parts;
-  const Extent3 lattice = store.level(volume.level).bricks;
-  const auto refuse = [&](const BrickKey& key) {
-    throw Error(ErrorCode::kBudget, parts.request.out, "--memory",
-                fmt::format("{} beside the index is too little: the grid and reading one brick take more (found a "
-                            "brick of {}); give --memory {}, which surely suffices, or export a coarser level",
-                            formatBytes(parts.memory_bytes), formatBytes(parts.store.readBytes(key)),
-                            roundedUpBytes(sufficientBytes<Filler>(parts.store, parts.volume, parts.place))));
-  };
-  const auto bricks = static_cast<std::uint64_t>(lattice.count());
-  for (std::uint64_t i = 0; i < bricks; ++i) {
+  const BricksOfBox bricks(store, volume.level, volume.box);
+  TreeCharge<Filler> charge(parts, filler);
+  for (std::size_t i = 0; i < bricks.count(); ++i) {
     progress.throwIfCancelled("exporting");
-    const BrickKey key{volume.level, brickAt(lattice, static_cast<std::int64_t>(i))};
-    const BrickEntry& entry = store.index().at(key);
-    const VoxelBox part = intersection(store.frame(key).core(), volume.box);
-    if (part.empty()) continue;
-    if (entry.constant) {
-      if (filler.holds(entry.core.lo) && !filler.charge(partLeaves(place, part), 0)) refuse(key);
-      filler.fill(part, entry.core.lo);
+    const BricksOfBox::Part brick = bricks.at(i);
+    if (const std::optional<double> constant = store.constantOf(brick.key)) {
+      if (filler.holds(*constant)) charge.add(brick);
+      filler.fill(brick.box, *constant);
     } else {
-      if (!filler.charge(touchedLeaves(place, part), store.readBytes(key))) refuse(key);
-      filler.take(store.read(key), part);
+      charge.add(brick);
+      filler.take(store.read(brick.key), brick.box);
     }
-    progress.advance("exporting", "bricks", i + 1, bricks);
+    if (std::isinf(filler.largestError()))
+      refuseBeyond(request, largestOf(request.values.type, std::numeric_limits<float>::max()), "a larger value");
+    progress.advance("exporting", "bricks", i + 1, bricks.count());
   }
   return {filler.finish(), filler.largestError()};
 }
@@ -148,19 +190,16 @@ void publish(const openvdb::GridPtrVec& grids, const fs::path& out, FileSystem& 
   });
 }
 
-// Checks that a grid of this type holds every value of the store, and the background.
+// Checks that a grid of this type holds the background, and every value of the store; infinities stay. The range of a
+// store with infinities does not bound its other values, which are checked one by one.
 template <class Grid>
 void requireValuesFit(const Manifest& manifest, const VdbRequest& request) {
   using Value = typename Grid::ValueType;
-  constexpr double kLargestHalf = 65504;
   const VdbValues& values = request.values;
-  const double most =
-      values.type == VdbType::kHalf ? kLargestHalf : static_cast<double>(std::numeric_limits<Value>::max());
+  const double most = largestOf(values.type, static_cast<double>(std::numeric_limits<Value>::max()));
   const double largest = std::max(std::abs(manifest.range.lo), std::abs(manifest.range.hi));
-  if (values.type != VdbType::kExact && !manifest.range.empty() && largest > most)
-    throw Error(ErrorCode::kUsage, request.out, "--type",
-                fmt::format("values must be at most {:g} (found {:g}); {}", most, largest,
-                            values.type == VdbType::kHalf ? "write --type float" : "leave --type out"));
+  if (values.type != VdbType::kExact && std::isfinite(largest) && largest > most)
+    refuseBeyond(request, most, fmt::format("{:g}", largest));
   if (!values.background) return;
   const bool whole = std::is_floating_point_v<Value> || *values.background == std::floor(*values.background);
   if (!whole || !(std::abs(*values.background) <= most))
@@ -172,11 +211,10 @@ FilledGrids filledGrids(const GridExport& parts) {
   const Manifest& manifest = parts.store.manifest();
   const VdbRequest& request = parts.request;
   return withVoxelType(manifest.type, [&]<class T>(std::type_identity<T>) {
-    if (request.baked)
-      return filledBy(BakedFiller<T>(*request.baked, request.values.type, parts.place, parts.memory_bytes), parts);
+    if (request.baked) return filledBy(BakedFiller<T>(*request.baked, request.values.type, parts.place), parts);
     const auto filled = [&]<class Grid>(std::type_identity<Grid>) {
       requireValuesFit<Grid>(manifest, request);
-      return filledBy(GridFiller<T, Grid>(manifest, request.values, parts.place, parts.memory_bytes), parts);
+      return filledBy(GridFiller<T, Grid>(manifest, request.values, parts.place), parts);
     };
     // Labels are whole numbers, exported in the integer type that Kiln can read back.
     if (manifest.volume_class == VolumeClass::kLabels) return filled(std::type_identity<openvdb::Int32Grid>());
@@ -209,12 +247,9 @@ void requireBakeable(const VdbRequest& request) {
 
 VdbReport exportVdb(const StoreReader& store, const ExportedVolume& volume, const VdbRequest& request,
                     Progress& progress, FileSystem& disk) {
-  if (!request.overwrite && isThere(request.out)) {
-    throw Error(ErrorCode::kExists, request.out, "", "is there already; name another output or give --overwrite");
-  }
+  requirePlace(store, request.out, request.overwrite, disk);
   requireLabelsKept(store, request);
   requireBakeable(request);
-  disk.requirePlaceToRename(request.out);
   initializeOpenVdb();
   const GridPlacement place = placementOf(store, volume.level, request.out);
   const std::uint64_t memory_bytes = request.memory_bytes - std::min(request.memory_bytes, store.index().bytes());

@@ -9,22 +9,24 @@
 #include <cstring>
 #include <type_traits>
 
+#include "export/vdb/brick_voxels.h"
 #include "export/vdb/export_vdb.h"
 #include "export/vdb/grid_placement.h"
-#include "store/codec/brick_block.h"
 
 namespace kiln {
 
-/// Fills a grid of type `Grid` with voxels of type T. Every filler has `holds`, `fill`, `take`, `charge`,
-/// `growthBytes`, `finish` and `largestError`.
+/// Fills a grid of type `Grid` with voxels of type T. Every filler has `holds`, `fill`, `take`, `treeBytes`, `finish`,
+/// `largestError`, and the memory of its parts: `kVoxelBytes`, `kFixedBytes`.
 template <class T, class Grid>
 class GridFiller {
  public:
   using Value = typename Grid::ValueType;
 
-  GridFiller(const Manifest& manifest, const VdbValues& values, const GridPlacement& place, std::uint64_t memory_bytes)
-      : memory_bytes_(memory_bytes),
-        values_(values),
+  /// Upper bound of a voxel in a leaf, and memory beside the tree. unit: bytes.
+  static constexpr std::uint64_t kVoxelBytes = sizeof(Value) + 1, kFixedBytes = 0;
+
+  GridFiller(const Manifest& manifest, const VdbValues& values, const GridPlacement& place)
+      : values_(values),
         level_set_(manifest.volume_class == VolumeClass::kLevelSet),
         background_(gridBackground(manifest, values)),
         place_(place),
@@ -48,40 +50,21 @@ class GridFiller {
 
   /// Takes the voxels of `part` of a block.
   void take(const BrickBlock& block, const VoxelBox& part) {
-    const T* const voxels = block.data<T>();
     auto accessor = grid_->getAccessor();
-    for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
-      for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-        const T* const row = voxels + block.offsetOf({part.lo.x, y, z});
-        for (std::int64_t x = part.lo.x; x < part.hi.x; ++x) {
-          const Value value = written(row[x - part.lo.x]);
-          if (isBackground(value)) continue;
-          note(value);
-          if (active(value)) {
-            accessor.setValueOn(place_.of({x, y, z}), value);
-          } else {
-            accessor.setValueOff(place_.of({x, y, z}), value);
-          }
-        }
+    forEachVoxel<T>(block, part, [&](const VoxelCoord& at, T voxel) {
+      const Value value = written(voxel);
+      if (isBackground(value)) return;
+      note(value);
+      if (active(value)) {
+        accessor.setValueOn(place_.of(at), value);
+      } else {
+        accessor.setValueOff(place_.of(at), value);
       }
-    }
+    });
   }
 
-  /// Charges a part of a brick of which all voxels enter the tree. Called before the brick is read: the tree before,
-  /// its growth and the reading of the brick must fit. The tree is measured only if its upper bound is too large.
-  /// Returns false if the brick does not fit.
-  bool charge(const VoxelBox& part, std::uint64_t read_bytes) {
-    const std::uint64_t needed = growthBytes(part) + read_bytes;
-    if (held_bytes_ + needed > memory_bytes_) held_bytes_ = grid_->memUsage();
-    if (held_bytes_ + needed > memory_bytes_) return false;
-    held_bytes_ += growthBytes(part);
-    return true;
-  }
-
-  /// Upper bound of the leaves of a part of a brick. unit: bytes.
-  static std::uint64_t growthBytes(const VoxelBox& part) {
-    return static_cast<std::uint64_t>(part.count()) * (sizeof(Value) + 1);
-  }
+  /// Memory of the tree as it is. unit: bytes.
+  std::uint64_t treeBytes() const { return grid_->memUsage(); }
 
   openvdb::GridPtrVec finish() {
     // Merges only nodes of one value and state, compared exactly. Skipped for signed zeros, because == would lose -0.
@@ -101,7 +84,8 @@ class GridFiller {
       if (type == VdbType::kHalf) return static_cast<float>(openvdb::math::half(value));
     return value;
   }
-  // The value that the grid gets for a voxel. An exact grid changes none.
+  // The value that the grid gets for a voxel. An exact grid changes none. The error of a finite voxel that becomes
+  // infinite is infinite.
   Value written(T voxel) {
     if (values_.type == VdbType::kExact && values_.tolerance == 0) return static_cast<Value>(voxel);
     const bool near = std::abs(static_cast<double>(voxel) - static_cast<double>(background_)) <= values_.tolerance;
@@ -123,13 +107,11 @@ class GridFiller {
     if constexpr (std::is_same_v<Value, float>) half_ = half_ && survivesHalf(value);
   }
 
-  std::uint64_t memory_bytes_;
   const VdbValues& values_;
   bool level_set_;
   Value background_;
   const GridPlacement& place_;
   typename Grid::Ptr grid_;
-  std::uint64_t held_bytes_ = 0;
   double largest_error_ = 0;
   bool half_ = true, signed_zero_ = false;
 };
