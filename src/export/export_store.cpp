@@ -13,6 +13,7 @@
 #include "base/thread/parallel.h"
 #include "export/source/box_plan.h"
 #include "export/source/export_formats.h"
+#include "export/source/output_place.h"
 #include "export/source/store_boxes.h"
 #include "export/vdb/export_vdb.h"
 #include "export/vdb/vdb_tiles.h"
@@ -103,12 +104,11 @@ ExportReport exportBoxes(const ExportParts& parts) {
 ExportReport exportGrids(const ExportParts& parts) {
   const ExportRequest& request = parts.request;
   const ExportedVolume whole = exportedVolume(parts.store, request.level, request.region);
-  const ExportTarget target = targetOf(parts);
   std::vector<VdbRequest> files;
   for (int tile = 1; tile <= request.tiles; ++tile) {
     const fs::path out = request.tiles > 1 ? pathOfTile(request.out, tile) : request.out;
     files.push_back({out, request.overwrite, request.memory_bytes, request.values, request.baked});
-    requirePlace(target, out);
+    requirePlace(parts.store, out, request.overwrite, parts.disk);
   }
   VdbReport sum;
   const std::vector<ExportedVolume> tiles = tilesOf(whole, request.tiles, request.out);
@@ -118,6 +118,8 @@ ExportReport exportGrids(const ExportParts& parts) {
     sum.bytes += report.bytes;
     sum.largest_error = std::max(sum.largest_error, report.largest_error);
   }
+  if (!whole.geometry.unit.empty() || whole.geometry.frame != PatientFrame::kUnknown)
+    parts.progress.note(request.out.string() + ": OpenVDB has no unit of length and no patient frame");
   ExportReport out = {fmt::format("{} active voxels", sum.voxels), sum.bytes, {}};
   if (!request.baked && (request.values.type != VdbType::kExact || request.values.tolerance > 0))
     out.lines.push_back(fmt::format("the largest error of a voxel is {:.6g}", sum.largest_error));

@@ -11,11 +11,13 @@
 #include "base/error.h"
 #include "base/memory/memory.h"
 #include "base/thread/parallel.h"
+#include "convert/convert.h"
 #include "export/export_store.h"
 #include "export/source/exported_volume.h"
 #include "export/source/store_boxes.h"
 #include "ingest/open_source.h"
 #include "store/brick_index.h"
+#include "store/manifest/read_manifest.h"
 #include "support/system/faulty_file_system.h"
 #include "support/system/impatient_progress.h"
 #include "support/volumes/foreign_files.h"
@@ -279,12 +281,7 @@ TEST_F(ExportFormats, AnInterruptLeavesNothing) {
     const fs::path& store = storeOf(VoxelType::u8);
     for (const int polls : {0, 1, 7}) {
       ImpatientProgress progress(polls);
-      try {
-        exportStore(StoreReader(store), request(), progress);
-        ADD_FAILURE() << "not interrupted";
-      } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ErrorCode::kCancelled);
-      }
+      expectError([&] { exportStore(StoreReader(store), request(), progress); }, ErrorCode::kCancelled, "");
       EXPECT_TRUE(filesOf(directory_).empty());
     }
   });
@@ -295,12 +292,7 @@ TEST_F(ExportFormats, AFileThatIsThereIsKept) {
     const fs::path& store = storeOf(VoxelType::u8);
     fs::create_directories(lastFile().parent_path());
     writeText(lastFile(), "precious");
-    try {
-      exported(store, request());
-      ADD_FAILURE() << "replaced";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kExists);
-    }
+    expectError([&] { exported(store, request()); }, ErrorCode::kExists, "");
     EXPECT_EQ(readTextFile(lastFile()), "precious");
   });
 }
@@ -402,21 +394,22 @@ TEST_F(ExportStore, AnUnfinishedZarrIsNotMixedWithAnother) {
   request.disk = nullptr;
   const fs::path shard = directory_ / "v.zarr.partial/0/c/0/0/0";
   ASSERT_TRUE(fs::exists(shard));
-  const auto refusal = [&] {
-    try {
-      exportStore(StoreReader(several), request, silent_);
-      return std::string("not refused");
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
+  const auto expectRefusal = [&](ErrorCode code, const char* part) {
+    expectError([&] { exportStore(StoreReader(several), request, silent_); }, code, part);
   };
-  EXPECT_NE(refusal().find("--resume"), std::string::npos);
+  expectRefusal(ErrorCode::kExists, "--resume");
   request.resume = true;
   request.region = VoxelBox{{0, 0, 0}, {399, 5, 3}};
-  EXPECT_NE(refusal().find("another store, level or region"), std::string::npos);
+  expectRefusal(ErrorCode::kExists, "another store, level or region");
   request.region.reset();
+  const std::string manifest = readTextFile(several / "manifest.json");
+  Manifest another = readManifest(several);
+  another.background += 1;
+  writeText(several / "manifest.json", manifestText(another));
+  expectRefusal(ErrorCode::kExists, "another store, level or region");
+  writeText(several / "manifest.json", manifest);
   request.memory_bytes = 1 << 20;
-  EXPECT_NE(refusal().find("--memory"), std::string::npos);
+  expectRefusal(ErrorCode::kBudget, "--memory");
   request.memory_bytes = UINT64_MAX;
   ASSERT_TRUE(fs::exists(shard)) << "kept for a run with more memory";
   fs::resize_file(shard, fs::file_size(shard) - 1);
@@ -448,31 +441,108 @@ TEST_F(ExportStore, ZarrHoldsThePyramid) {
 
 TEST_F(ExportStore, WrongRequestsAreRefused) {
   const fs::path small = store(placedAt(exactAffine(), PatientFrame::kUnknown, ""));
-  const auto refusal = [&](const std::string& name, const std::function<void(ExportRequest&)>& change = {}) {
+  const auto expectRefusal = [&](const char* name, const char* part,
+                                 const std::function<void(ExportRequest&)>& change = {}) {
     ExportRequest request;
     request.out = directory_ / name;
     if (change) change(request);
-    try {
-      exportStore(StoreReader(small), request, silent_);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kUsage);
-      return std::string(error.what());
-    }
-    return std::string("not refused");
+    expectError([&] { exportStore(StoreReader(small), request, silent_); }, ErrorCode::kUsage, part);
   };
-  EXPECT_NE(refusal("v.xyz").find("write .nrrd, "), std::string::npos);
-  EXPECT_NE(refusal("v.nii", [](ExportRequest& r) { r.compress = true; }).find("--compress"), std::string::npos);
-  EXPECT_NE(refusal("v.nii", [](ExportRequest& r) { r.resume = true; }).find("--resume"), std::string::npos);
-  EXPECT_NE(refusal("v.nii", [](ExportRequest& r) { r.tiles = 2; }).find("--tiles"), std::string::npos);
-  EXPECT_NE(refusal("v.nii", [](ExportRequest& r) { r.values.tolerance = 2; }).find("--tolerance"), std::string::npos);
-  EXPECT_NE(refusal("v.nrrd",
-                    [](ExportRequest& r) {
-                      r.region = VoxelBox{{90, 0, 0}, {99, 9, 9}};
-                    })
-                .find("--region"),
-            std::string::npos);
-  EXPECT_NE(refusal("50%.mhd").find(".mha"), std::string::npos);
+  expectRefusal("v.xyz", "write .nrrd, ");
+  expectRefusal("v.nii", "--compress", [](ExportRequest& r) { r.compress = true; });
+  expectRefusal("v.nii", "--resume", [](ExportRequest& r) { r.resume = true; });
+  expectRefusal("v.nii", "--tiles", [](ExportRequest& r) { r.tiles = 2; });
+  expectRefusal("v.nii", "--tolerance", [](ExportRequest& r) { r.values.tolerance = 2; });
+  expectRefusal("v.nrrd", "--region", [](ExportRequest& r) { r.region = VoxelBox{{90, 0, 0}, {99, 9, 9}}; });
+  expectRefusal("50%.mhd", ".mha");
   EXPECT_TRUE(filesOf(directory_).empty());
+}
+
+// A volume that others made, one of its files, and a link into the store: an export with --overwrite leaves each.
+TEST_F(ExportStore, SourceOfTheStore_isNotReplaced) {
+  const ForeignVolume volume = randomVolume({20, 18, 17}, VoxelType::u8, 71);
+  writeText(directory_ / "v.raw", volume.stored(false));
+  writeText(directory_ / "v.nhdr",
+            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 20 18 17\nencoding: raw\ndata file: v.raw\n");
+  const fs::path path = freshDirectory("of_source") / "v.kiln";
+  ConvertOptions options;
+  options.brick_size = kSmallBrick;
+  convert(*openSource(directory_ / "v.nhdr"), path, options, silent_);
+  fs::create_symlink(directory_ / "v.raw", directory_ / "link.raw");
+  fs::create_symlink(path / "bricks/0/0_0_0.vdb", directory_ / "brick.raw");
+  fs::create_directory(directory_ / "v.zarr");
+  fs::rename(directory_ / "v.raw", directory_ / "v.zarr/v.raw");
+  fs::create_symlink("v.zarr/v.raw", directory_ / "v.raw");
+  const auto before = filesOf(directory_);
+  const auto bricks = filesOf(path);
+  const auto expectRefusal = [&](const char* name, const char* part) {
+    ExportRequest request;
+    request.out = directory_ / name;
+    request.overwrite = true;
+    expectError([&] { exportStore(StoreReader(path), request, silent_); }, ErrorCode::kUsage, part);
+  };
+  for (const char* name : {"v.raw", "v.mhd", "link.raw", "link.mhd"})
+    expectRefusal(name, "from which the store was made");
+  expectRefusal("v.zarr", "holds ");
+  for (const char* name : {"brick.raw", "brick.mhd"}) expectRefusal(name, "would be in the store");
+  EXPECT_TRUE(filesOf(directory_) == before);
+  EXPECT_TRUE(filesOf(path) == bricks);
+}
+
+// Labels, notes and links are nobody's to remove.
+TEST_F(ExportStore, ZarrFolder_isReplacedOnlyIfAnExportCouldHaveMadeIt) {
+  const fs::path small = store(placedAt(exactAffine(), PatientFrame::kUnknown, ""));
+  ExportRequest request;
+  request.out = directory_ / "v.zarr";
+  exportStore(StoreReader(small), request, silent_);
+  request.overwrite = true;
+  const auto own = filesOf(directory_);
+  for (const char* name : {"notes.txt", "labels/zarr.json", "0/c/0/0/x", "1/zarr.json", "0/0/zarr.json"}) {
+    const fs::path other = request.out / name;
+    fs::create_directories(other.parent_path());
+    writeText(other, "precious");
+    expectError([&] { exportStore(StoreReader(small), request, silent_); }, ErrorCode::kExists, name);
+    EXPECT_EQ(readTextFile(other), "precious");
+    fs::remove(other);
+  }
+  fs::create_directory(directory_ / "others");
+  fs::create_directory_symlink("../../others", request.out / "0/link");
+  expectError([&] { exportStore(StoreReader(small), request, silent_); }, ErrorCode::kExists, "0/link");
+  fs::remove(request.out / "0/link");
+  exportStore(StoreReader(small), request, silent_);
+  EXPECT_TRUE(filesOf(directory_) == own);
+  for (const char* header : {"{}", "not JSON", R"({"attributes": {"ome": {"multiscales": [{"datasets": 3}, 4]}}})"}) {
+    writeText(request.out / "zarr.json", header);
+    expectError([&] { exportStore(StoreReader(small), request, silent_); }, ErrorCode::kExists, "is no OME-Zarr image");
+  }
+}
+
+TEST_F(ExportStore, ZarrNameOutsideUtf8_isEscapedInTheHeader) {
+  const VolumeGeometry geometry = placedAt(exactAffine(), PatientFrame::kUnknown, "");
+  ExportRequest request;
+  request.out = directory_ / "v\xff.zarr";
+  exportStore(StoreReader(store(geometry)), request, silent_);
+  EXPECT_NE(readTextFile(request.out / "zarr.json").find(R"("v\\xff")"), std::string::npos);
+  EXPECT_TRUE(voxelsIn(request.out) == noiseOf(VoxelType::u8, geometry).voxels);
+}
+
+// OpenVDB has neither; a volume without both loses nothing.
+TEST_F(ExportStore, UnitAndFrameThatOpenVdbLacks_areANote) {
+  struct Notes : Progress {
+    void note(const std::string& sentence) override { all += sentence; }
+    std::string all;
+  };
+  ExportRequest request;
+  request.out = directory_ / "v.vdb";
+  request.overwrite = true;
+  const auto noteFor = [&](PatientFrame frame, const char* unit) {
+    Notes notes;
+    exportStore(StoreReader(store(placedAt(exactAffine(), frame, unit))), request, notes);
+    return notes.all;
+  };
+  EXPECT_EQ(noteFor(PatientFrame::kUnknown, ""), "");
+  EXPECT_NE(noteFor(PatientFrame::kUnknown, "mm").find("v.vdb: OpenVDB has no unit"), std::string::npos);
+  EXPECT_NE(noteFor(PatientFrame::kRas, "").find("no patient frame"), std::string::npos);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "ingest/open_source.h"
 #include "ingest/source/formats.h"
 #include "store/store_writer.h"
+#include "support/system/expect_error.h"
 #include "support/system/faulty_file_system.h"
 #include "support/volumes/nifti_files.h"
 #include "support/volumes/vdb_files.h"
@@ -248,16 +249,9 @@ TEST_F(ExportVdb, VoxelsTooSmallForOpenVdbAreRefused) {
   SourceInfo info = denseInfo(VoxelType::u8, {20, 9, 9});
   for (int axis = 0; axis < 3; ++axis) info.geometry.world_from_index[axis] *= 1e-5;
   makeStore<std::uint8_t>(directory_ / "s.kiln", info, denseValue<std::uint8_t>);
-  try {
-    const StoreReader store(directory_ / "s.kiln");
-    exportVdb(store, exportedVolume(store, 0, {}), {.out = out()}, silent);
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kUnsupported);
-    EXPECT_NE(std::string(error.what()).find("geometry: OpenVDB has no transform for voxels of 7.07107e-06 x "),
-              std::string::npos)
-        << error.what();
-  }
+  const StoreReader store(directory_ / "s.kiln");
+  test::expectError([&] { exportVdb(store, exportedVolume(store, 0, {}), {.out = out()}, silent); },
+                    ErrorCode::kUnsupported, "geometry: OpenVDB has no transform for voxels of 7.07107e-06 x ");
   EXPECT_FALSE(fs::exists(out()));
 }
 
@@ -305,29 +299,42 @@ TEST_F(ExportVdb, BordersOfConstantBricksAreCharged) {
   };
   const std::uint64_t little = store.index().bytes() + (100u << 10);
   EXPECT_NO_THROW(exportVdb(store, part(0, 64), {.out = out(), .memory_bytes = little}, silent_));
-  try {
-    exportVdb(store, part(3, 67), {.out = out(), .overwrite = true, .memory_bytes = little}, silent_);
-    ADD_FAILURE() << "borders are free";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kBudget) << error.what();
-  }
+  test::expectError(
+      [&] { exportVdb(store, part(3, 67), {.out = out(), .overwrite = true, .memory_bytes = little}, silent_); },
+      ErrorCode::kBudget, "--memory");
 }
 
 TEST_F(ExportVdb, ValuesThatAGridCannotHoldAreRefused) {
   makeStore<double>(directory_ / "s.kiln", denseInfo(VoxelType::f64, {9, 9, 9}),
                     [](std::int64_t x, std::int64_t, std::int64_t) { return 1e5 + static_cast<double>(x); });
-  const auto refusal = [&](const VdbValues& values) {
-    try {
-      written({.out = out(), .values = values});
-      return std::string("not refused");
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kUsage);
-      return std::string(error.what());
-    }
+  const auto expectRefusal = [&](const VdbValues& values, const char* part) {
+    test::expectError([&] { written({.out = out(), .values = values}); }, ErrorCode::kUsage, part);
   };
-  EXPECT_NE(refusal({.type = VdbType::kHalf}).find("--type"), std::string::npos);
-  EXPECT_NE(refusal({.type = VdbType::kFloat, .background = 1e39}).find("--background"), std::string::npos);
+  expectRefusal({.type = VdbType::kHalf}, "--type: values must be at most 65504 (found 100008); write --type float");
+  expectRefusal({.type = VdbType::kFloat, .background = 1e39}, "--background");
   EXPECT_FALSE(fs::exists(out()));
+}
+
+// An infinity stays as it is, and hides no value that a float cannot hold: 1e300 lies in the second brick.
+TEST_F(ExportVdb, InfinitiesAreFloats) {
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const double large : {2.5, 1e300}) {
+    const auto value = [&](std::int64_t x, std::int64_t, std::int64_t) {
+      return x == 3 ? inf : x == 4 ? -inf : x == 20 ? large : 1.5;
+    };
+    for (const VdbType type : {VdbType::kFloat, VdbType::kHalf}) {
+      fs::remove_all(directory_ / "s.kiln");
+      makeStore<double>(directory_ / "s.kiln", denseInfo(VoxelType::f64, {30, 9, 9}), value);
+      const VdbRequest request = {.out = out(), .overwrite = true, .values = {.type = type}};
+      if (large > 3) {
+        test::expectError([&] { written(request); }, ErrorCode::kUsage, "(found a larger value)");
+        continue;
+      }
+      written(request);
+      const test::DirectGrid grid(out(), "density");
+      for (std::int64_t x = 0; x < 30; ++x) EXPECT_EQ(grid.value({x, 4, 4}), value(x, 4, 4)) << x;
+    }
+  }
 }
 
 // Opacity rises from 0 at 100 to 1/2 at 200 over 2 world units, and the colour from black to (1, 0.5, 0): -ln(1 - a) /
@@ -398,12 +405,7 @@ TEST_F(ExportVdb, TilesLieSideBySide) {
 TEST_F(ExportVdb, RefusesAnExistingFileAndReplacesItWhenTold) {
   makeStore<std::uint8_t>(directory_ / "s.kiln", denseInfo(VoxelType::u8, {9, 9, 9}), denseValue<std::uint8_t>);
   test::writeBytes(out(), {1, 2, 3});
-  try {
-    exported();
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kExists);
-  }
+  test::expectError([&] { exported(); }, ErrorCode::kExists, "--overwrite");
   EXPECT_EQ(fs::file_size(out()), 3u);
   EXPECT_GT(exported(/*overwrite=*/true).voxels, 0u);
 }

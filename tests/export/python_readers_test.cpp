@@ -1,12 +1,11 @@
 // Exports read by nibabel and tifffile, libraries of their fields. Known because the test made voxels
 // and affine; the script compares and prints each difference.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/progress.h"
 #include "export/export_store.h"
 #include "store/store_reader.h"
-#include "support/system/python.h"
+#include "support/system/run_python.h"
 #include "support/volumes/foreign_files.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
@@ -63,8 +62,6 @@ DenseVolume exportedVolumeOf(VoxelType type) {
 }
 
 void expectRead(const PythonReader& reader, VoxelType type, const char* numpy_type) {
-  const std::string python = pythonWith(reader.modules);
-  if (python.empty()) GTEST_SKIP() << reader.package << " is not installed";
   SCOPED_TRACE(numpy_type);
   const ForeignFiles files;
   const DenseVolume volume = exportedVolumeOf(type);
@@ -76,19 +73,14 @@ void expectRead(const PythonReader& reader, VoxelType type, const char* numpy_ty
     request.out = files.directory() / name;
     exportStore(StoreReader(store), request, silent);
   }
-  const fs::path script = files.write("read.py", std::string(kComparison) + reader.script);
-  const std::string command =
-      fmt::format("{} {} {} {}", python, script.string(), files.directory().string(), numpy_type);
-  EXPECT_EQ(std::system(command.c_str()), 0);
+  if (!runPython(reader.modules, files.directory(), std::string(kComparison) + reader.script,
+                 {files.directory().string(), numpy_type}))
+    GTEST_SKIP() << reader.package << " is not installed";
 }
 
-TEST(ExportPythonReaders, Nibabel_readsVoxelsAffineAndUnit) {
-  expectRead(kNibabelReader, VoxelType::f32, "f4");
-}
+TEST(ExportPythonReaders, Nibabel_readsVoxelsAffineAndUnit) { expectRead(kNibabelReader, VoxelType::f32, "f4"); }
 
-TEST(ExportPythonReaders, Tifffile_readsVoxelsAndSpacing) {
-  expectRead(kTifffileReader, VoxelType::u16, "u2");
-}
+TEST(ExportPythonReaders, Tifffile_readsVoxelsAndSpacing) { expectRead(kTifffileReader, VoxelType::u16, "u2"); }
 
 }  // namespace
 }  // namespace kiln::test

@@ -6,6 +6,7 @@
 
 #include "base/file/path_status.h"
 #include "export/output/gzip_output.h"
+#include "export/source/output_place.h"
 
 namespace kiln {
 namespace {
@@ -107,8 +108,8 @@ void writeRows(PendingFile& file, std::uint64_t offset, const ExportedVolume& vo
 
 std::unique_ptr<VolumeWriter> linearWriter(const ExportTarget& target, const ExportedVolume& volume,
                                            LinearLayout layout) {
-  requirePlace(target, target.out);
-  if (!layout.voxels_file.empty()) requirePlace(target, layout.voxels_file);
+  requirePlace(target.store, target.out, target.overwrite, target.disk);
+  if (!layout.voxels_file.empty()) requirePlace(target.store, layout.voxels_file, target.overwrite, target.disk);
   return std::make_unique<LinearWriter>(target, volume, std::move(layout));
 }
 

@@ -11,14 +11,11 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-// The mark of an unfinished export, which no folder of a user has.
-constexpr const char* kContentsFile = "kiln-export.txt";
-
 // True if a process was killed before it wrote the mark.
 bool isBarelyBegun(const fs::path& folder) {
   bool out = true;
   forEachEntry(folder, [&](const fs::directory_entry& entry) {
-    out = entry.path().filename().string().starts_with(kContentsFile);
+    out = entry.path().filename().string().starts_with(kUnfinishedMark);
     return out ? Walk::kGoOn : Walk::kStop;
   });
   return out;
@@ -35,7 +32,7 @@ PendingFolder::PendingFolder(const fs::path& out, const std::string& contents, L
 }
 
 void PendingFolder::begin(const std::string& contents, Leftover leftover) {
-  const fs::path description = path_ / kContentsFile;
+  const fs::path description = path_ / kUnfinishedMark;
   if (isNameTaken(path_) && !(isFolder(path_) && isBarelyBegun(path_))) {
     if (!isFolder(path_) || !isThere(description))
       throw Error(ErrorCode::kExists, path_, "", "is in the way and is no unfinished export; move it");
@@ -79,7 +76,7 @@ void PendingFolder::publish() {
     disk_.rename(path_, out_);
   }
   std::error_code ignored;
-  fs::remove(out_ / kContentsFile, ignored);
+  fs::remove(out_ / kUnfinishedMark, ignored);
 }
 
 }  // namespace kiln

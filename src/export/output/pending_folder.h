@@ -9,6 +9,9 @@
 
 namespace kiln {
 
+/// The mark of an unfinished export, which no folder of a user has.
+inline constexpr const char* kUnfinishedMark = "kiln-export.txt";
+
 /// The treatment of a folder that an interrupted export left.
 enum class Leftover { kRefuse, kRemove, kContinue };
 

@@ -23,10 +23,6 @@ struct ExportTarget {
   std::optional<VoxelBox> region = {};
 };
 
-/// Checks that a file of the output can be made, before hours of work. throws: Error kExists if it is there and must
-/// not be replaced; as FileSystem::requirePlaceToRename.
-void requirePlace(const ExportTarget& target, const std::filesystem::path& file);
-
 /// Each function opens the output of a volume and appends to `notes` what the format cannot hold.
 /// throws: Error kUnsupported (a volume that the format cannot hold), kExists, kIo, kNoSpace.
 using OpenWriter = std::unique_ptr<VolumeWriter>(const ExportTarget& target, const ExportedVolume& volume,

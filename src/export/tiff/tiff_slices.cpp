@@ -11,6 +11,7 @@
 #include "base/file/path_status.h"
 #include "export/output/pending_folder.h"
 #include "export/source/numbered_name.h"
+#include "export/source/output_place.h"
 #include "export/tiff/tiff_pages.h"
 
 namespace kiln {
@@ -22,6 +23,8 @@ void refuseOtherSlices(const ExportTarget& target, const NumberedName& names, st
   const fs::path folder = names.folder().empty() ? "." : names.folder();
   if (!isFolder(folder))
     throw Error(ErrorCode::kNotFound, target.out, "", "cannot be made: there is no directory " + folder.string());
+  const ExportInputs inputs(target.store);
+  requireOutsideStores(names.path(0));
   forEachEntry(folder, [&](const fs::directory_entry& entry) {
     const std::string name = entry.path().filename().string();
     const std::optional<std::int64_t> number = names.numberIn(name);
@@ -30,8 +33,8 @@ void refuseOtherSlices(const ExportTarget& target, const NumberedName& names, st
       throw Error(
           ErrorCode::kExists, entry.path(), "",
           fmt::format("would be taken for a slice of this stack of {}; move it, or name another output", slices));
-    if (!target.overwrite)
-      throw Error(ErrorCode::kExists, entry.path(), "", "is there already; name another output or give --overwrite");
+    requireAbsent(entry.path(), target.overwrite);
+    inputs.requireNone(entry.path());
     return Walk::kGoOn;
   });
 }

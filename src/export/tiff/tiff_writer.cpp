@@ -2,6 +2,7 @@
 #include "export/linear/linear_writer.h"
 #include "export/source/export_formats.h"
 #include "export/source/numbered_name.h"
+#include "export/source/output_place.h"
 #include "export/tiff/tiff_pages.h"
 #include "export/tiff/tiff_slices.h"
 
@@ -44,9 +45,7 @@ class TiffWriter : public VolumeWriter {
 };
 
 void notePlaceOfTiff(const VolumeGeometry& geometry, ExportNotes& notes) {
-  if (isUnturned(geometry.world_from_index) && geometry.worldOf({0, 0, 0}) == glm::dvec3(0) &&
-      geometry.frame == PatientFrame::kUnknown)
-    return;
+  if (isPlacedBySpacing(geometry) && geometry.frame == PatientFrame::kUnknown) return;
   notes.push_back("TIFF holds spacing and unit, and no origin, directions and patient frame");
 }
 
@@ -56,7 +55,7 @@ std::unique_ptr<VolumeWriter> openTiffWriter(const ExportTarget& target, const E
                                              ExportNotes& notes) {
   notePlaceOfTiff(volume.geometry, notes);
   if (NumberedName::isPattern(target.out)) return tiffSlicesWriter(target, volume);
-  requirePlace(target, target.out);
+  requirePlace(target.store, target.out, target.overwrite, target.disk);
   return std::make_unique<TiffWriter>(volume, target);
 }
 

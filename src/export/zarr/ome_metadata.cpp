@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/text.h"
 #include "export/zarr/blosc_pack.h"
 
 namespace kiln {
@@ -122,6 +123,20 @@ ordered_json fillJson(T value) {
 
 }  // namespace
 
+std::vector<std::string> omeArrays(const std::string& header) {
+  const ordered_json json = ordered_json::parse(header, nullptr, /*allow_exceptions=*/false);
+  std::vector<std::string> out;
+  const ordered_json::json_pointer images("/attributes/ome/multiscales");
+  if (json.is_discarded() || !json.contains(images) || !json[images].is_array()) return out;
+  for (const ordered_json& image : json[images]) {
+    if (!image.is_object() || !image.contains("datasets") || !image["datasets"].is_array()) continue;
+    for (const ordered_json& dataset : image["datasets"])
+      if (dataset.is_object() && dataset.contains("path") && dataset["path"].is_string())
+        out.push_back(dataset["path"].get<std::string>());
+  }
+  return out;
+}
+
 std::string omeGroupText(const std::vector<ExportedVolume>& volumes, const std::string& name, ExportNotes& notes) {
   ordered_json datasets = ordered_json::array();
   for (std::size_t i = 0; i < volumes.size(); ++i) {
@@ -134,7 +149,7 @@ std::string omeGroupText(const std::vector<ExportedVolume>& volumes, const std::
   const bool labels = volumes.front().volume_class == VolumeClass::kLabels;
   ordered_json ome = {{"version", "0.5"},
                       {"multiscales",
-                       {{{"name", name},
+                       {{{"name", utf8OfName(name)},
                          {"axes", axesJson(volumes.front().geometry, notes)},
                          {"datasets", datasets},
                          {"type", labels ? "mode" : "mean"}}}}};

@@ -8,6 +8,12 @@
 
 namespace kiln {
 
+/// The name of a header.
+inline constexpr const char* kZarrHeader = "zarr.json";
+
+/// Returns the paths of the arrays that the header of an OME-Zarr image lists; none for other texts.
+std::vector<std::string> omeArrays(const std::string& header);
+
 /// zarr.json of the group: axes, and the place of each level. `volumes` are levels of one pyramid, the finest first.
 std::string omeGroupText(const std::vector<ExportedVolume>& volumes, const std::string& name, ExportNotes& notes);
 

@@ -8,15 +8,17 @@
 #include <cstring>
 #include <map>
 
-#include "base/error.h"
+#include "base/file/path_name.h"
 #include "base/file/path_status.h"
 #include "base/thread/parallel.h"
 #include "export/output/pending_folder.h"
 #include "export/source/export_formats.h"
-#include "export/source/store_boxes.h"
+#include "export/source/output_place.h"
 #include "export/zarr/blosc_pack.h"
+#include "export/zarr/ome_container.h"
 #include "export/zarr/ome_metadata.h"
 #include "export/zarr/zarr_shard.h"
+#include "grid/box_copy.h"
 #include "store/brick_index.h"
 
 namespace kiln {
@@ -62,12 +64,10 @@ Leftover leftoverOf(const ExportTarget& target) {
 }
 
 void requireReplaceable(const ExportTarget& target) {
+  ExportInputs(target.store).requireNone(target.out);
   if (!isThere(target.out)) return;
-  if (!target.overwrite)
-    throw Error(ErrorCode::kExists, target.out, "", "is there already; name another output or give --overwrite");
-  if (!isThere(target.out / "zarr.json"))
-    throw Error(ErrorCode::kExists, target.out, "",
-                "is no Zarr of version 3, so it is not replaced; name another output");
+  requireAbsent(target.out, target.overwrite);
+  requireOmeContainer(target.out);
 }
 
 class OmeZarrWriter : public VolumeWriter {
@@ -118,16 +118,16 @@ class OmeZarrWriter : public VolumeWriter {
     for (std::size_t i = 0; i < volumes_.size(); ++i) {
       const fs::path array = arrayFolder(volumes_[i]);
       disk_.makeDirectories(array);
-      writeText(array / "zarr.json", zarrArrayText(volumes_[i], shardOf(volumes_[i]), kChunk));
+      writeText(array / kZarrHeader, zarrArrayText(volumes_[i], shardOf(volumes_[i]), kChunk));
     }
-    writeText(folder_.path() / "zarr.json", group_text_);
+    writeText(folder_.path() / kZarrHeader, group_text_);
     folder_.publish();
     return {bytes_, {}};
   }
 
  private:
   static std::string nameOfImage(const fs::path& out) {
-    const std::string name = (out.has_filename() ? out : out.parent_path()).filename().string();
+    const std::string name = withoutTrailingSlash(out).filename().string();
     return name.substr(0, name.find('.'));
   }
   fs::path arrayFolder(const ExportedVolume& volume) const {
@@ -146,10 +146,9 @@ class OmeZarrWriter : public VolumeWriter {
   // Empty for a chunk of background, which has no bytes. Voxels beyond the volume are background.
   std::vector<std::byte> packedChunk(VoxelType type, const VoxelBox& chunk, const VoxelBox& box,
                                      std::span<const std::byte> voxels) const {
-    const VoxelBox part = intersection(chunk, box);
-    if (part.empty()) return {};
+    if (intersection(chunk, box).empty()) return {};
     std::vector<std::byte> numbers = background_;
-    copyVoxels(part, sizeOf(type), box, voxels.data(), chunk, numbers.data());
+    copyCommon(voxels, box, numbers, chunk, sizeOf(type));
     if (numbers == background_) return {};
     return packBlosc(numbers, sizeOf(type));
   }
