@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "support/system/expect_error.h"
 
 namespace kiln {
 namespace {
@@ -21,13 +22,7 @@ TEST(ParseBytes, KnowsTheUsualUnits) {
 
 TEST(ParseBytes, RefusesTheRestByName) {
   for (const char* text : {"", "M", "12X", "-1", "nan", "1e30T", "2 G", "G2"}) {
-    try {
-      parseBytes(text);
-      FAIL() << text;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kUsage);
-      EXPECT_NE(std::string(error.what()).find("'" + std::string(text) + "'"), std::string::npos);
-    }
+    test::expectError([&] { parseBytes(text); }, ErrorCode::kUsage, "'" + std::string(text) + "'");
   }
 }
 

@@ -20,6 +20,7 @@
 #include "bench/run_suite.h"
 #include "bench/summary.h"
 #include "image/file/image_file.h"
+#include "support/system/expect_error.h"
 #include "support/system/faulty_file_system.h"
 #include "support/volumes/test_store.h"
 
@@ -225,13 +226,7 @@ TEST(BenchReport, FilesAreWrittenAndReplaced) {
     EXPECT_GE(pictures, 4u + 2 * 3 + 5);
   }
   std::ofstream(directory / "thesis.tex") << "mine";
-  try {
-    requireReportDirectory(directory);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kExists);
-    EXPECT_NE(std::string(error.what()).find("thesis.tex"), std::string::npos);
-  }
+  expectError([&] { requireReportDirectory(directory); }, ErrorCode::kExists, "thesis.tex");
 }
 
 // RFC 4648 §10.

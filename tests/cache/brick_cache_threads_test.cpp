@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "cache/brick_cache.h"
 #include "store/store_reader.h"
+#include "support/system/expect_error.h"
 #include "support/volumes/random_scene.h"
 #include "support/volumes/test_store.h"
 
@@ -169,12 +170,7 @@ TEST_F(BrickCacheTest, DamageIsAnErrorWhenAskedForAndNotBefore) {
     EXPECT_EQ(cache.get(key)->key, key);
   }
   for (int again = 0; again < 2; ++again) {
-    try {
-      cache.get(damaged);
-      FAIL() << "a damaged brick was handed out";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kDamaged);
-    }
+    expectError([&] { cache.get(damaged); }, ErrorCode::kDamaged, "");
   }
 }
 

@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "base/file/file.h"
-#include "support/system/python.h"
+#include "support/system/run_python.h"
 #include "support/system/run_tool.h"
 #include "support/volumes/test_store.h"
 
@@ -44,11 +44,9 @@ TEST(Help, EveryOptionOfRenderIsUsedByATest) {
 
 // Known from another validator: the jobs of README and manual follow the printed schema.
 TEST(Help, JobsOfReadmeAndManual_followTheSchema) {
-  const std::string python = pythonWith("jsonschema");
-  if (python.empty()) GTEST_SKIP() << "python3-jsonschema is not installed";
   const fs::path directory = freshDirectory("help_schema");
   writeText(directory / "schema.json", runTool({"schema"}).out);
-  writeText(directory / "check.py", R"(
+  const std::string check = R"(
 import json, jsonschema, re, sys
 schema = json.load(open(sys.argv[1]))
 jsonschema.Draft202012Validator.check_schema(schema)
@@ -61,14 +59,14 @@ keys = [{}, {"volume": ""}, {"volume": "a", "camera": {"fvo": 3}}, {"volume": "a
 wrong = [{"kiln": 2, **job} for job in keys] + [{"volume": "a"}]
 assert len(jobs) >= 5 and not any(check.is_valid(job) for job in wrong)
 for format in 1, 2: check.validate({"kiln": format, "volume": "a", "image": {"background": "#12345a"}})
-)");
+)";
   std::string documents = readTextFile(fs::path(KILN_SOURCE_DIR) / "README.md");
   for (const auto& page : fs::directory_iterator(fs::path(KILN_SOURCE_DIR) / "tools/kiln/manual"))
     documents += readTextFile(page.path());
   writeText(directory / "documents.md", documents);
-  const std::string command = python + " " + (directory / "check.py").string() + " " +
-                              (directory / "schema.json").string() + " " + (directory / "documents.md").string();
-  EXPECT_EQ(std::system(command.c_str()), 0);
+  if (!runPython("jsonschema", directory, check,
+                 {(directory / "schema.json").string(), (directory / "documents.md").string()}))
+    GTEST_SKIP() << "python3-jsonschema is not installed";
 }
 
 TEST(Help, ManualPagesAndCompletionNameEveryOption) {

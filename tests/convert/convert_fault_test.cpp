@@ -16,6 +16,7 @@
 #include "convert/resume/journal.h"
 #include "store/codec/brick_block.h"
 #include "store/store_reader.h"
+#include "support/system/expect_error.h"
 #include "support/system/faulty_file_system.h"
 #include "support/system/impatient_progress.h"
 #include "support/system/sanitized.h"
@@ -351,12 +352,7 @@ TEST(ConvertStopped, ByTheUserIsResumed) {
     const fs::path out = directory / "volume.kiln";
     DenseSource source(volume);
     ImpatientProgress progress(polls);
-    try {
-      convert(source, out, options(), progress);
-      ADD_FAILURE() << "not stopped";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kCancelled) << error.what();
-    }
+    test::expectError([&] { convert(source, out, options(), progress); }, ErrorCode::kCancelled, "");
     EXPECT_EQ(fs::is_empty(directory), polls == 0) << "what is begun is kept, what is not leaves nothing";
     EXPECT_FALSE(opens(out));
     Progress silent;
@@ -489,11 +485,8 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
   EXPECT_EQ(codeOf(beside, true), ErrorCode::kExists);
   EXPECT_TRUE(fs::exists(beside));
   EXPECT_TRUE(fs::exists(out / "thesis.txt"));
-  try {
-    convert(other, out, options(How::kOverwrite), silent);
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("holds 'thesis.txt' beside the store"), std::string::npos) << error.what();
-  }
+  test::expectError([&] { convert(other, out, options(How::kOverwrite), silent); }, ErrorCode::kExists,
+                    "holds 'thesis.txt' beside the store");
   fs::remove(out / "thesis.txt");
   EXPECT_TRUE(holds(out, oldVolume()));
   // A store at OUT.old, the name for moving the old store, is not replaced either; an incomplete store is.

@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"
+#include "support/system/expect_error.h"
 #include "support/volumes/random_scene.h"
 #include "support/volumes/test_store.h"
 
@@ -69,12 +70,7 @@ TEST(Crops, ThatAreNotInThePictureAreRefused) {
   EXPECT_EQ(drawnPixels(size, PixelRect{149, 130, 150, 131}), (PixelRect{149, 130, 150, 131}));
   for (const PixelRect& wrong :
        {PixelRect{0, 0, 0, 5}, {-1, 0, 5, 5}, {0, 0, 151, 5}, {3, 131, 4, 132}, {5, 5, 4, 6}}) {
-    try {
-      drawnPixels(size, wrong);
-      ADD_FAILURE() << wrong.x0 << " " << wrong.y0 << " " << wrong.x1 << " " << wrong.y1;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kUsage);
-    }
+    expectError([&] { drawnPixels(size, wrong); }, ErrorCode::kUsage, "");
   }
 }
 

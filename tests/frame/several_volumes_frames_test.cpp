@@ -10,6 +10,7 @@
 #include "frame/frame_drawing.h"
 #include "store/store_reader.h"
 #include "support/reference/drawing.h"
+#include "support/system/expect_error.h"
 #include "support/system/sanitized.h"
 #include "support/volumes/random_scene.h"
 #include "support/volumes/test_store.h"
@@ -129,13 +130,7 @@ TEST_F(VolumeMixEquality, TooLittleMemoryIsRefused) {
   for (VolumeRequest& volume : request.volumes) volume = {all, {}, {}};
   const std::uint64_t least = leastBytes(stores(1, 1), request);
   EXPECT_NO_THROW(draw(stores(1, 1), request, least));
-  try {
-    draw(stores(1, 1), request, least / 2);
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kBudget);
-    EXPECT_NE(std::string(error.what()).find("give "), std::string::npos) << error.what();
-  }
+  expectError([&] { draw(stores(1, 1), request, least / 2); }, ErrorCode::kBudget, "give ");
 }
 
 // The second volume is transparent: it adds no sample and hides none.

@@ -8,6 +8,7 @@
 #include "sequence/opened_job.h"
 #include "sequence/sequence.h"
 #include "support/reference/function_bytes.h"
+#include "support/system/expect_error.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
 
@@ -152,13 +153,7 @@ TEST_F(FramesBehind, OfAStoppedJobAreThere) {
     std::vector<int> done;
   } listener(progress);
   job_.output.path = folder_ / "stopped_#.png";
-  try {
-    runSequence(job_, {}, progress, listener);
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kCancelled);
-    EXPECT_NE(std::string(error.what()).find("3 of 5 frames are there"), std::string::npos) << error.what();
-  }
+  expectError([&] { runSequence(job_, {}, progress, listener); }, ErrorCode::kCancelled, "3 of 5 frames are there");
   EXPECT_EQ(listener.done, (std::vector<int>{1, 2, 3}));
   EXPECT_TRUE(fs::exists(folder_ / "stopped_3.png"));
   EXPECT_FALSE(fs::exists(folder_ / "stopped_4.png"));

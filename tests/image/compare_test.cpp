@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "image/srgb.h"
+#include "support/system/expect_error.h"
 
 namespace kiln {
 namespace {
@@ -72,13 +73,7 @@ TEST(Compare, ANanAgainstANumberIsADifference) {
 }
 
 TEST(Compare, RefusesUnequalSizes) {
-  try {
-    compareImages(Image(2, 3), Image(3, 2));
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kUsage);
-    EXPECT_NE(std::string(error.what()).find("2x3"), std::string::npos);
-  }
+  test::expectError([&] { compareImages(Image(2, 3), Image(3, 2)); }, ErrorCode::kUsage, "2x3");
   EXPECT_THROW(differenceImage(Image(2, 3), Image(3, 2)), Error);
 }
 

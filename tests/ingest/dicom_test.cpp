@@ -100,6 +100,7 @@ TEST(IngestDicom, JpegSegmentsThatAreDamaged_areErrors) {
   const std::string whole = bytesOf(path);
   const std::size_t begin = whole.find("\xff\xd8\xff"), scan = whole.find("\xff\xda", begin);
   ASSERT_NE(scan, std::string::npos);
+  int errors = 0;
   for (std::size_t at = begin; at < scan + 10; ++at) {
     for (const int bit : {0, 3, 5, 7}) {
       std::string damaged = whole;
@@ -110,10 +111,12 @@ TEST(IngestDicom, JpegSegmentsThatAreDamaged_areErrors) {
         readWhole(*openSource(path));
       } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::kFormat) << error.what();
+        ++errors;
       }
       testing::internal::GetCapturedStderr();
     }
   }
+  EXPECT_GT(errors, 0);
   std::string marker = whole;
   marker[begin + 3] = 0;
   expectRefused(files.write("a.dcm", marker), ErrorCode::kFormat, "that are no segment of JPEG");
@@ -476,6 +479,7 @@ TEST(IngestDicom, FlippedBitsNeverCrash) {
   compressDicom(path, DicomCodec::kRle);
   const std::string packed = bytesOf(path);
   std::mt19937_64 random(22);
+  int errors = 0;
   for (int i = 0; i < 2000; ++i) {
     std::string damaged = packed;
     damaged[random() % damaged.size()] ^= static_cast<char>(1u << (random() % 8));
@@ -484,8 +488,10 @@ TEST(IngestDicom, FlippedBitsNeverCrash) {
       openSource(path);
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find("a.dcm"), std::string::npos) << error.what();
+      ++errors;
     }
   }
+  EXPECT_GT(errors, 0);
 }
 
 // Every slice of the directory is a slice of the head, whose stored value is the rescaled DICOM value plus 1024; a

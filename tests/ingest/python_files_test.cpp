@@ -1,20 +1,20 @@
-// Volumes that the libraries of each field wrote: nibabel, tifffile, mrcfile, h5py. Known because the scripts also
-// wrote the voxels as raw bytes, and the affine as text.
-#include <fmt/format.h>
+// Volumes that the libraries of each field wrote: nibabel, tifffile, zarr, mrcfile, h5py. Known because the scripts
+// also wrote the voxels as raw bytes, and extent and affine as text.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <sstream>
 
 #include "ingest/open_source.h"
-#include "support/system/python.h"
+#include "support/system/run_python.h"
 #include "support/volumes/foreign_files.h"
 
 namespace kiln::test {
 namespace {
 namespace fs = std::filesystem;
 
-// keep(name, voxels, affine) writes NAME.raw, x fastest and little-endian, and the rows of the affine as NAME.affine.
+// keep(name, voxels, affine) writes NAME.raw, x fastest and little-endian, the numbers of voxels along x, y, z as
+// NAME.dims, and the rows of the affine as NAME.affine.
 constexpr const char* kCommonLines = R"(
 import sys, numpy
 where = sys.argv[1] + '/'
@@ -29,6 +29,7 @@ def volume(dtype, shape=(13, 17, 19)):
     return out
 def keep(name, voxels, affine=None):
     voxels.astype(voxels.dtype.newbyteorder('<')).tofile(where + name + '.raw')
+    numpy.savetxt(where + name + '.dims', voxels.shape[::-1], fmt='%d')
     if affine is not None:
         numpy.savetxt(where + name + '.affine', affine, fmt='%.17g')
 )";
@@ -125,6 +126,45 @@ with h5py.File(where + 'link.h5', 'w') as file:
 keep('link.h5', data)
 )"};
 
+// Smooth volumes, which codecs compress.
+const PythonLibrary kZarr = {"numpy, zarr", "python3-zarr", 5 + 32 + 20 + 5 + 4, R"(
+import zarr
+from numcodecs import Blosc, GZip, Zlib, Zstd, LZ4, Shuffle, BitRound
+def smooth(dtype):
+    kind = numpy.dtype(dtype)
+    if kind.kind == 'f':
+        return volume(dtype)
+    ramp = numpy.add.outer(numpy.add.outer(numpy.arange(13) * 5, numpy.arange(17) * 3), numpy.arange(19))
+    return (ramp + random.integers(0, 9, (13, 17, 19))).astype(kind)
+number = 0
+def write(data, voxels=None, **how):
+    global number
+    name = '%d' % number
+    number += 1
+    store = zarr.NestedDirectoryStore(where + name) if how.pop('nested', False) else zarr.DirectoryStore(where + name)
+    array = zarr.create(data.shape, dtype=data.dtype, store=store, **how)
+    array[...] = data
+    keep(name, zarr.open(store, mode='r')[...] if voxels is None else voxels)
+codecs = [None, GZip(), Zlib(), Zstd(), LZ4()]
+codecs += [Blosc(cname, 5, shuffle, blocksize) for cname in ('lz4', 'lz4hc', 'zstd', 'zlib')
+           for shuffle in (Blosc.NOSHUFFLE, Blosc.SHUFFLE, Blosc.BITSHUFFLE, Blosc.AUTOSHUFFLE) for blocksize in (0, 300)]
+for codec in codecs:
+    write(smooth('<u2'), compressor=codec, chunks=(5, 6, 7))
+for dtype in ('|u1', '|i1', '>u2', '<i2', '>u4', '<i4', '<f4', '>f4', '<f8', '>f8'):
+    for order in 'CF':
+        write(smooth(dtype), chunks=(4, 17, 30), order=order, compressor=Blosc('zstd', 3, Blosc.BITSHUFFLE))
+write(smooth('<u2'), chunks=(5, 6, 7), nested=True)
+write(smooth('<u2'), chunks=(5, 6, 7), dimension_separator='/')
+write(smooth('<u4'), chunks=(5, 6, 7), filters=[Shuffle(4)], compressor=Zlib())
+write(smooth('<f4'), chunks=(5, 6, 7), filters=[BitRound(5)], compressor=Zstd())
+sparse = smooth('<f4')
+sparse[:, :12] = numpy.nan
+write(sparse, chunks=(5, 6, 7), fill_value=float('nan'), write_empty_chunks=False)
+for wide, narrow in (('<i8', '<i4'), ('>u8', '<u4'), ('<f2', '<f4'), ('|b1', '|u1')):
+    data = smooth(wide)
+    write(data, voxels=data.astype(narrow), chunks=(5, 6, 7))
+)"};
+
 std::vector<fs::path> volumesIn(const fs::path& folder) {
   std::vector<fs::path> out;
   for (const auto& entry : fs::directory_iterator(folder))
@@ -146,6 +186,9 @@ void expectAffine(const std::string& rows, const glm::dmat4& found) {
 void expectReadBack(const fs::path& file) {
   const std::unique_ptr<VolumeSource> source = openSource(file);
   const std::string expected = bytesOf(file.string() + ".raw");
+  Extent3 dims;
+  std::istringstream(bytesOf(file.string() + ".dims")) >> dims.x >> dims.y >> dims.z;
+  EXPECT_EQ(source->info().geometry.dims, dims);
   const std::vector<std::byte> voxels = readWhole(*source);
   ASSERT_EQ(voxels.size(), expected.size());
   EXPECT_TRUE(std::equal(voxels.begin(), voxels.end(), std::as_bytes(std::span(expected)).begin()));
@@ -154,11 +197,10 @@ void expectReadBack(const fs::path& file) {
 }
 
 void expectAllReadBack(const PythonLibrary& library) {
-  const std::string python = pythonWith(library.modules);
-  if (python.empty()) GTEST_SKIP() << library.package << " is not installed";
   const ForeignFiles files;
-  const fs::path script = files.write("write.py", std::string(kCommonLines) + library.script);
-  ASSERT_EQ(std::system(fmt::format("{} {} {}", python, script.string(), files.directory().string()).c_str()), 0);
+  if (!runPython(library.modules, files.directory(), std::string(kCommonLines) + library.script,
+                 {files.directory().string()}))
+    GTEST_SKIP() << library.package << " is not installed";
   const std::vector<fs::path> volumes = volumesIn(files.directory());
   EXPECT_EQ(static_cast<int>(volumes.size()), library.files);
   for (const fs::path& volume : volumes) {
@@ -169,6 +211,7 @@ void expectAllReadBack(const PythonLibrary& library) {
 
 TEST(IngestPythonFiles, Nibabel_readsBackExactly) { expectAllReadBack(kNibabel); }
 TEST(IngestPythonFiles, Tifffile_readsBackExactly) { expectAllReadBack(kTifffile); }
+TEST(IngestPythonFiles, Zarr_readsBackExactly) { expectAllReadBack(kZarr); }
 TEST(IngestPythonFiles, Mrcfile_readsBackExactly) { expectAllReadBack(kMrcfile); }
 #ifdef KILN_TEST_HDF5
 TEST(IngestPythonFiles, H5py_readsBackExactly) { expectAllReadBack(kH5py); }

@@ -12,6 +12,7 @@
 #include "job/json/job_json.h"
 #include "job/transfer_function_choice.h"
 #include "sequence/frame_requests.h"
+#include "support/system/expect_error.h"
 
 namespace kiln {
 namespace {
@@ -310,12 +311,7 @@ TEST(RenderJob, BackgroundOfProjectedValues_isTheColourOfTheLowEnd) {
 TEST(RenderJob, TruncatedTextIsMalformed) {
   const std::string whole = kExample;
   for (std::size_t length = 0; length < whole.size(); ++length) {
-    try {
-      parseJob(whole.substr(0, length), "job.json");
-      ADD_FAILURE() << length;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kFormat) << length << ": " << error.what();
-    }
+    test::expectError([&] { parseJob(whole.substr(0, length), "job.json"); }, ErrorCode::kFormat, "");
   }
   EXPECT_THROW(parseJob("[]", "job.json"), Error);
   EXPECT_THROW(parseJob("{}", "job.json"), Error);
@@ -328,13 +324,7 @@ TEST(RenderJob, ANulByteAnywhereIsMalformed) {
   for (const std::size_t place : {std::size_t{0}, whole.find("//") + 3, whole.find("head"), whole.size()}) {
     std::string text = whole;
     text.insert(place, 1, '\0');
-    try {
-      parseJob(text, "job.json");
-      ADD_FAILURE() << place;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kFormat) << error.what();
-      EXPECT_NE(std::string(error.what()).find("NUL byte"), std::string::npos) << error.what();
-    }
+    test::expectError([&] { parseJob(text, "job.json"); }, ErrorCode::kFormat, "NUL byte");
   }
 }
 
@@ -390,13 +380,7 @@ TEST(RenderJob, Interpolation_inTheVoxelLattice_isRefused) {
   picture.interpolation = Interpolation::kLinear;
   EXPECT_NO_THROW(requireEngineOptions(picture));
   picture.interpolation = Interpolation::kCatmullRom;
-  try {
-    requireEngineOptions(picture);
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kUsage);
-    EXPECT_NE(std::string(error.what()).find("--interpolation catmull-rom: needs"), std::string::npos) << error.what();
-  }
+  test::expectError([&] { requireEngineOptions(picture); }, ErrorCode::kUsage, "--interpolation catmull-rom: needs");
 }
 
 TEST(RenderJob, RayIsAnotherNameOfThePixelLattice) {
@@ -437,13 +421,11 @@ TEST(RenderJob, ACropIsFourWholeNumbers) {
       parseJob(R"({"kiln": 2, "volume": "a.kiln", "image": {"width": 64, "crop": [5, 6, 20, 30]}})", "job.json");
   EXPECT_EQ(job.picture.crop, (PixelRect{5, 6, 25, 36}));
   for (const char* wrong : {"[5, 6, 20]", "[5, 6, 20, -1]", "[5, 6.5, 20, 1]", "\"all\""}) {
-    try {
-      parseJob(std::string(R"({"kiln": 2, "volume": "a.kiln", "image": {"crop": )") + wrong + "}}", "job.json");
-      ADD_FAILURE() << wrong;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kUsage);
-      EXPECT_NE(std::string(error.what()).find("image.crop"), std::string::npos) << error.what();
-    }
+    test::expectError(
+        [&] {
+          parseJob(std::string(R"({"kiln": 2, "volume": "a.kiln", "image": {"crop": )") + wrong + "}}", "job.json");
+        },
+        ErrorCode::kUsage, "image.crop");
   }
 }
 
@@ -455,13 +437,7 @@ TEST(RenderJob, AovsAreAList) {
   EXPECT_EQ(aovs(R"(["normal"])"), (Aovs{false, true}));
   EXPECT_EQ(aovs(R"(["normal", "depth"])"), (Aovs{true, true}));
   for (const char* wrong : {R"("depth")", R"(["alpha"])", R"(["depth", "depth"])"}) {
-    try {
-      aovs(wrong);
-      ADD_FAILURE() << wrong;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kUsage);
-      EXPECT_NE(std::string(error.what()).find("image.aov"), std::string::npos) << error.what();
-    }
+    test::expectError([&] { aovs(wrong); }, ErrorCode::kUsage, "image.aov");
   }
 }
 
@@ -482,13 +458,9 @@ TEST(RenderJob, SamplesAreOneTwoFourSixteenOrAuto) {
   picture.samples = 2;
   EXPECT_THROW(requireEngineOptions(picture), Error);
   for (const char* wrong : {"0", "3", "9", "64", "\"4\""}) {
-    try {
-      parseJob(std::string(R"({"kiln": 2, "volume": "a.kiln", "samples": )") + wrong + "}", "job.json");
-      ADD_FAILURE() << wrong;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::kUsage);
-      EXPECT_NE(std::string(error.what()).find("samples"), std::string::npos) << error.what();
-    }
+    test::expectError(
+        [&] { parseJob(std::string(R"({"kiln": 2, "volume": "a.kiln", "samples": )") + wrong + "}", "job.json"); },
+        ErrorCode::kUsage, "samples");
   }
 }
 
@@ -580,12 +552,7 @@ TEST(RenderJob, FilesAreReadAndMissingOnesNamed) {
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("bad.json: line 1, points[0].opacity"), std::string::npos) << error.what();
   }
-  try {
-    readJob(folder / "none.json");
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kNotFound);
-  }
+  test::expectError([&] { readJob(folder / "none.json"); }, ErrorCode::kNotFound, "");
   std::filesystem::remove_all(folder);
 }
 

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "support/system/expect_error.h"
 
 namespace kiln {
 namespace {
@@ -28,13 +29,7 @@ glm::dvec2 pixelOfWorld(const View& view, const glm::dvec3& world) {
 }
 
 void expectRefused(const Camera& camera, const ImageSize& size, const std::string& word) {
-  try {
-    resolve(camera, size);
-    FAIL() << "not refused: " << word;
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kUsage);
-    EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
-  }
+  test::expectError([&] { resolve(camera, size); }, ErrorCode::kUsage, word);
 }
 
 TEST(Camera, ViewAxesAreRightDownForward) {

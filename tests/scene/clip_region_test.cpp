@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "support/system/expect_error.h"
 #include "support/volumes/procedural.h"
 
 namespace kiln::test {
@@ -149,13 +150,11 @@ TEST(ClipRegion, TheFirstVoxelsBehindAFaceHaveItsNormal) {
 }
 
 TEST(ClipRegion, ARegionOutsideOfTheVolumeIsRefused) {
-  try {
-    ClipRegion({VoxelBox{{8, 0, 0}, {9, 8, 8}}, {}}, volumeOf({8, 8, 8}));
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kUsage);
-    EXPECT_NE(std::string(error.what()).find("8,0,0 to 9,8,8"), std::string::npos) << error.what();
-  }
+  expectError(
+      [&] {
+        ClipRegion({VoxelBox{{8, 0, 0}, {9, 8, 8}}, {}}, volumeOf({8, 8, 8}));
+      },
+      ErrorCode::kUsage, "8,0,0 to 9,8,8");
 }
 
 }  // namespace

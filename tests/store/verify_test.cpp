@@ -11,6 +11,7 @@
 #include "base/file/file.h"
 #include "base/thread/parallel.h"
 #include "store/store_writer.h"
+#include "support/system/expect_error.h"
 #include "support/volumes/random_scene.h"
 #include "support/volumes/test_store.h"
 
@@ -290,12 +291,7 @@ TEST_F(Verify, StopsWhereAsked) {
 }
 
 TEST_F(Verify, TooLittleMemoryIsAnError) {
-  try {
-    findingsOf(store_, largest_ - 1);
-    FAIL() << "one brick does not fit";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::kBudget);
-  }
+  expectError([&] { findingsOf(store_, largest_ - 1); }, ErrorCode::kBudget, "");
 }
 
 }  // namespace

@@ -65,11 +65,6 @@ std::vector<std::byte> readBox(VolumeSource& source, const VoxelBox& box) {
   return out;
 }
 
-void expectOneLine(const Error& error) {
-  EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
-  EXPECT_FALSE(std::string(error.what()).empty());
-}
-
 }  // namespace
 
 void writeAnew(const fs::path& path, std::string_view bytes) {
@@ -227,18 +222,6 @@ void expectThreadsReadBack(const ForeignVolume& volume, VolumeSource& source) {
     }
   }
   EXPECT_EQ(wrong, std::vector<int>(4, 0));
-}
-
-void expectError(const std::function<void()>& call, ErrorCode code, const std::string& part) {
-  SCOPED_TRACE(part);
-  try {
-    call();
-    ADD_FAILURE() << "no error";
-  } catch (const Error& error) {
-    expectOneLine(error);
-    EXPECT_EQ(static_cast<int>(error.code()), static_cast<int>(code)) << error.what();
-    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
-  }
 }
 
 void expectRefused(const fs::path& path, ErrorCode code, const std::string& part, const SourceOptions& options) {

@@ -14,6 +14,7 @@
 #include "grid/coords.h"
 #include "grid/voxel_type.h"
 #include "ingest/source/volume_source.h"
+#include "support/system/expect_error.h"
 
 namespace kiln::test {
 
@@ -85,8 +86,6 @@ void expectReadsBack(const ForeignVolume& volume, const std::filesystem::path& p
 /// Expects that four threads reading boxes of the same source at once all read the voxels of `volume`.
 /// requires: any box can be read from the source, and `volume` has at least 33 × 29 × 1 voxels.
 void expectThreadsReadBack(const ForeignVolume& volume, VolumeSource& source);
-/// Expects that `call` throws Error with `code` and a single line that contains `part`.
-void expectError(const std::function<void()>& call, ErrorCode code, const std::string& part);
 /// Expects that opening and reading `path` fails with `code` and a single line that contains `part`.
 void expectRefused(const std::filesystem::path& path, ErrorCode code, const std::string& part,
                    const SourceOptions& options = {});
