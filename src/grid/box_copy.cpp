@@ -1,5 +1,6 @@
 #include "grid/box_copy.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace kiln {
@@ -29,10 +30,14 @@ void copyCommon(std::span<const std::byte> from, const VoxelBox& from_box, std::
 
 void fillPart(const VoxelBox& part, std::span<const std::byte> voxel, std::span<std::byte> to,
               const VoxelBox& to_box) noexcept {
+  if (part.empty()) return;
+  std::byte* const row = to.data() + offsetIn(to_box, part.lo) * voxel.size();
+  const std::size_t row_bytes = static_cast<std::size_t>(part.extent().x) * voxel.size();
+  std::memcpy(row, voxel.data(), voxel.size());
+  for (std::size_t done = voxel.size(); done < row_bytes; done *= 2)
+    std::memcpy(row + done, row, std::min(done, row_bytes - done));
   forEachRow(part, [&](const VoxelCoord& first) {
-    std::byte* out = to.data() + offsetIn(to_box, first) * voxel.size();
-    for (std::int64_t x = 0; x < part.extent().x; ++x, out += voxel.size())
-      std::memcpy(out, voxel.data(), voxel.size());
+    if (first != part.lo) std::memcpy(to.data() + offsetIn(to_box, first) * voxel.size(), row, row_bytes);
   });
 }
 
