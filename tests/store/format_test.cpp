@@ -608,6 +608,10 @@ TEST(StoreManifest, LookComesBackInItsFormatOnly) {
   EXPECT_TRUE(parseManifest(manifestText(m), "m").look.empty());
   m.format = kFormatVersion;
   EXPECT_EQ(parseManifest(manifestText(m), "m").look, m.look);
+  // As many as an atlas of cells has: keys of an object are not sought one by one.
+  for (std::int64_t label = 1; label <= 36'000; ++label)
+    m.look.labels.push_back({2 * label + 12, {static_cast<std::uint8_t>(label % 256), 0, 0, 255}});
+  EXPECT_EQ(parseManifest(manifestText(m), "m").look, m.look);
   m.look = {};
   EXPECT_TRUE(parseManifest(manifestText(m), "m").look.empty());
 }

@@ -21,7 +21,8 @@
 namespace kiln {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;  // keys are written in this order, and are sought one by one
+using Parsed = nlohmann::json;
 
 constexpr const char* kChecksumKey = "\"checksum\": \"";
 constexpr std::size_t kDigits = 32;
@@ -55,12 +56,12 @@ constexpr const char* kStoreRemedy = "; restore this file of the store, or conve
 // Reads the values of a JSON object by key, and reports keys that were never read.
 class Reader {
  public:
-  Reader(const Json& object, std::string place, const std::filesystem::path& path)
+  Reader(const Parsed& object, std::string place, const std::filesystem::path& path)
       : object_(object), place_(std::move(place)), path_(path) {
     if (!object.is_object()) fail("", "expected an object");
   }
 
-  const Json& get(const char* key) {
+  const Parsed& get(const char* key) {
     seen_.emplace_back(key);
     const auto it = object_.find(key);
     if (it == object_.end()) fail(key, "is missing");
@@ -70,7 +71,7 @@ class Reader {
 
   template <class T>
   T value(const char* key) {
-    const Json& found = get(key);
+    const Parsed& found = get(key);
     try {
       return found.get<T>();
     } catch (const nlohmann::json::exception&) {
@@ -78,7 +79,7 @@ class Reader {
     }
   }
   std::int64_t integer(const char* key, std::int64_t lo, std::int64_t hi) {
-    const Json& found = get(key);
+    const Parsed& found = get(key);
     const std::int64_t n = found.is_number_integer() ? found.get<std::int64_t>() : 0;
     if (!found.is_number_integer() || n < lo || n > hi)
       fail(key, fmt::format("expected a whole number from {} to {}", lo, hi));
@@ -88,14 +89,14 @@ class Reader {
     return static_cast<std::uint64_t>(integer(key, 0, std::numeric_limits<std::int64_t>::max()));
   }
   double number(const char* key) {
-    const Json& found = get(key);
+    const Parsed& found = get(key);
     if (found.is_number()) return found.get<double>();
     if (found == "nan") return std::numeric_limits<double>::quiet_NaN();
     if (found == "inf" || found == "-inf") return (found == "inf" ? 1 : -1) * std::numeric_limits<double>::infinity();
     fail(key, "expected a number");
   }
   Extent3 extent(const char* key) {
-    const Json& found = get(key);
+    const Parsed& found = get(key);
     Extent3 out;
     std::int64_t* const into[3] = {&out.x, &out.y, &out.z};
     if (!found.is_array() || found.size() != 3) fail(key, "expected three whole numbers");
@@ -108,11 +109,11 @@ class Reader {
     return out;
   }
   glm::dmat4 matrix(const char* key) {
-    const Json& found = get(key);
+    const Parsed& found = get(key);
     glm::dmat4 out(1.0);
     if (!found.is_array() || found.size() != 16) fail(key, "expected 16 numbers");
     for (int i = 0; i < 16; ++i) {
-      const Json& entry = found[static_cast<std::size_t>(i)];
+      const Parsed& entry = found[static_cast<std::size_t>(i)];
       if (!entry.is_number()) fail(key, "expected 16 numbers");
       out[i % 4][i / 4] = entry.get<double>();
     }
@@ -128,8 +129,8 @@ class Reader {
   }
   template <class T>
   std::vector<T> wholeNumbers(const char* key, std::optional<std::size_t> count = {}) {
-    const Json& found = get(key);
-    const auto legal = [](const Json& n) {
+    const Parsed& found = get(key);
+    const auto legal = [](const Parsed& n) {
       return std::is_signed_v<T>
                  ? n.is_number_integer() && (!n.is_number_unsigned() || n.get<std::uint64_t>() <= INT64_MAX)
                  : n.is_number_unsigned();
@@ -172,7 +173,7 @@ class Reader {
   }
 
  private:
-  const Json& object_;
+  const Parsed& object_;
   std::string place_;
   const std::filesystem::path& path_;
   std::vector<std::string> seen_;
@@ -219,7 +220,9 @@ Json lookJson(const DeclaredLook& look) {
   if (look.ramp)
     out["ramp"] = {{"begin", look.ramp->begin}, {"end", look.ramp->end}, {"color", textOf(look.ramp->color)}};
   Json labels = Json::object();
-  for (const DeclaredLook::Label& label : look.labels) labels[std::to_string(label.label)] = textOf(label.color);
+  auto& pairs = labels.get_ref<Json::object_t&>();  // the labels differ, so that none has to be sought
+  for (const DeclaredLook::Label& label : look.labels)
+    pairs.emplace_back(std::to_string(label.label), textOf(label.color));
   if (!labels.empty()) out["labels"] = std::move(labels);
   return out;
 }
@@ -234,7 +237,7 @@ DeclaredLook readLook(Reader look, const std::filesystem::path& path) {
     ramp.finish();
   }
   if (look.has("labels")) {
-    const Json& written = look.get("labels");
+    const Parsed& written = look.get("labels");
     Reader labels(written, "look.labels.", path);
     for (const auto& [key, unused] : written.items()) {
       const std::optional<std::int64_t> label = numberOf<std::int64_t>(key);
@@ -396,7 +399,7 @@ void requireValuesOf(VoxelType type, const ValueRange& range, const Reader& root
 
 Manifest parseManifest(const std::string& text, const std::filesystem::path& path) {
   requireChecksum(text, path);
-  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const Parsed json = Parsed::parse(text, nullptr, /*allow_exceptions=*/false);
   if (json.is_discarded())
     throw Error(ErrorCode::kFormat, path, "",
                 "is not JSON; restore this file of the store, or convert the source again");
@@ -413,9 +416,9 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   const std::optional<VoxelType> type = voxelTypeNamed(root.value<std::string>("type"));
   if (!type) root.fail("type", "is not a voxel type");
   m.type = *type;
-  if (const Json& range = root.get("range"); !range.is_null()) {
+  if (const Parsed& range = root.get("range"); !range.is_null()) {
     if (!range.is_array() || range.size() != 2) root.fail("range", "expected two numbers");
-    const Json named = {{"lo", range[0]}, {"hi", range[1]}};
+    const Parsed named = {{"lo", range[0]}, {"hi", range[1]}};
     Reader ends(named, "range.", path);
     m.range = {ends.number("lo"), ends.number("hi")};
     requireValuesOf(m.type, m.range, root);
@@ -442,7 +445,7 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
     const std::string what = error.what();
     throw Error(ErrorCode::kFormat, path, "affine", what.substr(0, what.rfind(';')) + kStoreRemedy);
   }
-  const Json& levels = root.get("levels");
+  const Parsed& levels = root.get("levels");
   if (!levels.is_array() || levels.empty()) root.fail("levels", "expected at least one level");
   for (std::size_t i = 0; i < levels.size(); ++i) {
     const std::string place = fmt::format("levels[{}]", i);
