@@ -149,7 +149,7 @@ TEST(IngestVti, OtherDataAreRefusedByName) {
   refused("<PointData", "<PointData><a", ErrorCode::kFormat, "damaged");
   std::string deep = whole;
   for (int i = 0; i < 40; ++i) deep.insert(deep.find("<PointData"), "<a>");
-  expectRefused(files.write("a.vti", deep), ErrorCode::kFormat, "nested too deeply");
+  expectRefused(files.write("a.vti", deep), ErrorCode::kFormat, "elements lie more than 32 deep");
   expectRefused(files.write("a.vti", "<VTKFile " + std::string(3 << 20, 'x')), ErrorCode::kFormat, "no end");
 }
 

@@ -1,12 +1,8 @@
 #include "ingest/hdf5/bdv_xml.h"
 
-#include <expat.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <exception>
-#include <memory>
-#include <new>
 #include <string_view>
 #include <vector>
 
@@ -15,64 +11,27 @@
 #include "base/file/path_status.h"
 #include "base/text.h"
 #include "ingest/source/header_text.h"
+#include "ingest/source/xml_reader.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t kMostXmlBytes = 64 << 20;
-constexpr std::size_t kMostXmlDepth = 64, kMostTextBytes = 1 << 16;
+constexpr std::size_t kMostTextBytes = 1 << 16;
 
-/// Follows the elements of the file; texts are taken at the end of an element. No exception may pass through Expat's
-/// frames, so an exception is kept and thrown behind them.
-class BdvReader {
+/// Texts are taken at the end of an element.
+class BdvReader : public XmlReader {
  public:
-  explicit BdvReader(const fs::path& xml) : xml_(xml), parser_(XML_ParserCreate(nullptr), &XML_ParserFree) {
-    if (!parser_) throw std::bad_alloc();
-    XML_SetUserData(parser_.get(), this);
-    XML_SetElementHandler(
-        parser_.get(),
-        [](void* self, const char* name, const char** attributes) {
-          of(self).guarded([&] { of(self).begin(name, attributes); });
-        },
-        [](void* self, const char*) { of(self).guarded([&] { of(self).end(); }); });
-    XML_SetCharacterDataHandler(parser_.get(), [](void* self, const char* text, int length) {
-      of(self).guarded([&] { of(self).addText({text, static_cast<std::size_t>(length)}); });
-    });
-    XML_SetStartDoctypeDeclHandler(parser_.get(), [](void* self, const char*, const char*, const char*, int) {
-      of(self).guarded([&] { of(self).fail("has a document type, which BigDataViewer does not write"); });
-    });
-  }
+  using XmlReader::XmlReader;
 
-  BdvDescription read(const std::string& text) {
-    const XML_Status status = XML_Parse(parser_.get(), text.data(), static_cast<int>(text.size()), 1);
-    if (thrown_) std::rethrow_exception(thrown_);
-    if (status != XML_STATUS_OK)
-      fail(std::string("is no XML (") + XML_ErrorString(XML_GetErrorCode(parser_.get())) + ")");
+  BdvDescription read() {
+    parse();
     return std::move(out_);
   }
 
  private:
-  static BdvReader& of(void* self) { return *static_cast<BdvReader*>(self); }
-
-  template <class Handle>
-  void guarded(Handle handle) {
-    if (thrown_) return;
-    try {
-      handle();
-    } catch (...) {
-      thrown_ = std::current_exception();
-      XML_StopParser(parser_.get(), XML_FALSE);
-    }
-  }
-
-  [[noreturn]] void fail(const std::string& what) const {
-    throw Error(ErrorCode::kFormat, xml_, fmt::format("line {}", XML_GetCurrentLineNumber(parser_.get())), what);
-  }
-
-  void begin(const char* name, const char** attributes) {
-    if (path_.size() == kMostXmlDepth) fail(fmt::format("elements lie more than {} deep", kMostXmlDepth));
-    path_.emplace_back(name);
+  void begin(std::string_view, const XmlAttributes& attributes) override {
     text_.clear();
     if (isAt("ViewSetup")) setup_ = {};
     if (!isAt("ViewRegistration")) return;
@@ -80,7 +39,7 @@ class BdvReader {
     out_.affines[view_] = glm::dmat4(1.0);
   }
 
-  void end() {
+  void end() override {
     const std::string text = trimmed(text_);
     if (isAt("id", "ViewSetup")) id_ = wholeOf(text);
     if (isAt("name", "ViewSetup")) setup_.name = text;
@@ -91,29 +50,27 @@ class BdvReader {
     }
     if (isAt("ViewSetup")) out_.setups[id_] = setup_;
     if (isAt("affine", "ViewTransform")) addAffine(numbersOf(text, 12));
-    path_.pop_back();
     text_.clear();
   }
 
-  void addText(std::string_view text) {
-    if (text_.size() < kMostTextBytes) text_ += text;
+  void text(std::string_view more) override {
+    if (text_.size() < kMostTextBytes) text_ += more;
   }
 
   bool isAt(std::string_view name, std::string_view parent = "") const {
-    const std::size_t n = path_.size();
-    return n > 0 && path_[n - 1] == name && (parent.empty() || (n > 1 && path_[n - 2] == parent));
+    const std::size_t n = open().size();
+    return n > 0 && open()[n - 1] == name && (parent.empty() || (n > 1 && open()[n - 2] == parent));
   }
 
   std::int64_t wholeOf(std::string_view text) const {
     const std::optional<std::int64_t> number = numberOf<std::int64_t>(text);
-    if (!number) fail(fmt::format("{} must hold a whole number (found {})", path_.back(), inQuotes(text)));
+    if (!number) fail(fmt::format("{} must hold a whole number (found {})", open().back(), inQuotes(text)));
     return *number;
   }
 
-  std::int64_t numberOfAttribute(const char** attributes, std::string_view key) const {
-    for (const char** a = attributes; a[0] != nullptr; a += 2)
-      if (key == a[0]) return wholeOf(a[1]);
-    fail(fmt::format("{} has no {}", path_.back(), inQuotes(key)));
+  std::int64_t numberOfAttribute(const XmlAttributes& attributes, std::string_view key) const {
+    if (const std::optional<std::string> value = attributes.find(key)) return wholeOf(*value);
+    fail(fmt::format("{} has no {}", open().back(), inQuotes(key)));
   }
 
   std::vector<double> numbersOf(std::string text, std::size_t count) const {
@@ -122,7 +79,7 @@ class BdvReader {
     for (const std::string& word : words(text))
       if (const std::optional<double> number = doubleOf(word)) out.push_back(*number);
     if (out.size() != count || words(text).size() != count)
-      fail(fmt::format("{} must hold {} numbers (found {})", path_.back(), count, inQuotes(text)));
+      fail(fmt::format("{} must hold {} numbers (found {})", open().back(), count, inQuotes(text)));
     return out;
   }
 
@@ -134,11 +91,7 @@ class BdvReader {
     out_.affines[view_] = out_.affines[view_] * affine;
   }
 
-  const fs::path& xml_;
-  std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser_;
-  std::exception_ptr thrown_;
   BdvDescription out_;
-  std::vector<std::string> path_;
   std::string text_;
   BdvDescription::Setup setup_;
   std::int64_t id_ = -1;
@@ -167,7 +120,11 @@ std::optional<glm::dmat4> BdvDescription::worldFromIndex(std::int64_t time, std:
 
 std::optional<BdvDescription> readBdvXml(const fs::path& xml) {
   if (!isThere(xml)) return std::nullopt;
-  return BdvReader(xml).read(readTextFile(xml, kMostXmlBytes));
+  const File file(xml);
+  if (file.size() > kMostXmlBytes)
+    throw Error(ErrorCode::kFormat, xml, "",
+                fmt::format("has {} bytes, more than the {} that are read", file.size(), kMostXmlBytes));
+  return BdvReader(file).read();
 }
 
 }  // namespace kiln

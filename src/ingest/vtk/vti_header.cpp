@@ -1,26 +1,20 @@
-// expat reads the file in steps and stops at the appended data, which are not XML. Nothing of an inline array is kept:
-// the header holds its place only. Hostile XML is bounded: no document type, so no entities; few nested elements; short
-// tags.
+// The parser stops at the appended data, which are not XML. Nothing of an inline array is kept: the header holds its
+// place only.
 // Source: VTK File Formats, docs.vtk.org/en/latest/design_documents/VTKFileFormats.html.
 #include "ingest/vtk/vti_header.h"
 
-#include <expat.h>
 #include <fmt/format.h>
 
-#include <exception>
-#include <memory>
 #include <string_view>
 
 #include "base/error.h"
 #include "base/file/file.h"
 #include "ingest/source/header_text.h"
+#include "ingest/source/xml_reader.h"
 
 namespace kiln {
 namespace {
 
-constexpr std::size_t kStepBytes = 1 << 16;
-constexpr std::uint64_t kLongestTag = 1 << 20;
-constexpr std::size_t kDeepest = 32;
 constexpr std::size_t kMostArrays = 4096;
 
 constexpr VtkTypeName kVtiTypes[] = {
@@ -29,112 +23,36 @@ constexpr VtkTypeName kVtiTypes[] = {
     {"Float32", VoxelType::f32},      {"Float64", VoxelType::f64}, {"UInt64", StoredType::wide(false)},
     {"Int64", StoredType::wide(true)}};
 
-/// The attributes of one element.
-class VtiAttributes {
+class VtiParser : public XmlReader {
  public:
-  explicit VtiAttributes(const char** pairs) : pairs_(pairs) {}
-  std::optional<std::string> find(std::string_view name) const {
-    for (const char** pair = pairs_; *pair != nullptr; pair += 2)
-      if (name == *pair) return std::string(pair[1]);
-    return std::nullopt;
-  }
-  std::string get(std::string_view name, const char* otherwise = "") const { return find(name).value_or(otherwise); }
+  using XmlReader::XmlReader;
+  VtiHeader read();
 
  private:
-  const char** pairs_;
-};
-
-class VtiParser {
- public:
-  explicit VtiParser(const File& file);
-  VtiHeader parse();
-
- private:
-  static void XMLCALL onStart(void* self, const XML_Char* name, const XML_Char** attributes);
-  static void XMLCALL onEnd(void* self, const XML_Char*);
-  static void XMLCALL onDoctype(void* self, const XML_Char*, const XML_Char*, const XML_Char*, int);
-  void start(std::string_view name, const VtiAttributes& attributes);
-  void takeFile(const VtiAttributes& attributes);
-  void takeImage(const VtiAttributes& attributes);
-  void takePiece(const VtiAttributes& attributes);
-  void takeArray(const VtiAttributes& attributes);
-  void takeAppended(const VtiAttributes& attributes);
+  void begin(std::string_view name, const XmlAttributes& attributes) override;
+  void takeFile(const XmlAttributes& attributes);
+  void takeImage(const XmlAttributes& attributes);
+  void takePiece(const XmlAttributes& attributes);
+  void takeArray(const XmlAttributes& attributes);
+  void takeAppended(const XmlAttributes& attributes);
   template <std::size_t kCount, class Number>
-  auto numbers(const VtiAttributes& attributes, const char* name, Number&& number) const;
-  std::uint64_t position() const { return static_cast<std::uint64_t>(XML_GetCurrentByteIndex(parser_.get())); }
-  std::uint64_t afterTag() const {
-    return position() + static_cast<std::uint64_t>(XML_GetCurrentByteCount(parser_.get()));
-  }
-  [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kFormat) const {
-    throw Error(code, file_.path(), fmt::format("line {}", XML_GetCurrentLineNumber(parser_.get())), what);
-  }
+  auto numbers(const XmlAttributes& attributes, const char* name, Number&& number) const;
 
-  const File& file_;
-  std::unique_ptr<std::remove_pointer_t<XML_Parser>, decltype(&XML_ParserFree)> parser_;
-  std::exception_ptr thrown_;
   VtiHeader header_;
   int pieces_ = 0;
   bool has_image_ = false;
-  /// Names of the elements that have begun and not ended.
-  std::vector<std::string> open_;
   /// Of the last PointData or CellData; empty without.
   std::string active_scalars_;
 };
 
-VtiParser::VtiParser(const File& file) : file_(file), parser_(XML_ParserCreate(nullptr), &XML_ParserFree) {
-  if (!parser_) throw Error(ErrorCode::kIo, file.path(), "", "no memory for the XML");
-  XML_SetUserData(parser_.get(), this);
-  XML_SetElementHandler(parser_.get(), &onStart, &onEnd);
-  XML_SetStartDoctypeDeclHandler(parser_.get(), &onDoctype);
-}
-
-// No exception may pass through expat's frames, so an exception is kept and thrown behind them.
-void VtiParser::onStart(void* self, const XML_Char* name, const XML_Char** attributes) {
-  auto& parser = *static_cast<VtiParser*>(self);
-  if (parser.thrown_ || parser.header_.appended) return;
-  try {
-    parser.start(name, VtiAttributes(attributes));
-  } catch (...) {
-    parser.thrown_ = std::current_exception();
-    XML_StopParser(parser.parser_.get(), XML_FALSE);
-  }
-}
-
-// An element that began behind the appended data or an error has no name in `open_`.
-void VtiParser::onEnd(void* self, const XML_Char*) {
-  auto& open = static_cast<VtiParser*>(self)->open_;
-  if (!open.empty()) open.pop_back();
-}
-
-void VtiParser::onDoctype(void* self, const XML_Char*, const XML_Char*, const XML_Char*, int) {
-  auto& parser = *static_cast<VtiParser*>(self);
-  parser.thrown_ = std::make_exception_ptr(
-      Error(ErrorCode::kFormat, parser.file_.path(), "", "has a document type, which files of VTK have not"));
-  XML_StopParser(parser.parser_.get(), XML_FALSE);
-}
-
-VtiHeader VtiParser::parse() {
-  for (std::uint64_t at = 0;;) {
-    void* const buffer = XML_GetBuffer(parser_.get(), kStepBytes);
-    if (buffer == nullptr) throw Error(ErrorCode::kIo, file_.path(), "", "no memory for the XML");
-    const std::size_t got = file_.readSomeAt(at, {static_cast<std::byte*>(buffer), kStepBytes});
-    at += got;
-    const XML_Status status = XML_ParseBuffer(parser_.get(), static_cast<int>(got), got == 0);
-    if (thrown_) std::rethrow_exception(thrown_);
-    if (header_.appended) break;
-    if (status != XML_STATUS_OK)
-      fail(fmt::format("the XML is cut short or damaged ({})", XML_ErrorString(XML_GetErrorCode(parser_.get()))));
-    if (got == 0) break;
-    if (at > position() + kLongestTag) fail("a tag of the XML has no end");
-  }
-  if (!has_image_ || pieces_ == 0) throw Error(ErrorCode::kFormat, file_.path(), "", "has no piece of an image");
+VtiHeader VtiParser::read() {
+  parse();
+  if (!has_image_ || pieces_ == 0) throw Error(ErrorCode::kFormat, file().path(), "", "has no piece of an image");
   return std::move(header_);
 }
 
-void VtiParser::start(std::string_view name, const VtiAttributes& attributes) {
-  if (open_.size() == kDeepest) fail("elements are nested too deeply");
-  open_.emplace_back(name);
-  if (open_.size() == 1) {
+void VtiParser::begin(std::string_view name, const XmlAttributes& attributes) {
+  if (open().size() == 1) {
     if (name != "VTKFile")
       fail(inQuotes(name) + " is not a file of VTK; its first element is VTKFile", ErrorCode::kUnsupported);
     return takeFile(attributes);
@@ -146,7 +64,7 @@ void VtiParser::start(std::string_view name, const VtiAttributes& attributes) {
   if (name == "PointData" || name == "CellData") active_scalars_ = attributes.get("Scalars");
 }
 
-void VtiParser::takeFile(const VtiAttributes& attributes) {
+void VtiParser::takeFile(const XmlAttributes& attributes) {
   const std::string type = attributes.get("type"), order = attributes.get("byte_order", "LittleEndian"),
                     lengths = attributes.get("header_type", "UInt32"), codec = attributes.get("compressor");
   if (type == "PImageData")
@@ -169,7 +87,7 @@ void VtiParser::takeFile(const VtiAttributes& attributes) {
 }
 
 template <std::size_t kCount, class Number>
-auto VtiParser::numbers(const VtiAttributes& attributes, const char* name, Number&& number) const {
+auto VtiParser::numbers(const XmlAttributes& attributes, const char* name, Number&& number) const {
   const std::string text = attributes.get(name);
   const std::vector<std::string> parts = words(text);
   std::array<typename decltype(number(""))::value_type, kCount> out{};
@@ -183,7 +101,7 @@ auto VtiParser::numbers(const VtiAttributes& attributes, const char* name, Numbe
   return out;
 }
 
-void VtiParser::takeImage(const VtiAttributes& attributes) {
+void VtiParser::takeImage(const XmlAttributes& attributes) {
   if (has_image_) fail("holds several images; save one of them", ErrorCode::kUnsupported);
   has_image_ = true;
   if (attributes.find("Origin")) {
@@ -201,13 +119,13 @@ void VtiParser::takeImage(const VtiAttributes& attributes) {
       header_.direction[column][row] = rows[static_cast<std::size_t>(3 * row + column)];
 }
 
-void VtiParser::takePiece(const VtiAttributes& attributes) {
+void VtiParser::takePiece(const XmlAttributes& attributes) {
   if (++pieces_ > 1) fail("holds an image in several pieces; save it as one", ErrorCode::kUnsupported);
   header_.extent = numbers<6>(attributes, "Extent", integerOf);
 }
 
-void VtiParser::takeArray(const VtiAttributes& attributes) {
-  const std::string& section = open_[open_.size() - 2];
+void VtiParser::takeArray(const XmlAttributes& attributes) {
+  const std::string& section = open()[open().size() - 2];
   if (section != "PointData" && section != "CellData") return;
   if (header_.arrays.size() == kMostArrays) fail(fmt::format("holds more than {} arrays", kMostArrays));
   VtiArray array;
@@ -233,24 +151,24 @@ void VtiParser::takeArray(const VtiAttributes& attributes) {
 }
 
 // An underscore precedes the bytes, behind spaces.
-void VtiParser::takeAppended(const VtiAttributes& attributes) {
+void VtiParser::takeAppended(const XmlAttributes& attributes) {
   const std::string encoding = attributes.get("encoding", "base64");
   if (encoding != "raw" && encoding != "base64") fail(inQuotes(encoding) + " is no encoding of appended data");
   header_.appended_in_base64 = encoding == "base64";
   std::string text(4096, '\0');
   const std::uint64_t begin = afterTag();
-  text.resize(file_.readSomeAt(begin, std::as_writable_bytes(std::span(text))));
+  text.resize(file().readSomeAt(begin, std::as_writable_bytes(std::span(text))));
   const std::size_t mark = text.find_first_not_of(" \t\r\n");
   if (mark == std::string::npos || text[mark] != '_') fail("the appended data do not begin with an underscore");
   header_.appended = begin + mark + 1;
-  XML_StopParser(parser_.get(), XML_FALSE);
+  stop();
 }
 
 }  // namespace
 
 VtiHeader readVtiHeader(const std::filesystem::path& path) {
   const File file(path);
-  return VtiParser(file).parse();
+  return VtiParser(file).read();
 }
 
 }  // namespace kiln
