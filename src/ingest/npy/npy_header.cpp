@@ -13,6 +13,7 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "ingest/bytes/numpy_type.h"
 #include "ingest/source/header_text.h"
 
 namespace kiln {
@@ -118,17 +119,6 @@ std::vector<std::int64_t> NpyDictionary::tuple() {
   return out;
 }
 
-struct NpyType {
-  std::string_view code;
-  StoredType type;
-};
-
-// By kind and number of bytes: NumPy's u8 has 64 bits.
-constexpr NpyType kNpyTypes[] = {
-    {"u1", VoxelType::u8},      {"i1", VoxelType::i8},          {"u2", VoxelType::u16},         {"i2", VoxelType::i16},
-    {"u4", VoxelType::u32},     {"i4", VoxelType::i32},         {"f4", VoxelType::f32},         {"f8", VoxelType::f64},
-    {"f2", StoredType::half()}, {"i8", StoredType::wide(true)}, {"u8", StoredType::wide(false)}};
-
 // Describes elements that are not read, with the way out.
 std::string_view unreadType(std::string_view code) {
   if (code == "b1") return "truth values, which Kiln does not read; save the array as uint8";
@@ -147,20 +137,17 @@ std::string_view unreadType(std::string_view code) {
 }
 
 void takeType(const File& file, std::string_view descr, NpyHeader& header) {
-  const bool ordered = !descr.empty() && std::string_view("<>|=").find(descr.front()) != std::string_view::npos;
-  const char order = ordered ? descr.front() : ' ';
-  const std::string_view code = descr.substr(ordered ? 1 : 0);
-  for (const NpyType& known : kNpyTypes) {
-    if (code != known.code) continue;
-    // An order relative to the writer's machine is unknown here.
-    if (order != '<' && order != '>' && sizeOf(known.type) > 1)
-      throw Error(ErrorCode::kFormat, file.path(), "descr",
-                  fmt::format("{} has no byte order; < or > is expected before the type", inQuotes(descr)));
-    header.type = known.type;
-    header.big_endian = order == '>';
-    return;
-  }
-  throw Error(ErrorCode::kUnsupported, file.path(), "descr", fmt::format("{}: {}", inQuotes(descr), unreadType(code)));
+  const auto [order, code] = numpyTypeText(descr);
+  const std::optional<StoredType> type = numpyTypeOf(code);
+  if (!type)
+    throw Error(ErrorCode::kUnsupported, file.path(), "descr",
+                fmt::format("{}: {}", inQuotes(descr), unreadType(code)));
+  // An order relative to the writer's machine is unknown here.
+  if (order != '<' && order != '>' && sizeOf(*type) > 1)
+    throw Error(ErrorCode::kFormat, file.path(), "descr",
+                fmt::format("{} has no byte order; < or > is expected before the type", inQuotes(descr)));
+  header.type = *type;
+  header.big_endian = order == '>';
 }
 
 // Returns the dictionary's text; `begin` becomes its first byte.

@@ -3,29 +3,23 @@
 
 #include <numeric>
 
+#include "ingest/bytes/numpy_type.h"
 #include "ingest/chunks/fill_value.h"
 #include "ingest/zarr/zarr_array.h"
 
 namespace kiln {
 namespace {
 
-// NumPy's type: byte order, kind, size: "<u2".
 StoredNumber numberOf(const JsonNode& dtype) {
   if (!dtype.isText()) dtype.unsupported("arrays of records are not read; write each field as an array of its own");
   const std::string text = dtype.text();
-  const std::size_t at = text.find_first_not_of("<>|=");
-  const std::string kind = at <= 1 ? text.substr(at) : "";
-  const char* const name = kind.starts_with('u') ? "uint" : kind.starts_with('i') ? "int" : "float";
-  std::optional<StoredNumber> out;
-  if (kind == "b1")
-    out = storedNumberNamed("bool");
-  else if (kind.size() == 2 && std::string_view("uif").find(kind[0]) != std::string_view::npos)
-    out = storedNumberNamed(name + std::to_string(8 * (kind[1] - '0')));
-  if (!out)
+  const auto [order, code] = numpyTypeText(text);
+  if (code == "b1") return *storedNumberNamed("bool");
+  const std::optional<StoredType> type = numpyTypeOf(code);
+  if (!type)
     dtype.unsupported(
         fmt::format("numbers of type {} are not read; write u1 to u8, i1 to i8, f2, f4 or f8", dtype.shown()));
-  out->big_endian = text[0] == '>';
-  return *out;
+  return {*type, order == '>'};
 }
 
 // A compressor or filter of numcodecs; null for a filter that needs no reverse.
