@@ -278,7 +278,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
 }
 
 std::unique_ptr<VolumeSource> openDirectory(const fs::path& input, const SourceOptions& options) {
-  if (isZarrFolder(input)) {
+  if (isZarrFolder(input, options)) {
     requireOptionsApply(input, kZarr, options);
     return openZarr(input, options);
   }

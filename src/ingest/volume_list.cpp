@@ -82,7 +82,7 @@ std::vector<ListedVolume> volumesIn(const fs::path& input, const SourceOptions& 
   if (namesPhantom(input)) return ofOneVolume(input, options);
   if (containerOf(input) != input) return ofOneVolume(input, options);
   if (!fs::is_directory(input, ignored)) return ofFile(input, options);
-  return isZarrFolder(input) ? listZarr(input, options) : ofFolder(input, options);
+  return isZarrFolder(input, options) ? listZarr(input, options) : ofFolder(input, options);
 }
 
 }  // namespace kiln

@@ -583,6 +583,21 @@ TEST_F(IngestZarr, IndexesOfShardsThatLieAreRefused) {
   expectError("a.zarr", ErrorCode::kFormat, "the file has 5 bytes, and the index alone has 132");
 }
 
+// Known: values take memory before a conversion is planned, so their length is held against the memory first.
+TEST_F(IngestZarr, HeadersLargerThanTheMemory_areRefusedUnread) {
+  SourceOptions options;
+  options.memory_bytes = 20 << 20;
+  const std::string comment = ", \"comment\": \"" + std::string(10 << 20, 'x') + "\"";
+  putImage("a.zarr", few_, imageOf(axesOf("zyx"), kScale), comment);
+  expectError("a.zarr", ErrorCode::kBudget, ".zattrs: --memory: the header takes up to", options);
+  EXPECT_EQ(info("a.zarr").geometry.dims, few_.dims);
+  options.memory_bytes = 200 << 20;
+  EXPECT_EQ(info("a.zarr", options).geometry.dims, few_.dims);
+  put("b.n5/attributes.json", "[" + comment.substr(13) + "]");
+  options.memory_bytes = 20 << 20;
+  expectError("b.n5", ErrorCode::kBudget, "attributes.json: --memory", options);
+}
+
 TEST_F(IngestZarr, HeadersThatAreNoHeadersAreRefused) {
   const auto expectHeader = [&](const std::string& text, const std::string& part, ErrorCode code = ErrorCode::kFormat) {
     put("a.zarr/zarr.json", text);

@@ -9,7 +9,7 @@ namespace {
 
 // Imaris writes a text as a list of letters, which the reader gives as {"letters": TEXT}.
 std::optional<std::string> lettersOf(const JsonNode& value) {
-  const std::optional<JsonNode> letters = value.isObject() ? value.find("letters") : std::nullopt;
+  const std::optional<JsonNode> letters = value.findIn("letters");
   return letters ? std::optional(letters->text()) : std::nullopt;
 }
 

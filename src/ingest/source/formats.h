@@ -21,7 +21,7 @@ std::unique_ptr<VolumeSource> openTiff(const SliceFiles& input, const SourceOpti
 std::unique_ptr<VolumeSource> openPictures(const SliceFiles& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openDicom(const SliceFiles& input, const SourceOptions& options);
 /// True if `folder` is a Zarr or N5 container, group or array, by its header or its name.
-bool isZarrFolder(const std::filesystem::path& folder);
+bool isZarrFolder(const std::filesystem::path& folder, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openZarr(const std::filesystem::path& input, const SourceOptions& options);
 std::vector<ListedVolume> listHdf5(const std::filesystem::path& file);
 /// `path` names a data set; empty for the only one.

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/file/file.h"
+#include "base/memory/memory.h"
 #include "base/text.h"
 #include "ingest/source/header_text.h"
 
@@ -18,13 +19,14 @@ namespace {
 using nlohmann::json;
 
 constexpr std::uint64_t kMostBytes = 16 << 20;
-// Deeper values would overflow the stack of recursive functions; a value in memory takes up to 100 bytes.
+// Deeper values would overflow the stack of recursive functions.
 constexpr int kMostJsonDepth = 64;
-constexpr std::size_t kMostValues = 1 << 18;
+constexpr std::uint64_t kMostValues = 1 << 18, kMostValueBytes = 100;
 
 // Programs in Python write numbers that JSON lacks without quotes; they become texts.
-std::string withQuotedNumbers(const std::string& text) {
+std::string withQuotedNumbers(std::string text) {
   constexpr std::string_view kNumbers[] = {"NaN", "Infinity", "-Infinity"};
+  if (text.find(kNumbers[0]) == std::string::npos && text.find(kNumbers[1]) == std::string::npos) return text;
   std::string out;
   bool in_text = false;
   for (std::size_t at = 0; at < text.size(); ++at) {
@@ -44,9 +46,9 @@ std::string withQuotedNumbers(const std::string& text) {
 }
 
 // Consolidated metadata repeat other headers, of which the files themselves are read.
-std::shared_ptr<const json> documentOf(const fs::path& file, const std::string& as_written) {
-  const std::string text = withQuotedNumbers(as_written);
-  std::size_t values = 0;
+std::shared_ptr<const json> documentOf(const fs::path& file, std::string as_written) {
+  const std::string text = withQuotedNumbers(std::move(as_written));
+  std::uint64_t values = 0;
   bool is_repeated = false;
   const auto keep = [&](int depth, json::parse_event_t event, json& value) {
     using Event = json::parse_event_t;
@@ -77,12 +79,23 @@ std::optional<double> numberIn(const std::string& text) {
   return numberOf<double>(digits);
 }
 
+// In memory: the text, perhaps with quoted numbers, its parsed texts, and a value for two characters or more.
+std::string textWithin(std::uint64_t memory_bytes, const fs::path& file) {
+  const std::uint64_t length = File(file).size();
+  const std::uint64_t needed = 3 * length + std::min(length / 2, kMostValues) * kMostValueBytes;
+  if (length <= kMostBytes && needed > memory_bytes)
+    throw Error(ErrorCode::kBudget, file, "--memory",
+                fmt::format("the header takes up to {} in memory (allowed: {})", formatBytes(needed),
+                            formatBytes(memory_bytes)));
+  return readTextFile(file, kMostBytes);
+}
+
 }  // namespace
 
-JsonNode::JsonNode(const fs::path& file) : JsonNode(file, readTextFile(file, kMostBytes)) {}
+JsonNode::JsonNode(const fs::path& file, std::uint64_t memory_bytes) : JsonNode(file, textWithin(memory_bytes, file)) {}
 
-JsonNode::JsonNode(const fs::path& file, const std::string& text)
-    : document_(documentOf(file, text)), value_(document_.get()), file_(file) {}
+JsonNode::JsonNode(const fs::path& file, std::string text)
+    : document_(documentOf(file, std::move(text))), value_(document_.get()), file_(file) {}
 
 JsonNode::JsonNode(const JsonNode& parent, const json& value, std::string place)
     : document_(parent.document_), value_(&value), file_(parent.file_), place_(std::move(place)) {}
@@ -92,6 +105,10 @@ std::optional<JsonNode> JsonNode::find(const std::string& key) const {
   const auto found = value_->find(key);
   if (found == value_->end() || found->is_null()) return std::nullopt;
   return JsonNode(*this, *found, place_.empty() ? key : place_ + "." + key);
+}
+
+std::optional<JsonNode> JsonNode::findIn(const std::string& key) const {
+  return value_->is_object() ? find(key) : std::nullopt;
 }
 
 JsonNode JsonNode::at(const std::string& key) const {

@@ -15,10 +15,11 @@ namespace kiln {
 class JsonNode {
  public:
   /// Reads a whole file, without consolidated metadata. NaN and Infinity may stand without quotes. throws: Error
-  /// kNotFound, kIo; kFormat if the file is no JSON, is larger than 16 MiB, or has too many or too deep values.
-  explicit JsonNode(const std::filesystem::path& file);
+  /// kNotFound, kIo; kBudget if the values may take more than `memory_bytes`; kFormat if the file is no JSON, is larger
+  /// than 16 MiB, or has too many or too deep values.
+  JsonNode(const std::filesystem::path& file, std::uint64_t memory_bytes);
   /// Parses `text`, which describes `file`. throws: Error kFormat.
-  JsonNode(const std::filesystem::path& file, const std::string& text);
+  JsonNode(const std::filesystem::path& file, std::string text);
 
   const std::filesystem::path& file() const { return file_; }
   bool isText() const { return value_->is_string(); }
@@ -30,6 +31,8 @@ class JsonNode {
   /// Returns the member `key`; nothing if the key is missing or its value is null. throws: Error kFormat if this value
   /// is no object.
   std::optional<JsonNode> find(const std::string& key) const;
+  /// As `find`, and nothing if this value is no object.
+  std::optional<JsonNode> findIn(const std::string& key) const;
   /// throws: Error kFormat also if the member is missing.
   JsonNode at(const std::string& key) const;
   /// The keys of an object. throws: Error kFormat if this value is no object.

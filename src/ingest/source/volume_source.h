@@ -127,7 +127,7 @@ struct SourceOptions {
   Placement placement;                   // the place in the world by the user
   bool allow_irregular = false;          // DICOM, TIFF: accept slices unequally spaced, tilted, different or missing
   bool luminance = false;                // TIFF: RGB colours as luminance
-  /// Upper bound for VolumeSource::heldBytes. unit: bytes.
+  /// Upper bound for VolumeSource::heldBytes, and for a header in memory. unit: bytes.
   std::uint64_t memory_bytes = UINT64_MAX;
 };
 

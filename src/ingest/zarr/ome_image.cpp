@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 // Version 0.5 keeps its attributes below "ome".
-std::optional<JsonNode> omeAttributes(const fs::path& group) {
-  const std::optional<JsonNode> attributes = zarrAttributes(group);
+std::optional<JsonNode> omeAttributes(const fs::path& group, std::uint64_t memory_bytes) {
+  const std::optional<JsonNode> attributes = zarrAttributes(group, memory_bytes);
   if (!attributes || !attributes->isObject()) return std::nullopt;
   const std::optional<JsonNode> ome = attributes->find("ome");
   return ome && ome->isObject() ? ome : attributes;
@@ -77,17 +77,17 @@ ArrayAxis axisOf(const JsonNode& json) {
 }
 
 std::optional<JsonNode> objectAt(const JsonNode& json, const char* key) {
-  const std::optional<JsonNode> found = json.isObject() ? json.find(key) : std::nullopt;
+  const std::optional<JsonNode> found = json.findIn(key);
   return found && found->isObject() ? found : std::nullopt;
 }
 
 std::vector<JsonNode> listAt(const JsonNode& json, const char* key) {
-  const std::optional<JsonNode> found = json.isObject() ? json.find(key) : std::nullopt;
+  const std::optional<JsonNode> found = json.findIn(key);
   return found && found->isList() ? found->items() : std::vector<JsonNode>();
 }
 
 std::string textAt(const JsonNode& json, const char* key) {
-  const std::optional<JsonNode> found = json.isObject() ? json.find(key) : std::nullopt;
+  const std::optional<JsonNode> found = json.findIn(key);
   return found && found->isText() ? found->text() : "";
 }
 
@@ -110,7 +110,7 @@ std::optional<DeclaredLook::Ramp> rampIn(const JsonNode& channel) {
 
 // {"label-value": 3, "rgba": [255, 128, 0, 255]}.
 std::optional<DeclaredLook::Label> labelIn(const JsonNode& color) {
-  const std::optional<JsonNode> label = color.isObject() ? color.find("label-value") : std::nullopt;
+  const std::optional<JsonNode> label = color.findIn("label-value");
   const std::vector<JsonNode> rgba = listAt(color, "rgba");
   if (!label || !label->isNumber() || rgba.size() != 4) return std::nullopt;
   std::array<std::uint8_t, 4> bytes{};
@@ -126,8 +126,8 @@ std::optional<DeclaredLook::Label> labelIn(const JsonNode& color) {
 
 }  // namespace
 
-std::optional<OmeImage> readOmeImage(const fs::path& group) {
-  const std::optional<JsonNode> ome = omeAttributes(group);
+std::optional<OmeImage> readOmeImage(const fs::path& group, std::uint64_t memory_bytes) {
+  const std::optional<JsonNode> ome = omeAttributes(group, memory_bytes);
   const std::optional<JsonNode> multiscales = ome ? ome->find("multiscales") : std::nullopt;
   if (!multiscales) return std::nullopt;
   const std::vector<JsonNode> images = multiscales->items(1024);
@@ -137,8 +137,8 @@ std::optional<OmeImage> readOmeImage(const fs::path& group) {
   return OmeImage(group, *ome, images.front(), images.size() > 1);
 }
 
-void refusePlate(const fs::path& group) {
-  const std::optional<JsonNode> ome = omeAttributes(group);
+void refusePlate(const fs::path& group, std::uint64_t memory_bytes) {
+  const std::optional<JsonNode> ome = omeAttributes(group, memory_bytes);
   if (!ome || !ome->find("plate")) return;
   throw Error(ErrorCode::kUnsupported, group, "",
               "is a plate of many wells, which is not read as a volume; name the folder of one image, as " +
@@ -182,9 +182,6 @@ std::vector<ArrayAxis> OmeImage::axes(std::size_t count) const {
   return out;
 }
 
-// A manifest with more colours takes seconds to read: its keys are sought one by one.
-constexpr std::size_t kMostDeclaredLabels = 4096;
-
 // Looks are left out, not refused, if they are not as expected: OMERO's keys are no part of the standard.
 std::vector<JsonNode> OmeImage::omeroChannels() const {
   const std::optional<JsonNode> omero = objectAt(ome_, "omero");
@@ -202,11 +199,6 @@ void OmeImage::addLook(ArrayVolume& volume) const {
     for (const JsonNode& color : listAt(*labels, "colors"))
       if (const auto label = labelIn(color)) volume.look.labels.push_back(*label);
     sortDeclared(volume.look.labels);
-    if (const std::size_t count = volume.look.labels.size(); count > kMostDeclaredLabels) {
-      volume.look.labels.clear();
-      volume.notes.push_back(
-          fmt::format("declares the colours of {} labels; more than {} are not used", count, kMostDeclaredLabels));
-    }
     return;
   }
   const std::vector<JsonNode> channels = omeroChannels();
@@ -217,7 +209,7 @@ void OmeImage::addLook(ArrayVolume& volume) const {
 ZarrImage OmeImage::open(std::size_t scale, const SourceOptions& options) const {
   const JsonNode dataset = multiscale_.at("datasets").items()[scale];
   const fs::path folder = arrayOf(dataset);
-  std::optional<ZarrArray> array = readZarrArray(folder);
+  std::optional<ZarrArray> array = readZarrArray(folder, options.memory_bytes);
   if (!array) throw Error(ErrorCode::kFormat, folder, "", "is no array, but the image lists it as a scale");
   std::vector<ArrayAxis> image_axes = axes(array->shape.size());
   bool has_scale = false;
@@ -258,7 +250,7 @@ std::optional<std::vector<double>> lengthsAt(const std::optional<JsonNode>& attr
 std::string unitAt(const std::optional<JsonNode>& attributes) {
   if (!attributes) return "";
   const std::optional<JsonNode> size = attributes->find("pixelResolution"), units = attributes->find("units");
-  const std::optional<JsonNode> unit = size && size->isObject() ? size->find("unit") : std::nullopt;
+  const std::optional<JsonNode> unit = size ? size->findIn("unit") : std::nullopt;
   if (unit && unit->isText()) return unit->text();
   if (units && units->isText()) return units->text();
   if (units && units->isList() && !units->items().empty() && units->items().front().isText())
@@ -268,8 +260,9 @@ std::string unitAt(const std::optional<JsonNode>& attributes) {
 
 }  // namespace
 
-bool placeN5(const ZarrArray& array, const fs::path& group, std::vector<ArrayAxis>& axes) {
-  const std::optional<JsonNode> own = array.attributes, above = group == array.folder ? own : zarrAttributes(group);
+bool placeN5(const ZarrArray& array, const fs::path& group, std::uint64_t memory_bytes, std::vector<ArrayAxis>& axes) {
+  const std::optional<JsonNode> own = array.attributes,
+                                above = group == array.folder ? own : zarrAttributes(group, memory_bytes);
   const auto lengths = [&](const char* key) {
     const auto found = lengthsAt(own, key, axes.size());
     return found ? found : lengthsAt(above, key, axes.size());

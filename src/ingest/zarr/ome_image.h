@@ -31,13 +31,14 @@ class OmeImage {
 };
 
 /// Returns the image that the attributes of `group` describe; nothing if there is none. throws: Error kFormat, kIo.
-std::optional<OmeImage> readOmeImage(const std::filesystem::path& group);
+std::optional<OmeImage> readOmeImage(const std::filesystem::path& group, std::uint64_t memory_bytes);
 
 /// Throws Error kUnsupported if `group` is a plate of wells.
-void refusePlate(const std::filesystem::path& group);
+void refusePlate(const std::filesystem::path& group, std::uint64_t memory_bytes);
 
 /// Sets sizes and places by the attributes that programs around N5 write, of the array or of the group above it.
 /// Returns false if there is no size.
-bool placeN5(const ZarrArray& array, const std::filesystem::path& group, std::vector<ArrayAxis>& axes);
+bool placeN5(const ZarrArray& array, const std::filesystem::path& group, std::uint64_t memory_bytes,
+             std::vector<ArrayAxis>& axes);
 
 }  // namespace kiln

@@ -111,11 +111,11 @@ fs::path zarrHeaderIn(const fs::path& folder) {
   return {};
 }
 
-std::optional<JsonNode> zarrAttributes(const fs::path& folder) {
+std::optional<JsonNode> zarrAttributes(const fs::path& folder, std::uint64_t memory_bytes) {
   const fs::path header = zarrHeaderIn(folder);
-  if (header.filename() == "zarr.json") return JsonNode(header).find("attributes");
-  if (header.filename() == "attributes.json") return JsonNode(header);
-  if (isThere(folder / ".zattrs")) return JsonNode(folder / ".zattrs");
+  if (header.filename() == "zarr.json") return JsonNode(header, memory_bytes).find("attributes");
+  if (header.filename() == "attributes.json") return JsonNode(header, memory_bytes);
+  if (isThere(folder / ".zattrs")) return JsonNode(folder / ".zattrs", memory_bytes);
   return std::nullopt;
 }
 
@@ -128,10 +128,10 @@ std::unique_ptr<ByteCodec> shuffleOf(const std::optional<JsonNode>& element_size
 
 bool isRounding(const std::string& codec) { return codec == "bitround" || codec == "quantize"; }
 
-std::optional<ZarrArray> readZarrArray(const fs::path& folder) {
+std::optional<ZarrArray> readZarrArray(const fs::path& folder, std::uint64_t memory_bytes) {
   const fs::path header = zarrHeaderIn(folder);
   if (header.empty() || header.filename() == ".zgroup") return std::nullopt;
-  const JsonNode json(header);
+  const JsonNode json(header, memory_bytes);
   std::optional<ZarrArray> out = header.filename() == "zarr.json" ? readZarr3(json)
                                  : header.filename() == ".zarray" ? readZarr2(json)
                                                                   : readN5(json);
@@ -139,7 +139,7 @@ std::optional<ZarrArray> readZarrArray(const fs::path& folder) {
   out->folder = folder;
   out->header = header;
   if (out->names.separator == ChunkNames::kOpen) out->names.separator = separatorIn(folder);
-  if (header.filename() == ".zarray") out->attributes = zarrAttributes(folder);
+  if (header.filename() == ".zarray") out->attributes = zarrAttributes(folder, memory_bytes);
   requireConsistent(*out);
   return out;
 }

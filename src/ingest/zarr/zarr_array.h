@@ -60,11 +60,11 @@ struct ZarrArray : ChunkLayout {
 std::filesystem::path zarrHeaderIn(const std::filesystem::path& folder);
 
 /// The attributes of an array or group: those of Zarr v3, `.zattrs` of v2, N5's header; nothing if there are none.
-std::optional<JsonNode> zarrAttributes(const std::filesystem::path& folder);
+std::optional<JsonNode> zarrAttributes(const std::filesystem::path& folder, std::uint64_t memory_bytes);
 
 /// Returns the array in `folder`; nothing if the folder holds a group or no header at all.
 /// throws: Error kFormat, kUnsupported (naming the codec, type or grid), kIo.
-std::optional<ZarrArray> readZarrArray(const std::filesystem::path& folder);
+std::optional<ZarrArray> readZarrArray(const std::filesystem::path& folder, std::uint64_t memory_bytes);
 
 // Codecs with equal settings in versions 2 and 3.
 

@@ -44,7 +44,7 @@ std::vector<ArrayAxis> axesOf(const ZarrArray& array) {
 // Opens an array of N5 below `group`, which may hold sizes and places of its arrays.
 ZarrImage ofN5Array(ZarrArray array, const fs::path& group, const SourceOptions& options) {
   std::vector<ArrayAxis> axes = axesOf(array);
-  const bool has_scale = placeN5(array, group, axes);
+  const bool has_scale = placeN5(array, group, options.memory_bytes, axes);
   ZarrImage out;
   out.volume = volumeOf(array.name(), std::move(axes), has_scale, {}, options);
   if (group != array.folder) out.volume.choice = ", " + array.folder.filename().string() + out.volume.choice;
@@ -61,7 +61,8 @@ bool isScaleOfN5(const fs::path& folder) {
 
 std::optional<ZarrImage> ofN5Scales(const fs::path& folder, const SourceOptions& options) {
   if (!isScaleOfN5(folder / "s0")) return std::nullopt;
-  std::optional<ZarrArray> array = readZarrArray(folder / fmt::format("s{}", options.scale.value_or(0)));
+  std::optional<ZarrArray> array =
+      readZarrArray(folder / fmt::format("s{}", options.scale.value_or(0)), options.memory_bytes);
   if (!array && options.scale)
     throw Error(ErrorCode::kUsage, folder, "--scale", fmt::format("there is no array s{}", *options.scale));
   if (!array) return std::nullopt;
@@ -77,7 +78,7 @@ std::optional<ZarrImage> imageAbove(const fs::path& folder, const SourceOptions&
   fs::path above = whole;
   for (int level = 0; level < 2 && above.has_relative_path(); ++level) {
     above = above.parent_path();
-    const std::optional<OmeImage> image = readOmeImage(above);
+    const std::optional<OmeImage> image = readOmeImage(above, options.memory_bytes);
     const std::optional<std::size_t> scale = image ? image->scaleOf(whole.lexically_relative(above)) : std::nullopt;
     if (scale) return image->open(*scale, options);
   }
@@ -100,7 +101,7 @@ ZarrImage ofArray(ZarrArray array, const SourceOptions& options) {
 }
 
 std::optional<ZarrImage> ofGroup(const fs::path& folder, const SourceOptions& options) {
-  if (const std::optional<OmeImage> image = readOmeImage(folder)) {
+  if (const std::optional<OmeImage> image = readOmeImage(folder, options.memory_bytes)) {
     const std::int64_t scale = chosenScale(options, static_cast<std::int64_t>(image->scales()), folder);
     return image->open(static_cast<std::size_t>(scale), options);
   }
@@ -115,20 +116,22 @@ struct Listed {
 
 class Listing {
  public:
-  explicit Listing(fs::path root) : root_(std::move(root)) { visit(root_, 0); }
+  Listing(fs::path root, std::uint64_t memory_bytes) : root_(std::move(root)), memory_bytes_(memory_bytes) {
+    visit(root_, 0);
+  }
   const std::vector<Listed>& images() const { return images_; }
 
  private:
   void visit(const fs::path& folder, int depth) {
     if (++visited_ > kMostFolders || depth > kMostDepth) return;
     try {
-      if (const std::optional<ZarrArray> array = readZarrArray(folder))
+      if (const std::optional<ZarrArray> array = readZarrArray(folder, memory_bytes_))
         return add(folder, fmt::format("({}) {}", fmt::join(array->shape, ", "), array->number.name()));
-      if (const std::optional<OmeImage> image = readOmeImage(folder))
+      if (const std::optional<OmeImage> image = readOmeImage(folder, memory_bytes_))
         return add(folder, fmt::format("image of {} scale{}", image->scales(), image->scales() == 1 ? "" : "s"));
       if (zarrHeaderIn(folder / "s0").filename() == "attributes.json") return add(folder, "image of N5");
     } catch (const Error& error) {
-      if (error.code() == ErrorCode::kIo) throw;
+      if (error.code() == ErrorCode::kIo || error.code() == ErrorCode::kBudget) throw;
       return add(folder, "not readable");
     }
     std::vector<fs::path> below;
@@ -144,12 +147,13 @@ class Listing {
   }
 
   fs::path root_;
+  std::uint64_t memory_bytes_;
   std::vector<Listed> images_;
   std::size_t visited_ = 0;
 };
 
 ZarrImage onlyImageBelow(const fs::path& folder, const SourceOptions& options) {
-  const std::vector<Listed> images = Listing(folder).images();
+  const std::vector<Listed> images = Listing(folder, options.memory_bytes).images();
   if (images.empty()) throw Error(ErrorCode::kUnsupported, folder, "", "is a Zarr or N5 group without an array");
   if (images.size() == 1) {
     ZarrImage out = openZarrImage(images.front().folder, options);
@@ -168,9 +172,10 @@ ZarrImage onlyImageBelow(const fs::path& folder, const SourceOptions& options) {
 }  // namespace
 
 ZarrImage openZarrImage(const fs::path& folder, const SourceOptions& options) {
-  if (std::optional<ZarrArray> array = readZarrArray(folder)) return ofArray(*std::move(array), options);
+  if (std::optional<ZarrArray> array = readZarrArray(folder, options.memory_bytes))
+    return ofArray(*std::move(array), options);
   if (std::optional<ZarrImage> image = ofGroup(folder, options)) return *std::move(image);
-  refusePlate(folder);
+  refusePlate(folder, options.memory_bytes);
   return onlyImageBelow(folder, options);
 }
 

@@ -17,9 +17,9 @@ namespace fs = std::filesystem;
 namespace {
 
 // Other programs may use the name attributes.json: its contents show an array, a root or a group of N5.
-bool isOfN5(const fs::path& header) {
-  const JsonNode json(header);
-  if (json.isObject() && (json.find("dimensions") || json.find("n5"))) return true;
+bool isOfN5(const fs::path& header, std::uint64_t memory_bytes) {
+  const JsonNode json(header, memory_bytes);
+  if (json.findIn("dimensions") || json.findIn("n5")) return true;
   bool above_others = false;
   forEachEntry(header.parent_path(), [&](const fs::directory_entry& entry) {
     above_others = isThere(entry.path() / header.filename());
@@ -30,9 +30,9 @@ bool isOfN5(const fs::path& header) {
 
 }  // namespace
 
-bool isZarrFolder(const fs::path& folder) {
+bool isZarrFolder(const fs::path& folder, const SourceOptions& options) {
   const fs::path header = zarrHeaderIn(folder);
-  if (!header.empty() && (header.filename() != "attributes.json" || isOfN5(header))) return true;
+  if (!header.empty() && (header.filename() != "attributes.json" || isOfN5(header, options.memory_bytes))) return true;
   const std::string ending = lowered(withoutTrailingSlash(folder).extension().string());
   return ending == ".zarr" || ending == ".n5";
 }
@@ -44,11 +44,12 @@ std::unique_ptr<VolumeSource> openZarr(const fs::path& input, const SourceOption
   info.files = {input};
   info.files.insert(info.files.end(), image.headers.begin(), image.headers.end());
   info.trees = {image.array.folder};
+  image.array.attributes.reset();  // the whole header in memory
   return openChunked(std::move(info), image.volume, std::make_unique<ZarrChunks>(std::move(image.array)));
 }
 
 std::vector<ListedVolume> listZarr(const fs::path& folder, const SourceOptions& options) {
-  const std::optional<OmeImage> image = readOmeImage(folder);
+  const std::optional<OmeImage> image = readOmeImage(folder, options.memory_bytes);
   const std::size_t scales = image ? image->scales() : 1;
   std::vector<ListedVolume> out;
   for (std::size_t scale = 0; scale < scales; ++scale) {
