@@ -493,7 +493,7 @@ TEST(IngestHdf5, BigDataViewerWithADamagedXml_isAnError) {
   refused("1 0 0 0 0 1 0 0 0 0 x 0", "", "line 2: affine must hold 12 numbers");
   refused("1 0 0 0 0 1 0 0 0 0 1", "", "affine must hold 12 numbers");
   refused("1 0 0 0 0 1 0 0 0 0 1 0", "<!DOCTYPE a>", "document type");
-  refused("1 0 0 0 0 1 0 0 0 0 1 0</b>", "", "is no XML");
+  refused("1 0 0 0 0 1 0 0 0 0 1 0</b>", "", "the XML is cut short or damaged");
   files.write("a.xml",
               "<SpimData><ViewRegistrations><ViewRegistration timepoint=\"0\" setup=\"0\"><ViewTransform><affine>2 0 0 "
               "0\n0 2 0 0\n0 0 2 0</affine></ViewTransform></ViewRegistration></ViewRegistrations></SpimData>");
@@ -525,6 +525,46 @@ TEST(IngestHdf5, MincHasDirectionCosines) {
   EXPECT_EQ(at(*source, {0, 0, 0}), glm::dvec3(-20, 10, 30));
   EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(-22, 11, 33));
   write({9, 9, 8, 9, 9});
+  expectRefused(file, ErrorCode::kUnsupported, "scaled slice by slice");
+}
+
+// Known: the range of a type's numbers stands for the range of each slice. Slopes are powers of two, so floats are
+// exact.
+TEST(IngestHdf5, SlicesOfMincAreScaledOneByOne) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({4, 3, 5}, VoxelType::u8, 523);
+  const std::vector<double> slopes = {1, 2, 0.5, 4, 8}, least = {0, 1, -2, 3, 100};
+  std::vector<double> most;
+  for (std::size_t i = 0; i < least.size(); ++i) most.push_back(least[i] + 255 * slopes[i]);
+  const fs::path file = files.directory() / "a.mnc";
+  const auto write = [&](const char* order, const std::vector<double>& minima) {
+    Hdf5File out(file);
+    out.add("/minc-2.0/image/0/image", volume);
+    out.setText("/minc-2.0/image/0/image", "dimorder", order);
+    out.addNumbers("/minc-2.0/image/0/image-min", minima);
+    out.addNumbers("/minc-2.0/image/0/image-max", most);
+  };
+  const auto expected = [&](int x, int y, int z, std::size_t slice) {
+    const auto stored = std::to_integer<int>(volume.voxels[static_cast<std::size_t>(x + 4 * (y + 3 * z))]);
+    return static_cast<float>(stored * slopes[slice] + least[slice]);
+  };
+  write("zspace,yspace,xspace", least);
+  ForeignVolume floats{volume.dims, VoxelType::f32, std::vector<std::byte>(60 * sizeof(float))};
+  for (int i = 0; i < 60; ++i) {
+    const float value = expected(i % 4, i / 4 % 3, i / 12, static_cast<std::size_t>(i / 12));
+    std::memcpy(&floats.voxels[static_cast<std::size_t>(i) * sizeof value], &value, sizeof value);
+  }
+  expectReadsBack(floats, file, 524);
+  // Slices across x: the file's first axis is the volume's x, and its last one y.
+  write("xspace,zspace,yspace", least);
+  ForeignVolume turned{{5, 4, 3}, VoxelType::f32, std::vector<std::byte>(60 * sizeof(float))};
+  for (int i = 0; i < 60; ++i) {
+    const int x = i % 5, y = i / 5 % 4, z = i / 20;
+    const float value = expected(y, z, x, static_cast<std::size_t>(x));
+    std::memcpy(&turned.voxels[static_cast<std::size_t>(i) * sizeof value], &value, sizeof value);
+  }
+  expectReadsBack(turned, file, 525);
+  write("zspace,yspace,xspace", {1, 2});
   expectRefused(file, ErrorCode::kUnsupported, "scaled slice by slice");
 }
 

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/file/path_status.h"
 #include "base/text.h"
+#include "grid/value_range.h"
 #include "ingest/hdf5/bdv_xml.h"
 #include "ingest/source/chosen_part.h"
 #include "ingest/source/header_text.h"
@@ -115,6 +116,47 @@ Hdf5Image ofBigDataViewer(const fs::path& file, const Hdf5Objects& objects, cons
   return out;
 }
 
+// The axis 0 to 2 of a dimension of MINC; -1 for other names.
+int mincAxis(std::string_view name) { return name == "xspace" ? 0 : name == "yspace" ? 1 : name == "zspace" ? 2 : -1; }
+
+// The range of whole numbers that stands for the range of values.
+ValueRange validRange(const Hdf5Object& image) {
+  if (const std::vector<double> range = image.numbers("valid_range"); range.size() == 2) return {range[0], range[1]};
+  const bool is_signed = image.type.starts_with("int");
+  const double count = std::exp2(numberOf<int>(image.type.substr(is_signed ? 3 : 4)).value_or(8));
+  return is_signed ? ValueRange{-count / 2, count / 2 - 1} : ValueRange{0, count - 1};
+}
+
+// The scales of slices along the first dimension, `first`; none if all slices have the same scale.
+SliceScales mincScales(const fs::path& file, const Hdf5Objects& objects, const Hdf5Object& image,
+                       std::string_view first) {
+  const auto valuesOf = [&](const char* name) {
+    const Hdf5Object* const scales = objects.find(std::string("/minc-2.0/image/0/") + name);
+    return scales ? scales->values : std::vector<double>();
+  };
+  const auto uniform = [](const std::vector<double>& values) {
+    return std::all_of(values.begin(), values.end(), [&](double v) { return v == values.front(); });
+  };
+  const std::vector<double> least = valuesOf("image-min"), most = valuesOf("image-max");
+  if (uniform(least) && uniform(most)) return {};
+  SliceScales out{mincAxis(first), {}};
+  const ValueRange range = validRange(image);
+  const bool whole = !image.type.starts_with("float") && range.lo < range.hi;
+  const auto slices = image.shape.size() == 3 ? static_cast<std::size_t>(image.shape[0]) : 0;
+  if (whole && out.axis >= 0 && least.size() == slices && most.size() == slices) {
+    for (std::size_t i = 0; i < slices; ++i) {
+      const double slope = (most[i] - least[i]) / (range.hi - range.lo);
+      out.slices.push_back({slope, least[i] - range.lo * slope});
+    }
+    const auto legal = [](const SliceScale& s) { return std::isfinite(s.slope) && std::isfinite(s.intercept); };
+    if (std::all_of(out.slices.begin(), out.slices.end(), legal)) return out;
+  }
+  throw Error(
+      ErrorCode::kUnsupported, file, "/minc-2.0/image/0/image-max",
+      "intensities are scaled slice by slice, which is read for whole numbers of three axes with a least and a "
+      "largest value for each slice; rewrite the file: mincreshape -image_range MIN MAX, or mincconvert to NIfTI");
+}
+
 // MINC 2. Source: the MINC 2.0 format's reference, and the values of its dimensions.
 Hdf5Image ofMinc(const fs::path& file, const Hdf5Objects& objects) {
   Hdf5Image out;
@@ -122,22 +164,13 @@ Hdf5Image ofMinc(const fs::path& file, const Hdf5Objects& objects) {
   out.choice = ", MINC";
   out.frame = PatientFrame::kRas;
   const Hdf5Object& image = *objects.find(out.path);
-  const auto uniform = [&](const char* name) {
-    const Hdf5Object* const scales = objects.find(std::string("/minc-2.0/image/0/") + name);
-    return !scales || scales->values.empty() ||
-           std::all_of(scales->values.begin(), scales->values.end(),
-                       [&](double v) { return v == scales->values.front(); });
-  };
-  if (!uniform("image-min") || !uniform("image-max"))
-    throw Error(ErrorCode::kUnsupported, file, "/minc-2.0/image/0/image-max",
-                "intensities are scaled slice by slice, which is not read; rewrite the file: mincreshape -image_range "
-                "MIN MAX, or mincconvert to NIfTI");
   glm::dmat4 affine(1.0);
   glm::dvec3 origin(0);
-  std::string order = image.text("dimorder").value_or("zspace,yspace,xspace");
+  const std::string order = image.text("dimorder").value_or("zspace,yspace,xspace");
+  out.scales = mincScales(file, objects, image, std::string_view(order).substr(0, order.find(',')));
   for (const std::string_view name : splitAt(order, ',')) {
     const Hdf5Object* const space = objects.find("/minc-2.0/dimensions/" + std::string(name));
-    const int axis = name == "xspace" ? 0 : name == "yspace" ? 1 : name == "zspace" ? 2 : -1;
+    const int axis = mincAxis(name);
     out.axes.push_back({axis < 0 ? std::string(name) : std::string(1, "xyz"[axis]), "mm", "", 1, 0});
     if (axis < 0 || !space) continue;
     const double step = space->number("step").value_or(1), start = space->number("start").value_or(0);
@@ -155,7 +188,7 @@ Hdf5Image ofMinc(const fs::path& file, const Hdf5Objects& objects) {
     const Hdf5Object* const scales = objects.find(std::string("/minc-2.0/image/0/") + name);
     return scales && !scales->values.empty() ? std::optional(scales->values.front()) : std::nullopt;
   };
-  if (value("image-min") && value("image-max") && !image.type.starts_with("float"))
+  if (out.scales.slices.empty() && value("image-min") && value("image-max") && !image.type.starts_with("float"))
     out.notes.push_back(fmt::format("whole numbers stand for values from {} to {}; they are taken as stored",
                                     *value("image-min"), *value("image-max")));
   return out;

@@ -3,6 +3,7 @@
 
 #include "ingest/chunks/array_volume.h"
 #include "ingest/hdf5/hdf5_objects.h"
+#include "ingest/hdf5/scaled_slices.h"
 
 namespace kiln {
 
@@ -18,6 +19,8 @@ struct Hdf5Image {
   PatientFrame frame = PatientFrame::kUnknown;
   /// True if whole numbers are unsigned, whatever their type. BigDataViewer writes unsigned numbers as signed.
   bool is_unsigned = false;
+  /// How whole numbers are scaled slice by slice, as MINC does.
+  SliceScales scales;
   /// Further files that describe the image: the XML file of BigDataViewer.
   std::vector<std::filesystem::path> headers;
   /// True if the path already chose the channel, time and scale.

@@ -86,8 +86,9 @@ std::unique_ptr<VolumeSource> openHdf5(const fs::path& file, const std::string& 
   info.files = {file};
   info.files.insert(info.files.end(), image.headers.begin(), image.headers.end());
   info.files.insert(info.files.end(), layout.files.begin(), layout.files.end());
-  if (std::unique_ptr<VolumeSource> source = openContiguous(info, layout, volume, image, file)) return source;
-  return openChunked(std::move(info), volume, openHdf5Chunks(file, std::move(layout)));
+  std::unique_ptr<VolumeSource> source = openContiguous(info, layout, volume, image, file);
+  if (!source) source = openChunked(std::move(info), volume, openHdf5Chunks(file, std::move(layout)));
+  return image.scales.slices.empty() ? std::move(source) : scaledSlices(std::move(source), image.scales);
 }
 
 }  // namespace kiln
