@@ -256,7 +256,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   const bool stack = format == "TIFF" || format == "PNG" || format == "JPEG";
   const bool has_scales = format == kZarr || format == "HDF5";
   const bool has_times = stack || has_scales || format == "MRC" || format == "NIfTI" || format == "MGH";
-  const bool has_channels = stack || has_scales || format == "VTK";
+  const bool has_channels = stack || dicom || has_scales || format == "VTK";
   refuse(options.dims && !raw, "--dims", "headerless raw data");
   refuse(options.type && !raw, "--type", "headerless raw data");
   refuse(options.big_endian && !raw, "--endian", "headerless raw data");

@@ -78,25 +78,54 @@ TEST(DicomSegmentation, NumbersBeyondAByte_takeTwo) {
   EXPECT_EQ(voxels[2 * 5], std::byte{9});
 }
 
+// Known because the test writes a byte for each pixel: segment 9 at planes 0 and 1, segment 3 at planes 3 and 1.
+TEST(DicomSegmentation, FractionsOfASegment_areAmounts) {
+  const ForeignFiles files;
+  for (const DicomSyntax syntax : {DicomSyntax::kExplicitLittle, DicomSyntax::kDeflated}) {
+    DicomSpec spec = segmentation(syntax);
+    spec.segmentation = "FRACTIONAL", spec.bits_allocated = spec.bits_stored = 8;
+    spec.pixel_bytes.clear();
+    for (int i = 0; i < 4 * 15; ++i) spec.pixel_bytes += static_cast<char>(3 * i + 1);
+    const auto path = files.write("seg.dcm", dicomFile(spec));
+    ForeignVolume expected{{5, 3, 4}, VoxelType::u8, std::vector<std::byte>(60)};
+    for (int i = 0; i < 30; ++i) expected.voxels[i] = static_cast<std::byte>(3 * (i + 15) + 1);
+    SourceOptions options;
+    options.channel = "segment 9";
+    const auto open = [&] { return openSource(path, options); };
+    expectReadsBack(expected, open, 813);
+    EXPECT_EQ(open()->info().volume_class, VolumeClass::kUnknown);
+    EXPECT_EQ(open()->info().notes, std::vector<std::string>{"values are fractions of segment 9, from 0 to 255"});
+    expectRefused(path, ErrorCode::kUsage, "'segment 3'");
+    spec.frame_segments = {9, 9, 9, 9};
+    expectRefused(files.write("two.dcm", dicomFile(spec)), ErrorCode::kFormat,
+                  "frame 4: lies where frame 3 lies, and both hold fractions of segment 9");
+    spec = segmentation(syntax), spec.segmentation = "BINARY";
+    options.channel = "1";
+    expectRefused(files.write("bits.dcm", dicomFile(spec)), ErrorCode::kUsage, "--channel", options);
+  }
+}
+
 TEST(DicomSegmentation, FramesThatAreNoVolume_areRefused) {
   const ForeignFiles files;
   const auto refused = [&](const DicomSpec& spec, ErrorCode code, const std::string& part) {
     expectRefused(files.write("seg.dcm", dicomFile(spec)), code, part);
   };
   DicomSpec spec = segmentation();
-  spec.segmentation = "FRACTIONAL", spec.bits_allocated = spec.bits_stored = 8;
-  refused(spec, ErrorCode::kUnsupported, "holds fractions of segments");
+  spec.segmentation = "FRACTIONAL";
+  refused(spec, ErrorCode::kUnsupported, "holds fractions of segments in 1 bits");
   spec = segmentation(), spec.frame_segments.pop_back();
   refused(spec, ErrorCode::kFormat, "frame 4: names no segment");
   spec = segmentation(), spec.frame_positions[0] = "1\\2\\35";
   refused(spec, ErrorCode::kFormat, "frame 1: lies 5 mm above the lowest frame");
   spec = segmentation(), spec.frame_positions[2] = "1\\3\\32";
   refused(spec, ErrorCode::kFormat, "frame 3: lies beside the line");
+  spec = segmentation(), spec.orientation = "1\\0\\0\\1\\0\\0";
+  refused(spec, ErrorCode::kFormat, "frame 1: the orientation is not two unit vectors");
   spec = segmentation(), spec.frame_positions[1] = "1\\2\\-1e300";
   refused(spec, ErrorCode::kFormat, "frame 1: ");
   spec = segmentation(), spec.frame_positions.pop_back();
   refused(spec, ErrorCode::kFormat, "frame 4: has no group of its own");
-  refused(segmentation(DicomSyntax::kExplicitBig), ErrorCode::kUnsupported, "bits of segments in big-endian words");
+  refused(segmentation(DicomSyntax::kExplicitBig), ErrorCode::kUnsupported, "segments in big-endian words");
   spec = segmentation(), spec.pixel_bytes.resize(6);
   refused(spec, ErrorCode::kFormat, "there are 6 bytes");
   SourceOptions options;
@@ -104,6 +133,24 @@ TEST(DicomSegmentation, FramesThatAreNoVolume_areRefused) {
   expectRefused(files.write("seg.dcm", dicomFile(segmentation())), ErrorCode::kUsage, "--spacing", options);
   files.write("two.dcm", dicomFile(segmentation()));
   expectRefused(files.directory(), ErrorCode::kUsage, "holds 2 segmentation objects in one series; name the file");
+}
+
+TEST(DicomSegmentation, EachObjectIsListed_AFaultyOneWithTheReason) {
+  const ForeignFiles files;
+  DicomSpec faulty = segmentation();
+  faulty.frame_positions[2] = "1\\3\\32";
+  const auto alone = files.write("a.dcm", dicomFile(faulty));
+  EXPECT_NE(volumesIn(alone, {}).at(0).refusal.find("frame 3: lies beside the line"), std::string::npos);
+  const auto whole = files.write("b.dcm", dicomFile(segmentation()));
+  faulty = segmentation(), faulty.slope = "1e60";
+  files.write("c.dcm", dicomFile(faulty));
+  const std::vector<ListedVolume> listed = volumesIn(files.directory(), {});
+  ASSERT_EQ(listed.size(), 3u);
+  EXPECT_NE(listed[0].refusal.find("a.dcm: frame 3: lies beside the line"), std::string::npos) << listed[0].refusal;
+  EXPECT_EQ(listed[1].refusal, "");
+  EXPECT_EQ(listed[1].dims, (Extent3{5, 3, 4}));
+  EXPECT_EQ(listed[1].option, whole.string());
+  EXPECT_NE(listed[2].refusal.find("beyond what a float can hold"), std::string::npos) << listed[2].refusal;
 }
 
 TEST(DicomSegmentation, EveryCutIsNoticedAndFlipsAreHarmless) {

@@ -11,6 +11,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "base/error.h"
+#include "ingest/dicom/dicom_plane.h"
 #include "ingest/dicom/dicom_series.h"
 #include "ingest/source/header_text.h"
 
@@ -21,7 +22,6 @@ namespace {
 // Positions are decimal strings rounded to a few digits. Tolerances: relative error of a distance; tilt in radians (0.1
 // degrees); offset of a slice from the line, in pixels.
 constexpr double kDistanceTolerance = 0.02, kTiltTolerance = 1.75e-3, kAsideTolerance = 0.1;
-constexpr double kDirectionTolerance = 1e-3;
 
 class Arrangement {
  public:
@@ -112,26 +112,17 @@ class Arrangement {
   }
 
   void requireParallel() {
-    const glm::dvec3 x = *first().along_row, y = *first().along_column;
-    const bool square =
-        std::abs(glm::length(x) - 1) < 0.01 && std::abs(glm::length(y) - 1) < 0.01 && std::abs(glm::dot(x, y)) < 0.01;
-    if (!square) fail(name(slices_.front()) + ": the orientation is not two unit vectors at a right angle");
+    if (const std::string fault = orientationFault(first()); !fault.empty()) fail(name(slices_.front()) + ": " + fault);
     if (!first().spacing) fail(name(slices_.front()) + " has a position, but no spacing of pixels");
-    normal_ = glm::normalize(glm::cross(x, y));
-    const auto turned = [&](const DicomFrame& f) {
-      return std::max(glm::length(*f.along_row - x), glm::length(*f.along_column - y)) > kDirectionTolerance;
-    };
-    const auto resized = [&](const DicomFrame& f) {
-      return !f.spacing || glm::length(*f.spacing - *first().spacing) > 1e-4 * glm::length(*first().spacing);
-    };
-    requireLikeFirst(turned, "is turned against", "slices of one volume are parallel (a scout among them?)");
-    requireLikeFirst(resized, "has pixels of another size than", "slices of one volume are alike");
+    normal_ = glm::normalize(glm::cross(*first().along_row, *first().along_column));
+    requireLikeFirst(isTurned, "is turned against", "slices of one volume are parallel (a scout among them?)");
+    requireLikeFirst(isResized, "has pixels of another size than", "slices of one volume are alike");
   }
 
   // Reports the slice that differs from most slices, even if it is the first.
   template <class Differs>
   void requireLikeFirst(const Differs& differs, const char* what, const char* rule) const {
-    const auto unlike = [&](const DicomSlice& s) { return differs(frame(s)); };
+    const auto unlike = [&](const DicomSlice& s) { return differs(frame(s), first()); };
     const auto found = std::find_if(slices_.begin(), slices_.end(), unlike);
     if (found == slices_.end()) return;
     const auto count = static_cast<std::size_t>(std::count_if(found, slices_.end(), unlike));

@@ -30,7 +30,8 @@ constexpr DicomTag kModality = 0x00080060, kDescription = 0x0008103e, kThickness
 constexpr DicomTag kShared = 0x52009229, kPerFrame = 0x52009230, kPlanePosition = 0x00209113,
                    kPlaneOrientation = 0x00209116, kMeasures = 0x00289110, kTransformation = 0x00289145;
 
-constexpr DicomTag kSegmentation = 0x00620001, kSegmentOfFrame = 0x0062000a, kSegmentNumber = 0x0062000b;
+constexpr DicomTag kSegmentation = 0x00620001, kSegmentOfFrame = 0x0062000a, kSegmentNumber = 0x0062000b,
+                   kLargestFraction = 0x0062000e;
 
 // Places of a frame's attribute, in order of precedence: its own group, the shared group, the top of the file. Null
 // if a group is missing.
@@ -126,10 +127,12 @@ std::string refusalOf(const DicomFile& file, const DicomPixels& pixels) {
   if (photometric == "PALETTE COLOR") return "holds indices into a palette of colours, not one value a pixel";
   if (samples != 1) return fmt::format("holds {} samples a pixel ({}); Kiln reads one", samples, inQuotes(photometric));
   const std::string segmentation = file.set.text(kSegmentation);
-  if (segmentation == "FRACTIONAL") return "holds fractions of segments, not labels";
-  if (segmentation == "BINARY" && pixels.bits_allocated == 1) {
-    if (pixels.packed) return "holds compressed bits of segments, which are not read";
-    if (file.big_endian) return "holds bits of segments in big-endian words, which are not read";
+  const bool fractional = segmentation == "FRACTIONAL";
+  if (fractional && pixels.bits_allocated != 8)
+    return fmt::format("holds fractions of segments in {} bits; 8 are read", pixels.bits_allocated);
+  if (fractional || (segmentation == "BINARY" && pixels.bits_allocated == 1)) {
+    if (pixels.packed) return "holds compressed segments, which are not read";
+    if (file.big_endian) return "holds segments in big-endian words, which are not read";
   } else if (pixels.bits_allocated != 8 && pixels.bits_allocated != 16 && pixels.bits_allocated != 32) {
     return fmt::format("allocates {} bits a pixel; 8, 16 and 32 are read", pixels.bits_allocated);
   }
@@ -234,12 +237,12 @@ VoxelType DicomPixels::storedType() const {
 DicomHeader readDicomHeader(const fs::path& path) {
   const File file(path);
   const DicomFile parsed = readDicomElements(
-      file,
-      {kModality,         kDescription, kThickness,      kBetween,      kSeries,         kInstance,     kPosition,
-       kOrientation,      kSamples,     kPhotometric,    kFrames,       kRows,           kColumns,      kSpacing,
-       kBitsAllocated,    kBitsStored,  kHighBit,        kSigned,       kIntercept,      kSlope,        kModalityLut,
-       kLutDescriptor,    kLutData,     kFrameOffsets,   kDoseScaling,  kShared,         kPerFrame,     kPlanePosition,
-       kPlaneOrientation, kMeasures,    kTransformation, kSegmentation, kSegmentOfFrame, kSegmentNumber});
+      file, {kModality,       kDescription,  kThickness,      kBetween,       kSeries,           kInstance,
+             kPosition,       kOrientation,  kSamples,        kPhotometric,   kFrames,           kRows,
+             kColumns,        kSpacing,      kBitsAllocated,  kBitsStored,    kHighBit,          kSigned,
+             kIntercept,      kSlope,        kModalityLut,    kLutDescriptor, kLutData,          kFrameOffsets,
+             kDoseScaling,    kShared,       kPerFrame,       kPlanePosition, kPlaneOrientation, kMeasures,
+             kTransformation, kSegmentation, kSegmentOfFrame, kSegmentNumber, kLargestFraction});
   DicomHeader out;
   out.path = path;
   out.series = parsed.set.text(kSeries);
@@ -255,7 +258,9 @@ DicomHeader readDicomHeader(const fs::path& path) {
   requirePixels(out.pixels, parsed, file);
   const auto count = static_cast<std::size_t>(out.pixels.frames);
   try {
-    if (out.pixels.bits_allocated == 1) out.segments = segmentsOf(parsed.set, count, path);
+    if (parsed.set.text(kSegmentation) == "FRACTIONAL")
+      out.largest_fraction = parsed.set.number(kLargestFraction).value_or(255);
+    if (out.pixels.bits_allocated == 1 || out.largest_fraction) out.segments = segmentsOf(parsed.set, count, path);
     for (std::size_t i = 0; i < count; ++i) out.frames.push_back(checkedFrame(parsed.set, i, out, path));
     if (std::optional<DicomLut> lut = modalityLut(parsed.set, out.pixels.is_signed, path))
       out.lut = std::make_shared<const DicomLut>(*std::move(lut));

@@ -76,8 +76,11 @@ struct DicomHeader {
   std::optional<Error> fault;
   DicomPixels pixels;
   std::vector<DicomFrame> frames;
-  /// The segment of each frame of a binary segmentation object, whose pixels are bits; empty for images.
+  /// The segment of each frame of a segmentation object; empty for images. Pixels are bits, or, with
+  /// `largest_fraction`, bytes.
   std::vector<int> segments;
+  /// The pixel of a fractional segmentation object that stands for the whole; nothing for other objects.
+  std::optional<int> largest_fraction;
   /// Null for values with a slope and an intercept. Slices with equal tables share one.
   std::shared_ptr<const DicomLut> lut;
 };

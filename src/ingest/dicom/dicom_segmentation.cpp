@@ -1,6 +1,7 @@
 // Problem. Writers leave out planes without a segment, and write planes once for each segment, in any order.
 // Method. A frame's plane is its distance along the normal from the lowest frame, in steps of the spacing; planes
-// without a frame are 0. Bits of all frames follow each other without padding, the lowest bit of a byte first.
+// without a frame are 0. Pixels are bits of labels, or bytes that hold fractions of one segment. Bits of all frames
+// follow each other without padding, the lowest bit of a byte first.
 #include "ingest/dicom/dicom_segmentation.h"
 
 #include <fmt/format.h>
@@ -10,13 +11,17 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "base/error.h"
 #include "base/memory/memory.h"
 #include "ingest/bytes/linear_source.h"
 #include "ingest/dicom/dicom_bytes.h"
+#include "ingest/dicom/dicom_plane.h"
+#include "ingest/source/chosen_part.h"
 #include "ingest/source/header_text.h"
 
 namespace kiln {
@@ -74,9 +79,9 @@ class PlaneFinder {
       const DicomFrame& frame = header_.frames[i];
       if (!frame.position || !frame.along_row || !frame.spacing)
         fail(i, "has no position, orientation or spacing of pixels, so that its segment has no place");
-      if (glm::distance(*frame.along_row, *first_.along_row) > 1e-3 ||
-          glm::distance(*frame.along_column, *first_.along_column) > 1e-3)
-        fail(i, "is turned against frame 1; planes of one volume are parallel");
+      if (const std::string fault = orientationFault(frame); !fault.empty()) fail(i, fault);
+      if (isTurned(frame, first_)) fail(i, "is turned against frame 1; planes of one volume are parallel");
+      if (isResized(frame, first_)) fail(i, "has pixels of another size than frame 1; planes of one volume are alike");
     }
   }
 
@@ -115,7 +120,8 @@ class SegmentationSource : public VolumeSource {
         file_(header.path),
         pixels_(header.pixels),
         planes_(std::move(planes.frames)),
-        frame_bits_(static_cast<std::uint64_t>(header.pixels.columns * header.pixels.rows)) {}
+        pixel_bits_(header.largest_fraction ? 8 : 1),
+        frame_bits_(static_cast<std::uint64_t>(header.pixels.columns * header.pixels.rows) * pixel_bits_) {}
 
   /// Inflates the bits of a deflated object. throws: Error kBudget, kFormat, kIo.
   void inflate(std::uint64_t memory_bytes);
@@ -128,6 +134,7 @@ class SegmentationSource : public VolumeSource {
 
  private:
   std::vector<std::byte> bytesAt(std::uint64_t first, std::uint64_t count) const;
+  void copyFrame(const SegmentFrame& frame, const VoxelBox& box, std::byte* slice) const;
   template <class T>
   void drawFrame(const SegmentFrame& frame, const VoxelBox& box, std::byte* slice) const;
 
@@ -135,7 +142,7 @@ class SegmentationSource : public VolumeSource {
   File file_;
   DicomPixels pixels_;
   std::map<std::int64_t, std::vector<SegmentFrame>> planes_;
-  std::uint64_t frame_bits_;
+  std::uint64_t pixel_bits_, frame_bits_;
   std::vector<std::byte> inflated_;
 };
 
@@ -179,19 +186,52 @@ void SegmentationSource::drawFrame(const SegmentFrame& frame, const VoxelBox& bo
   }
 }
 
+// Copies the fractions of a slice of `box`.
+void SegmentationSource::copyFrame(const SegmentFrame& frame, const VoxelBox& box, std::byte* slice) const {
+  const auto row = static_cast<std::uint64_t>(box.extent().x), line = static_cast<std::uint64_t>(pixels_.columns);
+  const std::uint64_t first = static_cast<std::uint64_t>(frame.frame) * (frame_bits_ / 8) +
+                              static_cast<std::uint64_t>(box.lo.y) * line + static_cast<std::uint64_t>(box.lo.x);
+  const auto rows = static_cast<std::uint64_t>(box.extent().y);
+  const std::vector<std::byte> bytes = bytesAt(first, (rows - 1) * line + row);
+  for (std::uint64_t y = 0; y < rows; ++y) std::memcpy(slice + y * row, bytes.data() + y * line, row);
+}
+
 void SegmentationSource::read(const VoxelBox& box, std::span<std::byte> out) {
   assert(intersection(box, boxOf(info_.geometry.dims)) == box);
+  if (box.empty()) return;
   std::fill(out.begin(), out.end(), std::byte{0});
   const std::size_t slice = static_cast<std::size_t>(box.extent().x * box.extent().y) * sizeOf(info_.type);
   for (auto plane = planes_.lower_bound(box.lo.z); plane != planes_.end() && plane->first < box.hi.z; ++plane) {
     std::byte* const to = out.data() + static_cast<std::size_t>(plane->first - box.lo.z) * slice;
     for (const SegmentFrame& frame : plane->second) {
-      if (info_.type == VoxelType::u8)
+      if (pixel_bits_ == 8)
+        copyFrame(frame, box, to);
+      else if (info_.type == VoxelType::u8)
         drawFrame<std::uint8_t>(frame, box, to);
       else
         drawFrame<std::uint16_t>(frame, box, to);
     }
   }
+}
+
+// Leaves the frames of one segment, because fractions of several segments are several volumes. Names the segment in
+// `info`.
+void chooseFractions(const DicomHeader& header, const SourceOptions& options, SegmentPlanes& planes, SourceInfo& info) {
+  const std::set<int> numbers(header.segments.begin(), header.segments.end());
+  std::vector<std::string> names;
+  for (const int number : numbers) names.push_back(fmt::format("segment {}", number));
+  const std::int64_t chosen = chosenChannel(options, names, header.path);
+  const int segment = *std::next(numbers.begin(), chosen);
+  for (auto& [plane, frames] : planes.frames) {
+    std::erase_if(frames, [&](const SegmentFrame& frame) { return frame.segment != segment; });
+    if (frames.size() > 1)
+      throw Error(
+          ErrorCode::kFormat, header.path, fmt::format("frame {}", frames[1].frame + 1),
+          fmt::format("lies where frame {} lies, and both hold fractions of segment {}", frames[0].frame + 1, segment));
+  }
+  info.format += fmt::format(", segment {}", segment);
+  info.notes.push_back(
+      fmt::format("values are fractions of segment {}, from 0 to {}", segment, *header.largest_fraction));
 }
 
 }  // namespace
@@ -203,9 +243,13 @@ std::unique_ptr<VolumeSource> openSegmentation(SourceInfo info, const DicomHeade
   if (options.spacing) refuseSpacing(header.path);
   SegmentPlanes planes = PlaneFinder(header).run();
   info.geometry = planes.geometry;
-  info.type = *std::max_element(header.segments.begin(), header.segments.end()) > 255 ? VoxelType::u16 : VoxelType::u8;
-  info.volume_class = VolumeClass::kLabels;
+  const bool wide = *std::max_element(header.segments.begin(), header.segments.end()) > 255;
+  info.type = wide && !header.largest_fraction ? VoxelType::u16 : VoxelType::u8;
   checkedBytes(info.geometry.dims, info.type, header.path);
+  if (header.largest_fraction)
+    chooseFractions(header, options, planes, info);
+  else
+    info.volume_class = VolumeClass::kLabels;
   const bool shared = std::any_of(planes.frames.begin(), planes.frames.end(),
                                   [](const auto& plane) { return plane.second.size() > 1; });
   if (shared) info.notes.push_back("where segments overlap, the one with the greatest number is taken");

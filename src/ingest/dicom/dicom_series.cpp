@@ -18,7 +18,7 @@ namespace {
 
 struct Series {
   const DicomHeader* first = nullptr;
-  std::int64_t slices = 0;
+  std::int64_t slices = 0, objects = 0;
 };
 
 std::string listOf(const std::map<std::string, Series>& series) {
@@ -40,6 +40,7 @@ std::map<std::string, Series> seriesOf(const std::vector<DicomHeader>& all) {
     Series& entry = out[header.series];
     if (entry.first == nullptr) entry.first = &header;
     entry.slices += header.pixels.frames;
+    ++entry.objects;
   }
   return out;
 }
@@ -238,21 +239,44 @@ std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions
   return out;
 }
 
+namespace {
+
+// A segmentation object is a volume of its own, whose planes decide its size.
+ListedVolume listed(const DicomHeader& first, std::int64_t slices) {
+  ListedVolume out;
+  out.name = first.series.empty() ? "none" : first.series;
+  out.kind = fmt::format("{} {}", first.modality, inQuotes(first.description));
+  out.dims = Extent3{first.pixels.columns, first.pixels.rows, slices};
+  out.refusal = first.refusal;
+  if (!out.refusal.empty()) return out;
+  out.type = first.pixels.storedType();
+  try {
+    if (first.fault) throw *first.fault;
+    if (!first.segments.empty()) out.dims = segmentationDims(first);
+  } catch (const Error& error) {
+    out.refusal = error.what();
+  }
+  return out;
+}
+
+}  // namespace
+
 std::vector<ListedVolume> listDicom(const std::vector<fs::path>& files) {
   std::vector<DicomHeader> all;
   for (const fs::path& path : files) all.push_back(readDicomHeader(path));
   const std::map<std::string, Series> series = seriesOf(all);
   std::vector<ListedVolume> out;
   for (const auto& [uid, entry] : series) {
-    const DicomHeader& first = *entry.first;
-    ListedVolume& volume = out.emplace_back();
-    volume.name = uid.empty() ? "none" : uid;
-    volume.kind = fmt::format("{} {}", first.modality, inQuotes(first.description));
-    volume.dims = Extent3{first.pixels.columns, first.pixels.rows, entry.slices};
-    volume.refusal = first.refusal;
-    if (!first.segments.empty()) volume.dims = segmentationDims(first);
-    if (first.refusal.empty()) volume.type = first.pixels.storedType();
-    if (series.size() > 1 && !uid.empty()) volume.option = "--series " + uid;
+    if (entry.objects > 1 && !entry.first->segments.empty()) {
+      for (const DicomHeader& object : all) {
+        if (object.series != uid || !object.has_pixels) continue;
+        out.push_back(listed(object, object.pixels.frames));
+        if (out.back().refusal.empty()) out.back().option = object.path.string();
+      }
+      continue;
+    }
+    out.push_back(listed(*entry.first, entry.slices));
+    if (series.size() > 1 && !uid.empty()) out.back().option = "--series " + uid;
   }
   return out;
 }

@@ -23,6 +23,7 @@
 #include "ingest/dicom/dicom_decode.h"
 #include "ingest/dicom/dicom_segmentation.h"
 #include "ingest/dicom/dicom_series.h"
+#include "ingest/source/chosen_part.h"
 #include "ingest/source/formats.h"
 
 namespace kiln {
@@ -266,6 +267,7 @@ std::unique_ptr<VolumeSource> openDicom(const SliceFiles& input, const SourceOpt
   for (const DicomHeader& header : files) info.files.push_back(header.path);
   info.format = fmt::format("DICOM, series {}", files.front().series);
   if (!files.front().segments.empty()) return openSegmentation(std::move(info), onlyOf(files, input.input), options);
+  if (!files.front().largest_fraction) chosenChannel(options, std::vector<std::string>(1), input.input);
   if (files.front().pixels.smallest_is_white)
     info.notes.push_back(
         "the DICOM files show their smallest values white (MONOCHROME1); the values are taken as stored, and a "
