@@ -9,10 +9,10 @@ install(TARGETS kiln EXPORT kilnTargets FILE_SET HEADERS DESTINATION ${CMAKE_INS
 install(TARGETS kiln_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 # Whoever links the library looks for its modules beside it: a static library is no place to look from.
 target_link_options(kiln INTERFACE $<INSTALL_INTERFACE:LINKER:-rpath,$<INSTALL_PREFIX>/${CMAKE_INSTALL_LIBDIR}>)
-install(TARGETS ${kiln_modules} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-if(TARGET kiln_hdf5_reader)
-  install(TARGETS kiln_hdf5_reader RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(kiln_modules)
+  install(TARGETS ${kiln_modules} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endif()
+install(TARGETS ${kiln_workers} RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_BINARY_DIR}/tools/kiln/share/ DESTINATION ${CMAKE_INSTALL_DATADIR})
 install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY tools/kiln/manual DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -43,8 +43,8 @@ check_configure() {
   }
   has() { ninja -C "$scratch/$1" -t inputs "$2" | grep "$3" >/dev/null; }
 
-  configure all ', MPI, HDF5, GTest '
-  has all kiln_tool libkiln_gdcm.so || fail "kiln_tool does not build the module for GDCM"
+  configure all ', MPI, HDF5, OpenJPEG, GTest '
+  has all kiln_tool kiln_gdcm_reader || fail "kiln_tool does not build the worker for GDCM"
   has all kiln_tool kiln_hdf5_reader || fail "kiln_tool does not build the reader of HDF5"
   has all kiln_tool libkiln_mpi.so || fail "kiln_tool does not build the module for MPI"
   configure without_mpi 'MPI was not found \(Debian: libopenmpi-dev\)' -D CMAKE_DISABLE_FIND_PACKAGE_MPI=ON
@@ -65,9 +65,9 @@ check_configure() {
   for package in "${required[@]}"; do
     disabled+=(-D "CMAKE_DISABLE_FIND_PACKAGE_$package=ON")
   done
-  for library in XXHASH HIGHWAY BLOSC LZ4 ZSTD HDF5_READER; do disabled+=(-D "${library}_LIBRARY="); done
-  configure missing_all 'not found: TBB, Boost, OpenEXR, Imath, glm, fmt, nlohmann_json, PNG, TIFF, ZLIB, JPEG, BZip2, LibLZMA, EXPAT, xxHash, Highway, Blosc, LZ4, Zstd, CLI11, GDCM, MPI, HDF5, GTest, benchmark; install them \(Debian: apt-get install libtbb-dev .* libcli11-dev libgdcm-dev libopenmpi-dev libhdf5-dev libgtest-dev libbenchmark-dev\)' \
-    "${disabled[@]}" -D GDCM_INCLUDE_DIR= -D KILN_MPI=ON -D KILN_HDF5=ON -D KILN_TESTS=ON -D KILN_BENCH=ON
+  for library in XXHASH HIGHWAY BLOSC LZ4 ZSTD HDF5_READER OPENJPEG_READER; do disabled+=(-D "${library}_LIBRARY="); done
+  configure missing_all 'not found: TBB, Boost, OpenEXR, Imath, glm, fmt, nlohmann_json, PNG, TIFF, ZLIB, JPEG, BZip2, LibLZMA, EXPAT, xxHash, Highway, Blosc, LZ4, Zstd, CLI11, GDCM, MPI, HDF5, OpenJPEG, GTest, benchmark; install them \(Debian: apt-get install libtbb-dev .* libcli11-dev libgdcm-dev libopenmpi-dev libhdf5-dev libopenjp2-7-dev libgtest-dev libbenchmark-dev\)' \
+    "${disabled[@]}" -D GDCM_INCLUDE_DIR= -D KILN_MPI=ON -D KILN_HDF5=ON -D KILN_OPENJPEG=ON -D KILN_TESTS=ON -D KILN_BENCH=ON
   configure missing_openvdb 'not found: OpenVDB; install them \(Debian: apt-get install libopenvdb-dev\)' \
     -D CMAKE_DISABLE_FIND_PACKAGE_OpenVDB=ON
 }

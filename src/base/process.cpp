@@ -92,6 +92,8 @@ bool ChildProcess::hasEnded(std::string& how) {
   process_ = -1;
   if (ended < 0)
     how = "cannot be waited for";
+  else if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
+    how = "took more processor time than its limit";
   else if (!WIFEXITED(status))
     how = "was ended by signal " + std::to_string(WTERMSIG(status));
   else
@@ -139,40 +141,6 @@ void FedProcess::finish(const WaitHandler& waiting) {
     std::this_thread::sleep_for(20ms);
   }
   if (!how.empty()) child_.fail(how);
-}
-
-std::string AnsweringProcess::send(std::span<const std::byte> request) {
-  while (!request.empty()) {
-    const ssize_t put = ::send(child_.socket(), request.data(), request.size(), MSG_NOSIGNAL);
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) return fault();
-    request = request.subspan(static_cast<std::size_t>(put));
-  }
-  return {};
-}
-
-std::string AnsweringProcess::receive(std::span<std::byte> answer) {
-  constexpr int kMostSilence_ms = 60'000;
-  while (!answer.empty()) {
-    pollfd waiting{child_.socket(), POLLIN, 0};
-    const int ready = ::poll(&waiting, 1, kMostSilence_ms);
-    if (ready < 0 && errno == EINTR) continue;
-    if (ready == 0) return "did not answer for a minute";
-    const ssize_t got = ready < 0 ? -1 : ::read(child_.socket(), answer.data(), answer.size());
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return fault();
-    answer = answer.subspan(static_cast<std::size_t>(got));
-  }
-  return {};
-}
-
-// The socket closes a moment before the program can be waited for.
-std::string AnsweringProcess::fault() {
-  using namespace std::chrono_literals;
-  std::string how;
-  for (int i = 0; i < 100 && !child_.hasEnded(how); ++i) std::this_thread::sleep_for(10ms);
-  const std::string last = child_.lastError();
-  return (how.empty() ? "ended" : how) + (last.empty() ? "" : ": " + last);
 }
 
 }  // namespace kiln

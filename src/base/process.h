@@ -63,20 +63,4 @@ class FedProcess {
   ChildProcess child_;
 };
 
-/// Runs a program that answers requests. thread: one at a time.
-class AnsweringProcess {
- public:
-  /// requires, throws: as ChildProcess.
-  AnsweringProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments)
-      : child_(program, arguments, true) {}
-  /// Sends a request. Returns an empty text, or why the program takes none: "was ended by signal 11".
-  std::string send(std::span<const std::byte> request);
-  /// Fills `answer`. Returns an empty text, or why there is no answer: the program ended, or was silent for a minute.
-  std::string receive(std::span<std::byte> answer);
-
- private:
-  std::string fault();
-  ChildProcess child_;
-};
-
 }  // namespace kiln

@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   kiln::ConvertOptions conversion;
   conversion.overwrite = true;
   kiln::convert(*kiln::openSource(raw, options), raw + ".kiln", conversion, silent);
-  kiln::functionOfModule("libkiln_gdcm.so", "kilnDecodeByGdcm", "an installed module is not found");  // or throws
+  kiln::programBesideModules("kiln_gdcm_reader", "an installed worker is not found");  // or throws
   kiln::RenderJob job;
   job.volume = raw + ".kiln";
   job.picture.size = {64, 64};

@@ -1,44 +1,35 @@
-// Reads HDF5 files for Kiln in a process of its own: hdf5_reader FILE MEMORY_BYTES. Requests come on standard input,
-// answers go to standard output (ingest/hdf5/hdf5_protocol.h). The process limits its own memory and processor time.
+// A worker (base/worker_loop.h) that reads an HDF5 file: hdf5_reader MEMORY_BYTES SECONDS FILE. Its requests are those
+// of ingest/hdf5/hdf5_protocol.h.
 #include <hdf5.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/worker_loop.h"
 #include "ingest/hdf5/hdf5_protocol.h"
 
 namespace {
 
-using kiln::hdf5::AnswerHead;
+using kiln::WorkerRefusal;
 using kiln::hdf5::ChunkEntry;
 using kiln::hdf5::Request;
-using kiln::hdf5::RequestHead;
 using nlohmann::json;
 
 // Few enough for Kiln to read the description within its limits of JSON.
 constexpr std::size_t kMostObjects = 20'000, kMostValues = 4096, kMostCoordinates = 60'000;
-constexpr rlim_t kProcessorSeconds = 24 * 3600;
-
-struct Failure : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 /// An identifier of the library, closed at the end of its scope.
 class Id {
  public:
   Id(hid_t id, herr_t (*close)(hid_t), const char* what) : id_(id), close_(close) {
-    if (id < 0) throw Failure(std::string("the HDF5 library cannot read ") + what);
+    if (id < 0) throw WorkerRefusal(std::string("the HDF5 library cannot read ") + what);
   }
   ~Id() { close_(id_); }
   Id(const Id&) = delete;
@@ -51,7 +42,7 @@ class Id {
 };
 
 void require(bool ok, const char* what) {
-  if (!ok) throw Failure(std::string("the HDF5 library cannot read ") + what);
+  if (!ok) throw WorkerRefusal(std::string("the HDF5 library cannot read ") + what);
 }
 
 // Whole numbers and floats that fill their bytes. Anything else the library converts.
@@ -261,8 +252,8 @@ json describe(hid_t file, const std::string& path) {
       },
       &out);
   if (path.empty() && out.is_cut)
-    throw Failure("the file has more than " + std::to_string(kMostObjects) +
-                  " objects; name a data set, as FILE:/PATH");
+    throw WorkerRefusal("the file has more than " + std::to_string(kMostObjects) +
+                        " objects; name a data set, as FILE:/PATH");
   if (path.size() > 1 && !out.objects.contains(path)) {
     json named = describedObject(file, path.c_str());
     if (!named.is_null()) out.objects[path] = std::move(named);
@@ -369,11 +360,8 @@ std::string layoutOf(hid_t file, const std::string& path) {
               {"user_block", user_block}};
   const H5D_layout_t layout = H5Pget_layout(plist);
   const std::string linked = linkedFile(file, dataset);
-  // Addresses in another file are of no use to Kiln: the library reads such a data set.
-  if (!linked.empty()) {
-    out["files"] = json::array({linked});
-    return out.dump(-1, ' ', true, json::error_handler_t::replace);
-  }
+  // Places in another file are of no use to Kiln: the library reads such a data set.
+  out["in_this_file"] = linked.empty();
   if (layout == H5D_CONTIGUOUS) {
     const haddr_t offset = H5Dget_offset(dataset);
     if (offset != HADDR_UNDEF && H5Pget_external_count(plist) <= 0) out["offset"] = offset;
@@ -383,7 +371,7 @@ std::string layoutOf(hid_t file, const std::string& path) {
     out["chunk"] = chunk;
     out["filters"] = filtersOf(plist);
   }
-  out["files"] = filesOf(plist, layout);
+  out["files"] = linked.empty() ? filesOf(plist, layout) : json::array({linked});
   return out.dump(-1, ' ', true, json::error_handler_t::replace);
 }
 
@@ -409,11 +397,11 @@ class OpenDataset {
 
 std::string readBox(hid_t file, OpenDataset& open, const std::string& payload) {
   const std::size_t nul = payload.find('\0');
-  if (nul == std::string::npos) throw Failure("a request without a path");
+  if (nul == std::string::npos) throw WorkerRefusal("a request without a path");
   const hid_t dataset = open.at(file, payload.substr(0, nul));
   const Id type(H5Dget_type(dataset), H5Tclose, "its type"), space(H5Dget_space(dataset), H5Sclose, "its shape");
   const std::size_t axes = dimsOf(space).size();
-  if (payload.size() - nul - 1 != 2 * axes * sizeof(std::int64_t)) throw Failure("a request of another shape");
+  if (payload.size() - nul - 1 != 2 * axes * sizeof(std::int64_t)) throw WorkerRefusal("a request of another shape");
   std::vector<hsize_t> first(axes), count(axes);
   hsize_t total = 1;
   for (std::size_t i = 0; i < axes; ++i) {
@@ -431,72 +419,28 @@ std::string readBox(hid_t file, OpenDataset& open, const std::string& payload) {
   return out;
 }
 
-bool readAll(void* to, std::size_t bytes) {
-  auto* at = static_cast<char*>(to);
-  while (bytes > 0) {
-    const ssize_t got = ::read(STDIN_FILENO, at, bytes);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
-    at += got;
-    bytes -= static_cast<std::size_t>(got);
-  }
-  return true;
-}
-
-void writeAll(const void* from, std::size_t bytes) {
-  const auto* at = static_cast<const char*>(from);
-  while (bytes > 0) {
-    const ssize_t put = ::write(STDOUT_FILENO, at, bytes);
-    if (put < 0 && errno == EINTR) continue;
-    if (put <= 0) std::exit(1);
-    at += put;
-    bytes -= static_cast<std::size_t>(put);
-  }
-}
-
-void answer(bool ok, const std::string& text) {
-  const AnswerHead head{ok ? 1u : 0u, text.size()};
-  writeAll(&head, sizeof head);
-  writeAll(text.data(), text.size());
-}
-
-// Memory and time that a hostile file can take.
-void limitProcess(std::uint64_t memory_bytes) {
-  [[maybe_unused]] const rlimit memory{memory_bytes, memory_bytes};
-  const rlimit time{kProcessorSeconds, kProcessorSeconds}, none{0, 0};
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which reserve terabytes of addresses
-  ::setrlimit(RLIMIT_AS, &memory);
-#endif
-  ::setrlimit(RLIMIT_CPU, &time);
-  ::setrlimit(RLIMIT_CORE, &none);
-}
-
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count != 3) return 2;
-  limitProcess(std::strtoull(arguments[2], nullptr, 10));
+  const kiln::WorkerArguments limits = kiln::startWorker(count, arguments);
+  if (limits.next == nullptr) return 2;
+  // Kiln stamps the files that a virtual or external data set names, so that no variable may choose other files.
+  for (const char* const prefix : {"HDF5_EXTFILE_PREFIX", "HDF5_VDS_PREFIX"}) ::unsetenv(prefix);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  const hid_t file = H5Fopen(arguments[1], H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t file = H5Fopen(limits.next, H5F_ACC_RDONLY, H5P_DEFAULT);
   OpenDataset open;
-  RequestHead head;
-  while (readAll(&head, sizeof head)) {
-    std::string payload(head.payload_bytes, '\0');
-    if (!readAll(payload.data(), payload.size())) break;
-    try {
-      require(file >= 0, "the file; it is damaged, cut, or open in a program that writes to it");
-      if (head.kind == Request::kDescribe)
-        answer(true, describe(file, payload).dump(-1, ' ', true, json::error_handler_t::replace));
-      else if (head.kind == Request::kLayout)
-        answer(true, layoutOf(file, payload));
-      else if (head.kind == Request::kTable)
-        answer(true, tableOf(file, payload));
-      else
-        answer(true, readBox(file, open, payload));
-    } catch (const std::exception& error) {
-      answer(false, error.what());
+  kiln::serveRequests(limits, [&](std::uint32_t kind, const std::string& payload) {
+    require(file >= 0, "the file; it is damaged, cut, or open in a program that writes to it");
+    switch (static_cast<Request>(kind)) {
+      case Request::kDescribe:
+        return describe(file, payload).dump(-1, ' ', true, json::error_handler_t::replace);
+      case Request::kLayout:
+        return layoutOf(file, payload);
+      case Request::kTable:
+        return tableOf(file, payload);
+      case Request::kRead:
+        break;
     }
-  }
-  // The library's cleaning up takes time, and nothing was written.
-  ::_exit(0);
+    return readBox(file, open, payload);
+  });
 }

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "ingest/bytes/jpeg2000_size.h"
+
 namespace kiln {
 namespace {
 
@@ -16,15 +18,14 @@ struct FrameSize {
   int bits = 0, components = 0;
 };
 
-// The bytes of all fragments, concatenated. Reads beyond the end are tested by `has`.
+// The bytes of a frame. Reads beyond the end are tested by `has`.
 class Codestream {
  public:
-  explicit Codestream(const std::vector<std::vector<char>>& fragments) {
-    for (const std::vector<char>& fragment : fragments) bytes_.insert(bytes_.end(), fragment.begin(), fragment.end());
-  }
+  explicit Codestream(std::span<const std::byte> bytes) : bytes_(bytes) {}
   std::size_t size() const { return bytes_.size(); }
+  std::span<const std::byte> from(std::size_t at) const { return bytes_.subspan(at); }
   bool has(std::size_t at, std::size_t count) const { return at <= size() && count <= size() - at; }
-  int byte(std::size_t at) const { return static_cast<unsigned char>(bytes_[at]); }
+  int byte(std::size_t at) const { return std::to_integer<int>(bytes_[at]); }
   std::uint64_t big(std::size_t at, int count) const {
     std::uint64_t out = 0;
     for (int i = 0; i < count; ++i) out = out << 8 | static_cast<std::uint64_t>(byte(at + static_cast<std::size_t>(i)));
@@ -37,11 +38,11 @@ class Codestream {
   }
 
  private:
-  std::vector<char> bytes_;
+  std::span<const std::byte> bytes_;
 };
 
-// Walks a JPEG or JPEG-LS stream from its first marker to its first scan, because GDCM ends the process on some streams
-// with damaged segments. Source: ITU-T T.81, B.2; T.87, C.1.
+// Walks a JPEG or JPEG-LS stream from its first marker to its first scan, because GDCM crashes on some streams with
+// damaged segments. Source: ITU-T T.81, B.2; T.87, C.1.
 class JpegWalk {
  public:
   JpegWalk(const Codestream& stream, const std::string& syntax) : s_(stream), syntax_(syntax) {}
@@ -143,11 +144,9 @@ std::optional<FrameSize> jpeg2000Size(const Codestream& s) {
   std::size_t at = 0;
   if (s.has(0, 8) && s.big(4, 4) == kBoxes)
     while (s.has(at, 4) && s.big(at, 4) != 0xff4fff51) ++at;
-  if (!s.has(at, 43) || s.big(at, 4) != 0xff4fff51) return std::nullopt;
-  const std::uint64_t right = s.big(at + 8, 4), lower = s.big(at + 12, 4), left = s.big(at + 16, 4),
-                      upper = s.big(at + 20, 4);
-  if (right < left || lower < upper) return std::nullopt;
-  return FrameSize{right - left, lower - upper, (s.byte(at + 42) & 0x7f) + 1, static_cast<int>(s.big(at + 40, 2))};
+  const std::optional<Jpeg2000Size> size = jpeg2000SizeAt(s.from(at));
+  if (!size) return std::nullopt;
+  return FrameSize{size->columns, size->rows, size->bits, size->components};
 }
 
 // Returns the unpacked size of a run-length segment. Zeros may pad the segment behind `enough` bytes. unit: bytes.
@@ -193,8 +192,8 @@ int bytesFor(int bits) { return bits <= 8 ? 1 : bits <= 16 ? 2 : 4; }
 
 }  // namespace
 
-std::string codestreamFault(const DicomPixels& pixels, const std::vector<std::vector<char>>& fragments) {
-  const Codestream s(fragments);
+std::string codestreamFault(const DicomPixels& pixels, std::span<const std::byte> frame) {
+  const Codestream s(frame);
   if (pixels.transfer_syntax == kRunLengths) return runLengthFault(pixels, s);
   if (!s.has(0, 4)) return fmt::format("has {} bytes", s.size());
   std::optional<FrameSize> found;

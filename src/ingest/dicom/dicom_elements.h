@@ -1,5 +1,5 @@
 // Parses the elements of a DICOM file, up to the pixels, as a tree of sequences. The parser checks every length itself:
-// GDCM, as Debian builds it, ends the process at a file that is cut short, so GDCM only gets compressed frames.
+// GDCM, as Debian builds it, crashes on a file that is cut short, so GDCM only gets compressed frames.
 #pragma once
 
 #include <optional>

@@ -65,12 +65,12 @@ class DicomSource : public VolumeSource {
   const SourceInfo& info() const override { return info_; }
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
-  // Packed: the compressed bytes, GDCM's copy of them, and the pixels; compressed bytes may be as long as the pixels.
   // Deflated: the pixels and the stream.
   std::uint64_t decodeBytes() const override {
     const auto any = [&](auto test) { return std::any_of(files_.begin(), files_.end(), test); };
     const std::uint64_t frame_bytes = files_.front().pixels.frameBytes();
-    if (any([](const DicomHeader& h) { return h.pixels.packed; })) return 3 * frame_bytes;
+    if (any([](const DicomHeader& h) { return h.pixels.packed; }))
+      return DicomDecoder::decodeBytes(files_.front().pixels);
     const bool deflated = any([](const DicomHeader& h) { return h.pixels.deflated_offset_bytes > 0; });
     if (deflated) return frame_bytes + InflateStream::kHeldBytes;
     return any([](const DicomHeader& h) { return h.pixels.in_words; }) ? 2 * frame_bytes : 0;
@@ -102,6 +102,7 @@ class DicomSource : public VolumeSource {
 
   HandlePool<File> open_;
   HandlePool<DicomInflated> inflated_{kIdleStreams};
+  DicomDecoder decoder_;
   BlockCache cache_;
 };
 
@@ -132,7 +133,7 @@ std::vector<std::byte> DicomSource::frameInWords(const DicomSlice& slice) const 
 
 std::vector<std::byte> DicomSource::wholeFrame(const DicomSlice& slice) {
   const DicomHeader& header = files_[slice.file];
-  if (header.pixels.packed) return decodeDicomFrame(header, slice.frame);
+  if (header.pixels.packed) return decoder_.frame(header, slice.frame);
   return header.pixels.in_words ? frameInWords(slice) : inflatedFrame(slice);
 }
 
@@ -266,8 +267,8 @@ std::unique_ptr<VolumeSource> openDicom(const SliceFiles& input, const SourceOpt
   if (input.files.size() != 1 || input.files.front() != input.input) info.files.push_back(input.input);
   for (const DicomHeader& header : files) info.files.push_back(header.path);
   info.format = fmt::format("DICOM, series {}", files.front().series);
-  if (!files.front().segments.empty()) return openSegmentation(std::move(info), onlyOf(files, input.input), options);
   if (!files.front().largest_fraction) chosenChannel(options, std::vector<std::string>(1), input.input);
+  if (!files.front().segments.empty()) return openSegmentation(std::move(info), onlyOf(files, input.input), options);
   if (files.front().pixels.smallest_is_white)
     info.notes.push_back(
         "the DICOM files show their smallest values white (MONOCHROME1); the values are taken as stored, and a "

@@ -135,7 +135,8 @@ Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const fs::path& file, const std::s
   if (out.chunk_shape.size() != out.shape.size()) header.fail("chunks must have the axes of the data set");
   out.filters = filtersOf(header);
   // A block of the user's own bytes in front moves all places by an amount that versions of the library count or not.
-  const bool here = stored && type->at("plain").truth() && header.at("user_block").whole() == 0;
+  const bool here =
+      stored && type->at("plain").truth() && header.at("in_this_file").truth() && header.at("user_block").whole() == 0;
   const bool known = here && chunk && codecsOf(out.filters, 0, stored->bytes());
   if (here && (offset || known)) {
     out.number = *stored;

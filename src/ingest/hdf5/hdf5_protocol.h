@@ -1,5 +1,5 @@
-// Messages between Kiln and its program hdf5_reader, which runs the HDF5 library apart from Kiln: a file that crashes
-// the library ends that program alone. Numbers have the machine's byte order.
+// Requests to the worker hdf5_reader, which runs the HDF5 library (base/worker_process.h), and its answers. Numbers
+// have the machine's byte order.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +11,6 @@ enum class Request : std::uint32_t {
   kLayout,        // payload: a path. answer: JSON of the data set
   kTable,         // payload: a path. answer: the table of chunks; nothing for more than kMostListedChunks
   kRead,          // payload: a path, a NUL, first and end index of each axis as i64. answer: the voxels of that box
-};
-
-struct RequestHead {
-  Request kind;
-  std::uint32_t payload_bytes;
-};
-
-/// Precedes an answer. A failed request is answered by a sentence.
-struct AnswerHead {
-  std::uint64_t ok;
-  std::uint64_t bytes;
 };
 
 /// HDF5 1.10 walks the whole index for each chunk. Measured: 6,400 chunks take 0.17 s, so the limit takes about 1.6 s.

@@ -1,5 +1,5 @@
-// A process of the program hdf5_reader, which holds a file open. A crash or a stall of the HDF5 library ends the
-// process and becomes an error of the file.
+// A worker hdf5_reader, which holds a file open. A crash or a stall of the HDF5 library ends the worker and becomes an
+// error of the file.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "base/process.h"
+#include "base/worker_process.h"
 #include "ingest/hdf5/hdf5_protocol.h"
 
 namespace kiln {
@@ -22,19 +22,18 @@ class Hdf5Reader {
   Hdf5Reader(std::filesystem::path file, std::uint64_t memory_bytes);
   /// Returns a text. throws: Error kFormat, naming the file, if the library cannot answer, or the text has more than 16
   /// MiB.
-  std::string text(hdf5::Request request, const std::string& payload);
+  std::string text(hdf5::Request kind, const std::string& payload);
   /// Returns the table of the chunks of a data set; nothing if there are too many chunks. throws: as `text`.
   std::vector<hdf5::ChunkEntry> table(const std::string& path);
   /// Fills `out` with voxels. throws: as `text`, and kFormat if the library gives another number of bytes.
   void read(const std::string& payload, std::span<std::byte> out);
 
  private:
-  std::uint64_t ask(hdf5::Request request, const std::string& payload);
+  std::uint64_t request(hdf5::Request kind, const std::string& payload);
   void requireAtMost(std::uint64_t bytes, std::uint64_t most) const;
-  void require(const std::string& fault) const;
 
-  std::filesystem::path file_;
-  AnsweringProcess process_;
+  WorkerPlace place_;
+  WorkerProcess worker_;
 };
 
 /// Limit of the address space of a process, beside the chunks that it reads. unit: bytes.
