@@ -46,20 +46,23 @@ check_configure() {
   configure all ', MPI, HDF5, OpenJPEG, GTest '
   has all kiln_tool kiln_gdcm_reader || fail "kiln_tool does not build the worker for GDCM"
   has all kiln_tool kiln_hdf5_reader || fail "kiln_tool does not build the reader of HDF5"
+  has all kiln_tool kiln_openjpeg_reader || fail "kiln_tool does not build the worker for OpenJPEG"
   has all kiln_tool libkiln_mpi.so || fail "kiln_tool does not build the module for MPI"
   configure without_mpi 'MPI was not found \(Debian: libopenmpi-dev\)' -D CMAKE_DISABLE_FIND_PACKAGE_MPI=ON
   ! has without_mpi kiln_tool libkiln_mpi.so || fail "without MPI its module is built"
   configure without_gtest 'GTest was not found \(Debian: libgtest-dev\)' -D CMAKE_DISABLE_FIND_PACKAGE_GTest=ON
   configure without_hdf5 'HDF5 was not found \(Debian: libhdf5-dev\)' -D HDF5_READER_LIBRARY=
   ! has without_hdf5 kiln_tool kiln_hdf5_reader || fail "without HDF5 its reader is built"
-  configure without_any 'GDCM -- Configuring done' -D KILN_MPI=OFF -D KILN_TESTS=OFF -D KILN_HDF5=OFF
+  configure without_openjpeg 'OpenJPEG was not found \(Debian: libopenjp2-7-dev\)' -D OPENJPEG_READER_LIBRARY=
+  ! has without_openjpeg kiln_tool kiln_openjpeg_reader || fail "without OpenJPEG its worker is built"
+  configure without_any 'GDCM -- Configuring done' -D KILN_MPI=OFF -D KILN_TESTS=OFF -D KILN_HDF5=OFF -D KILN_OPENJPEG=OFF
   configure shared 'Packages: ' -D BUILD_SHARED_LIBS=ON
   # A compiler wrapper of MPI whose headers are absent is no MPI, until they are installed.
   printf '#!/bin/sh\necho "mpi.h: No such file" >&2\nexit 1\n' >"$scratch/mpicxx"
   chmod +x "$scratch/mpicxx"
   configure headers 'MPI was not found' -D MPI_CXX_COMPILER="$scratch/mpicxx"
   ln -sf "$(command -v mpicxx)" "$scratch/mpicxx"
-  configure headers ', MPI, HDF5, GTest '
+  configure headers ', MPI, HDF5, OpenJPEG, GTest '
   # Missing packages are named together, each with Debian's name.
   local required=(TBB Boost OpenEXR Imath glm fmt nlohmann_json PNG TIFF ZLIB JPEG BZip2 LibLZMA EXPAT CLI11 MPI GTest benchmark) disabled=() pattern='not found: '
   for package in "${required[@]}"; do

@@ -6,11 +6,11 @@ set -euo pipefail
 # blosc, zlib, boost and pkg-config are what OpenVDB's own FindOpenVDB.cmake asks for.
 build=(g++ cmake ninja-build pkg-config
        libopenvdb-dev libtbb-dev libboost-iostreams-dev libblosc-dev liblz4-dev libzstd-dev zlib1g-dev
-       libopenexr-dev libimath-dev libpng-dev libtiff-dev libjpeg-dev libbz2-dev liblzma-dev libexpat1-dev libgdcm-dev libhdf5-dev libxxhash-dev libhwy-dev
+       libopenexr-dev libimath-dev libpng-dev libtiff-dev libjpeg-dev libbz2-dev liblzma-dev libexpat1-dev libgdcm-dev libhdf5-dev libopenjp2-7-dev libxxhash-dev libhwy-dev
        libglm-dev libfmt-dev libcli11-dev nlohmann-json3-dev)
 mpi=(libopenmpi-dev openmpi-bin)
 # Tests hold Kiln's files and its schema against other programs.
-test=(libgtest-dev openimageio-tools ffmpeg lowdown
+test=(libgtest-dev openimageio-tools ffmpeg lowdown libopenjp2-tools
       python3-jsonschema python3-zarr python3-h5py python3-mrcfile python3-nibabel python3-tifffile)
 bench=(libbenchmark-dev)
 demo=(invesalius-examples tar)

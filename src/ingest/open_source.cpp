@@ -64,6 +64,8 @@ constexpr Magic kMagics[] = {
     {0, "\x93NUMPY"sv, Format::kNpy, "NumPy"},
     {0, "\x89PNG\r\n\x1a\n"sv, Format::kForeign, "PNG"},
     {0, "\xff\xd8\xff"sv, Format::kForeign, "JPEG"},
+    {0, "\0\0\0\x0cjP  \r\n\x87\n"sv, Format::kForeign, "JPEG 2000"},
+    {0, "\xff\x4f\xff\x51"sv, Format::kForeign, "JPEG 2000"},
     {0, "\x89HDF\r\n\x1a\n"sv, Format::kHdf5, "HDF5"},
     {0, "# vtk DataFile"sv, Format::kLegacyVtk, "VTK"},
     {0, "<VTKFile"sv, Format::kVti, "VTK"},
@@ -253,7 +255,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
     }
   };
   const bool raw = format == "raw", vdb = format == "OpenVDB", dicom = format == "DICOM";
-  const bool stack = format == "TIFF" || format == "PNG" || format == "JPEG";
+  const bool stack = format == "TIFF" || format == "PNG" || format.starts_with("JPEG");
   const bool has_scales = format == kZarr || format == "HDF5";
   const bool has_times = stack || has_scales || format == "MRC" || format == "NIfTI" || format == "MGH";
   const bool has_channels = stack || dicom || has_scales || format == "VTK";
@@ -263,7 +265,8 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   refuse(options.skip_bytes > 0 && !raw, "--skip", "headerless raw data");
   refuse(options.grid_name && !vdb, "--grid", "OpenVDB files");
   refuse(options.series.has_value() && !dicom, "--series", "DICOM files");
-  refuse(options.allow_irregular && !stack && !dicom, "--allow-irregular", "slices of TIFF, DICOM, PNG and JPEG");
+  refuse(options.allow_irregular && !stack && !dicom, "--allow-irregular",
+         "slices of TIFF, DICOM, PNG, JPEG and JPEG 2000");
   refuse(options.luminance && format != "TIFF", "--luminance", "TIFF files of RGB colours");
   refusePart(options.channel && !has_channels, path, "--channel", format, "channels");
   refusePart(options.time && !has_times, path, "--time", format, "times");

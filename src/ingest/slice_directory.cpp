@@ -76,6 +76,8 @@ SliceFormat formatOf(const fs::path& path) {
   bytes.resize(file.readSomeAt(0, std::as_writable_bytes(std::span(bytes))));
   if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return SliceFormat::kPng;
   if (bytes.starts_with("\xff\xd8\xff")) return SliceFormat::kJpeg;
+  if (bytes.starts_with("\0\0\0\x0cjP  \r\n\x87\n"sv) || bytes.starts_with("\xff\x4f\xff\x51"))
+    return SliceFormat::kJpeg2000;
   return sliceFormatOf(bytes);
 }
 
@@ -226,20 +228,30 @@ void noteSlicesBelow(const fs::path& directory, std::vector<std::string>& notes)
                            nameOf(a), named(of_a), nameOf(b), named(of_b)));
 }
 
+using FormatFiles = std::pair<SliceFormat, std::vector<fs::path>>;
+
+// The pictures among the entries, by their formats.
+std::vector<FormatFiles> picturesOf(const FolderEntries& entries) {
+  std::vector<FormatFiles> out;
+  for (const SliceFormat format : kPictureFormats)
+    if (std::vector<fs::path> files = entries.of(format); !files.empty()) out.emplace_back(format, std::move(files));
+  return out;
+}
+
 // The slices of a folder by their format, without notes on other files. Searches the folders below if `in_subfolders`
 // is true, or the folder has no slices; sets `in_subfolders` if they were searched.
 SliceFiles chosenSlices(const fs::path& directory, FolderEntries& entries, bool& in_subfolders) {
   using enum SliceFormat;
-  const std::vector<fs::path> png = entries.of(kPng), jpeg = entries.of(kJpeg);
+  const std::vector<FormatFiles> pictures = picturesOf(entries);
   in_subfolders = in_subfolders || (entries.of(kTiff).empty() && entries.of(kDicom).empty());
   if (in_subfolders) entries.addBelow(directory);
   const std::vector<fs::path> tiff = entries.of(kTiff), dicom = entries.of(kDicom);
   if (!tiff.empty() && !dicom.empty()) refuseBoth(directory, kTiff, tiff, kDicom, dicom);
   if (!dicom.empty()) return {directory, kDicom, dicom, {}, {}};
   if (!tiff.empty() && !in_subfolders) return {directory, kTiff, tiff, {}, {}};
-  if (!png.empty() && !jpeg.empty()) refuseBoth(directory, kPng, png, kJpeg, jpeg);
-  if (!png.empty()) return {directory, kPng, png, {}, {}};
-  if (!jpeg.empty()) return {directory, kJpeg, jpeg, {}, {}};
+  if (pictures.size() > 1)
+    refuseBoth(directory, pictures[0].first, pictures[0].second, pictures[1].first, pictures[1].second);
+  if (!pictures.empty()) return {directory, pictures[0].first, pictures[0].second, {}, {}};
   if (!tiff.empty())
     refuseFolder(directory, "a directory without slices, but there are TIFF files in " +
                                 tiff.front().parent_path().string() +
@@ -301,13 +313,13 @@ FolderFiles filesIn(const fs::path& directory) {
   FolderEntries entries;
   entries.add(directory);
   const bool listed = entries.takeDicomDirectory().has_value();
-  FolderFiles out = {entries.of(kTiff), entries.of(kDicom), entries.of(kNone), {}, {}};
+  FolderFiles out = {entries.of(kTiff), entries.of(kDicom), entries.of(kNone), {}};
   if (!listed && !(out.tiff.empty() && out.dicom.empty())) return out;
-  const std::vector<fs::path> png = entries.of(kPng), jpeg = entries.of(kJpeg);
+  std::vector<FormatFiles> pictures = picturesOf(entries);
   entries.addBelow(directory);
   entries.takeDicomDirectory();
   out.dicom = entries.of(kDicom);
-  if (out.tiff.empty() && out.dicom.empty()) out.png = png, out.jpeg = jpeg;
+  if (out.tiff.empty() && out.dicom.empty()) out.pictures = std::move(pictures);
   return out;
 }
 
@@ -321,12 +333,12 @@ SliceFiles slicesIn(const fs::path& directory) {
   const bool dicom = out.format == SliceFormat::kDicom;
   std::vector<fs::path> other = entries.besides(out.format);
   // Pictures are slices of their own folder only.
-  if (out.format == SliceFormat::kPng || out.format == SliceFormat::kJpeg)
+  if (std::find(std::begin(kPictureFormats), std::end(kPictureFormats), out.format) != std::end(kPictureFormats))
     std::erase_if(other, [&](const fs::path& path) { return path.parent_path() != directory; });
   if (dicom) passOverBadLinks(entries.unread, other, out.notes);
   passOver(entries.unread, out.files, out.notes);
   if (out.files.empty())
-    refuseFolder(directory, "a directory without slices: it holds no TIFF, DICOM, PNG or JPEG file (found " +
+    refuseFolder(directory, "a directory without slices: it holds no TIFF, DICOM, PNG, JPEG or JPEG 2000 file (found " +
                                 (other.empty() ? std::string("no file") : named(other)) + ")");
   requireNoneNamedAlike(out, other, entries.no_files);
   if (!in_subfolders && dicom) noteSlicesBelow(directory, out.notes);

@@ -1,7 +1,10 @@
 // Finds the slices of one volume in a directory, in the order of their names.
 #pragma once
 
+#include <filesystem>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "ingest/source/slice_files.h"
 
@@ -20,7 +23,7 @@ bool naturallyBefore(std::string_view a, std::string_view b);
 struct FolderFiles {
   std::vector<std::filesystem::path> tiff, dicom, other;
   /// Pictures, if they are the only slices of the folder.
-  std::vector<std::filesystem::path> png, jpeg;
+  std::vector<std::pair<SliceFormat, std::vector<std::filesystem::path>>> pictures;
 };
 /// Searches subfolders for DICOM as slicesIn. throws: Error kIo if the folder cannot be read.
 FolderFiles filesIn(const std::filesystem::path& directory);

@@ -66,7 +66,7 @@ Volumes ofFolder(const fs::path& folder, const SourceOptions& options) {
   Volumes out;
   if (!files.dicom.empty()) append(out, listDicom(files.dicom));
   for (const std::vector<fs::path>& stack : stacksByName(files.tiff)) append(out, listTiff(stack));
-  for (const auto& [format, pictures] : {std::pair{SliceFormat::kPng, files.png}, {SliceFormat::kJpeg, files.jpeg}})
+  for (const auto& [format, pictures] : files.pictures)
     for (const std::vector<fs::path>& stack : stacksByName(pictures)) out.push_back(listPictures(format, stack));
   for (const fs::path& file : files.other) {
     if (volumeFormatOf(file).read) append(out, ofFileInFolder(file, options));

@@ -1,5 +1,5 @@
-// A folder of grey PNG or JPEG files as a volume, one file a slice, in natural order of the names. Decoded slices are
-// cached for neighbouring boxes.
+// A folder of grey PNG, JPEG or JPEG 2000 files as a volume, one file a slice, in natural order of the names. Decoded
+// slices are cached for neighbouring boxes.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "ingest/bytes/block_cache.h"
 #include "ingest/bytes/linear_source.h"
+#include "ingest/pictures/jpeg2000_slice.h"
 #include "ingest/pictures/picture_slice.h"
 #include "ingest/source/chosen_part.h"
 #include "ingest/source/formats.h"
@@ -37,21 +38,26 @@ class PictureSource : public VolumeSource {
   void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
 
  private:
-  BlockCache::Bytes decode(std::int64_t z) const {
+  BlockCache::Bytes decode(std::int64_t z) {
     const std::filesystem::path& path = slices_.files[static_cast<std::size_t>(z)];
-    return (slices_.format == SliceFormat::kPng ? decodePng : decodeJpeg)(path, slice_, file_bytes_);
+    if (slices_.format == SliceFormat::kPng) return decodePng(path, slice_, file_bytes_);
+    if (slices_.format == SliceFormat::kJpeg) return decodeJpeg(path, slice_, file_bytes_);
+    return jpeg2000_.decode(path, slice_, file_bytes_);
   }
 
   SourceInfo info_;
   SliceFiles slices_;
   PictureSlice slice_;
   std::uint64_t file_bytes_;
+  Jpeg2000Decoder jpeg2000_;
   BlockCache cache_;
 };
 
 std::uint64_t PictureSource::decodeBytes() const {
-  const auto pixels = static_cast<std::uint64_t>(slice_.width * slice_.height);
-  return file_bytes_ + slice_.bytes() + (slices_.format == SliceFormat::kJpeg ? kJpegPixelBytes * pixels : 0);
+  const std::uint64_t both = file_bytes_ + slice_.bytes();
+  if (slices_.format == SliceFormat::kJpeg2000) return both + Jpeg2000Decoder::decodeBytes(slice_, file_bytes_);
+  if (slices_.format == SliceFormat::kPng) return both;
+  return both + kJpegPixelBytes * static_cast<std::uint64_t>(slice_.width * slice_.height);
 }
 
 void PictureSource::read(const VoxelBox& box, std::span<std::byte> out) {
@@ -69,7 +75,8 @@ void PictureSource::read(const VoxelBox& box, std::span<std::byte> out) {
 }
 
 PictureHeader pictureHeaderOf(SliceFormat format, const std::filesystem::path& path) {
-  return format == SliceFormat::kPng ? readPngHeader(path) : readJpegHeader(path);
+  if (format == SliceFormat::kPng) return readPngHeader(path);
+  return format == SliceFormat::kJpeg ? readJpegHeader(path) : readJpeg2000Header(path);
 }
 
 // A picture has one channel and one time.

@@ -7,11 +7,14 @@
 
 namespace kiln {
 
-enum class SliceFormat { kNone, kTiff, kDicom, kPng, kJpeg };
+enum class SliceFormat { kNone, kTiff, kDicom, kPng, kJpeg, kJpeg2000 };
 
-/// "TIFF", "DICOM", "PNG", "JPEG"; empty for kNone.
+/// Formats of one picture a file, which says nothing of its place.
+inline constexpr SliceFormat kPictureFormats[] = {SliceFormat::kPng, SliceFormat::kJpeg, SliceFormat::kJpeg2000};
+
+/// "TIFF", "DICOM", "PNG", "JPEG", "JPEG 2000"; empty for kNone.
 constexpr const char* nameOf(SliceFormat format) {
-  constexpr const char* kNames[] = {"", "TIFF", "DICOM", "PNG", "JPEG"};
+  constexpr const char* kNames[] = {"", "TIFF", "DICOM", "PNG", "JPEG", "JPEG 2000"};
   return kNames[static_cast<int>(format)];
 }
 

@@ -15,6 +15,7 @@
 #include "grid/voxel_type.h"
 #include "ingest/source/volume_source.h"
 #include "support/system/expect_error.h"
+#include "support/system/sanitized.h"
 
 namespace kiln::test {
 
@@ -94,10 +95,11 @@ void expectRefused(const std::filesystem::path& path, ErrorCode code, const std:
 void expectNoCutGoesUnnoticed(const ForeignVolume& volume, const ForeignFiles& files, const std::string& victim,
                               std::string_view bytes, const std::filesystem::path& open,
                               const SourceOptions& options = {});
-/// Flips random bits in the first `header_bytes` of `bytes`; opening and reading must return or throw Error.
+/// Flips random bits in the first `header_bytes` of `bytes`, in `cases` files; opening and reading must return or throw
+/// Error. Formats whose reader starts a process for each file take fewer cases.
 void expectBitFlipsAreHarmless(const ForeignFiles& files, const std::string& victim, std::string_view bytes,
                                std::size_t header_bytes, const std::filesystem::path& open, std::uint64_t seed,
-                               const SourceOptions& options = {});
+                               const SourceOptions& options = {}, int cases = casesOf(2000, 700));
 
 /// Returns the path of a real volume, or an empty path if the data are not installed.
 std::filesystem::path realData(const std::string& name);

@@ -1,9 +1,11 @@
 #include "support/volumes/picture_files.h"
 
+#include <fmt/format.h>
 #include <zlib.h>
 
 #include <cstdio>
 #include <cstdlib>
+#include <stdexcept>
 
 // jpeglib.h needs stdio.h in front.
 #include <jpeglib.h>
@@ -66,6 +68,22 @@ std::string jpegFile(int width, int height, int components, const std::string& p
   jpeg_destroy_compress(&jpeg);
   std::free(out);
   return bytes;
+}
+
+std::string jpeg2000Slice(const ForeignVolume& volume, std::int64_t z, const Jpeg2000Layout& layout) {
+  const ForeignFiles files;
+  std::string pixels;
+  for (int i = 0; i < layout.components; ++i)
+    pixels += volume.part({{0, 0, z}, {volume.dims.x, volume.dims.y, z + 1}}).stored(true);
+  const auto raw = files.write("slice.raw", pixels);
+  const auto packed = files.directory() / (layout.boxes ? "slice.jp2" : "slice.j2k");
+  const bool is_signed = volume.type == VoxelType::i8 || volume.type == VoxelType::i16;
+  const int bits = layout.bits > 0 ? layout.bits : static_cast<int>(8 * sizeOf(volume.type));
+  const std::string command =
+      fmt::format("opj_compress -i '{}' -o '{}' -F {},{},{},{},{} {} > /dev/null 2>&1", raw.string(), packed.string(),
+                  volume.dims.x, volume.dims.y, layout.components, bits, is_signed ? 's' : 'u', layout.options);
+  if (std::system(command.c_str()) != 0) throw std::runtime_error("opj_compress (libopenjp2-tools) failed");
+  return bytesOf(packed);
 }
 
 }  // namespace kiln::test

@@ -227,10 +227,10 @@ void addConvert(CLI::App& app, Context& context) {
                                          "convert a volume (raw, NRRD, MetaImage, NIfTI, MRC, MGH, VTK, NumPy, TIFF, "
                                          "DICOM, OpenVDB, Zarr, N5, HDF5) to a brick store");
   command
-      ->add_option(
-          "INPUT", a->input,
-          "the volume to read: a file, a directory of slices (TIFF, DICOM, PNG, JPEG), a DICOMDIR, or a computed one: "
-          "phantom:body:XxYxZ, head, brain or engine")
+      ->add_option("INPUT", a->input,
+                   "the volume to read: a file, a directory of slices (TIFF, DICOM, PNG, JPEG, JPEG 2000), a DICOMDIR, "
+                   "or a computed one: "
+                   "phantom:body:XxYxZ, head, brain or engine")
       ->required();
   command->add_option("OUT", a->output, "the store to write, by custom NAME.kiln");
   addMemory(*command, a->memory, "buffers; under mpirun of each rank")->capture_default_str();
