@@ -257,6 +257,9 @@ std::vector<BudgetRow> moreConversionRows() {
       converted("convert zlib VTK", 48, "IN/packed.vti"),
       converted("convert legacy VTK", 48, "IN/noise.vtk"),
       converted("convert PNG stack", 48, "IN/pictures", spacing),
+#ifdef KILN_TEST_OPENJPEG
+      converted("convert JPEG 2000 stack", 48, "IN/jpeg2000", spacing),
+#endif
 #ifdef KILN_TEST_HDF5
       converted("convert HDF5", 48, "IN/noise.h5:/contiguous", spacing),
       converted("convert deflated HDF5", 48, "IN/noise.h5:/chunked", spacing),
@@ -405,6 +408,11 @@ class BudgetTable : public ::testing::Test {
   void makeSlices(const ForeignVolume& volume, const std::string& voxels) const {
     for (const char* const folder : {"tiffs", "pictures", "slices", "packed_slices"}) fs::create_directory(in(folder));
     for (int z = 0; z < kEdge; ++z) writeText(in("pictures") / (std::to_string(z) + ".png"), pngSlice(volume, z));
+#ifdef KILN_TEST_OPENJPEG
+    fs::create_directory(in("jpeg2000"));
+    for (int z = 0; z < kEdge / 4; ++z)
+      writeText(in("jpeg2000") / (std::to_string(z) + ".jp2"), jpeg2000Slice(volume, z));
+#endif
     TiffLayout layout;
     writeTiff(in("noise.tif"), volume, 0, kEdge, layout);
     for (int z = 0; z < kEdge; ++z) writeTiff(in("tiffs") / (std::to_string(z) + ".tif"), volume, z, z + 1);

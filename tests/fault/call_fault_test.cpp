@@ -199,6 +199,11 @@ std::vector<Scenario> readers() {
   out.push_back(reader("png_folder", "scan", [](const fs::path& f) {
     for (std::int64_t z = 0; z < kDims.z; ++z) put(f / fmt::format("scan/s{}.png", z), pngSlice(volume(), z));
   }));
+#ifdef KILN_TEST_OPENJPEG
+  out.push_back(reader("jpeg2000_folder", "scan", [](const fs::path& f) {
+    for (std::int64_t z = 0; z < kDims.z; ++z) put(f / fmt::format("scan/s{}.j2k", z), jpeg2000Slice(volume(), z));
+  }));
+#endif
 #ifdef KILN_TEST_HDF5
   out.push_back(reader("hdf5", "a.h5", [](const fs::path& f) {
     fs::create_directories(f);
