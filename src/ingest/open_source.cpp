@@ -33,6 +33,7 @@ enum class Format {
   kNpy,
   kMrc,
   kMgh,
+  kAmira,
   kVti,
   kLegacyVtk,
   kVdb,
@@ -81,9 +82,11 @@ constexpr Magic kMagics[] = {
     {0, "GIF8"sv, Format::kForeign, "GIF"},
     {0, "%PDF"sv, Format::kForeign, "PDF"},
     {208, "MAP "sv, Format::kMrc, "MRC"},
+    {0, "# AmiraMesh"sv, Format::kAmira, "AmiraMesh"},
+    {0, "# Avizo"sv, Format::kAmira, "AmiraMesh"},
 };
 
-constexpr std::string_view kSpokenWithAn[] = {"HDF5", "XML", "xz", "OpenEXR", "OpenVDB", "MRC", "MGH"};
+constexpr std::string_view kSpokenWithAn[] = {"HDF5", "XML", "xz", "OpenEXR", "OpenVDB", "MRC", "MGH", "AmiraMesh"};
 
 std::string firstBytes(const File& file) {
   std::string bytes(512, '\0');
@@ -136,6 +139,7 @@ Finding byName(const fs::path& path) {
   if (endsWith(path, {".nii", ".nii.gz", ".hdr", ".hdr.gz"})) return {Format::kNifti, "NIfTI"};
   if (endsWith(path, {".mrc", ".mrcs", ".ccp4", ".mrc.gz", ".mrcs.gz", ".ccp4.gz"})) return {Format::kMrc, "MRC"};
   if (endsWith(path, {".mgh", ".mgz", ".mgh.gz"})) return {Format::kMgh, "MGH"};
+  if (endsWith(path, {".am"})) return {Format::kAmira, "AmiraMesh"};
   if (endsWith(path, {".vti"})) return {Format::kVti, "VTK"};
   if (endsWith(path, {".vtk"})) return {Format::kLegacyVtk, "VTK"};
   if (endsWith(path, {".npy"})) return {Format::kNpy, "NumPy"};
@@ -372,6 +376,8 @@ std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOp
       return openMrc(input, options);
     case Format::kMgh:
       return openMgh(input, options);
+    case Format::kAmira:
+      return openAmira(input, options);
     case Format::kVti:
       return openVti(input, options);
     case Format::kLegacyVtk:
@@ -399,8 +405,9 @@ std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOp
     requireHeaderOfImage(input);
     throw Error(
         ErrorCode::kUsage, input, "",
-        "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, MRC, MGH, VTK, TIFF, DICOM, OpenVDB, HDF5, "
-        "Zarr); if it is headerless raw voxels, give --dims and --type, for example --dims 256,256,113 --type u16" +
+        "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, MRC, MGH, AmiraMesh, VTK, TIFF, DICOM, OpenVDB, "
+        "HDF5, Zarr); if it is headerless raw voxels, give --dims and --type, for example --dims 256,256,113 --type "
+        "u16" +
             headerBeside(input));
   }
   return openRaw(input, options);

@@ -13,6 +13,7 @@
 #include "base/file/file.h"
 #include "support/system/run_tool.h"
 #include "support/system/sanitized.h"
+#include "support/volumes/amira_files.h"
 #include "support/volumes/dicom_files.h"
 #include "support/volumes/foreign_files.h"
 #include "support/volumes/hdf5_files.h"
@@ -253,6 +254,7 @@ std::vector<BudgetRow> moreConversionRows() {
       converted("convert bzip2 NRRD", 48, "IN/bzip2.nrrd"),
       converted("convert MRC", 48, "IN/noise.mrc"),
       converted("convert gzip MGH", 48, "IN/packed.mgz"),
+      converted("convert AmiraMesh", 48, "IN/noise.am"),
       converted("convert VTK", 48, "IN/noise.vti"),
       converted("convert zlib VTK", 48, "IN/packed.vti"),
       converted("convert legacy VTK", 48, "IN/noise.vtk"),
@@ -354,6 +356,7 @@ class BudgetTable : public ::testing::Test {
     writeText(in("bzip2.nrrd"), nrrdHeader("bzip2") + bzipped(voxels));
     writeText(in("noise.mrc"), mrcFile(volume));
     writeText(in("packed.mgz"), gzipped(mghFile(volume)));
+    writeText(in("noise.am"), amiraFile(volume));
     writeText(in("noise.vti"), vtiFile(volume));
     VtiLayout blocks;
     blocks.codec = 1, blocks.block_bytes = 32768;

@@ -14,6 +14,7 @@
 #include "base/file/file.h"
 #include "call_faults.h"
 #include "support/system/sanitized.h"
+#include "support/volumes/amira_files.h"
 #include "support/volumes/dicom_files.h"
 #include "support/volumes/foreign_files.h"
 #include "support/volumes/hdf5_files.h"
@@ -192,6 +193,7 @@ std::vector<Scenario> readers() {
   out.push_back(file("a.npy", [] { return npyFile(volume()); }));
   out.push_back(file("a.mrc", [] { return mrcFile(volume()); }));
   out.push_back(file("a.mgz", [] { return gzipped(mghFile(volume())); }));
+  out.push_back(file("a.am", [] { return amiraFile(volume()); }));
   VtiLayout zlib;
   zlib.codec = 1;
   out.push_back(file("a.vti", [=] { return vtiFile(volume(), zlib); }));

@@ -13,6 +13,7 @@ std::unique_ptr<VolumeSource> openMetaImage(const std::filesystem::path& input, 
 std::unique_ptr<VolumeSource> openNifti(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openNpy(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openMrc(const std::filesystem::path& input, const SourceOptions& options);
+std::unique_ptr<VolumeSource> openAmira(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openMgh(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openVti(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openLegacyVtk(const std::filesystem::path& input, const SourceOptions& options);

@@ -223,9 +223,10 @@ void run(const ConvertArguments& a, Context& context) {
 
 void addConvert(CLI::App& app, Context& context) {
   auto a = std::make_shared<ConvertArguments>();
-  CLI::App* command = app.add_subcommand("convert",
-                                         "convert a volume (raw, NRRD, MetaImage, NIfTI, MRC, MGH, VTK, NumPy, TIFF, "
-                                         "DICOM, OpenVDB, Zarr, N5, HDF5) to a brick store");
+  CLI::App* command =
+      app.add_subcommand("convert",
+                         "convert a volume (raw, NRRD, MetaImage, NIfTI, MRC, MGH, AmiraMesh, VTK, NumPy, TIFF, "
+                         "DICOM, OpenVDB, Zarr, N5, HDF5) to a brick store");
   command
       ->add_option("INPUT", a->input,
                    "the volume to read: a file, a directory of slices (TIFF, DICOM, PNG, JPEG, JPEG 2000), a DICOMDIR, "
