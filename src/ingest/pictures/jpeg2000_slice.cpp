@@ -57,7 +57,7 @@ class BoxBytes {
   const File& file_;
 };
 
-struct Codestream {
+struct Jpeg2000Stream {
   bool in_boxes = false;
   std::uint64_t begin = 0, end = 0;
 };
@@ -74,7 +74,7 @@ void requireNoPalette(const File& file, const BoxBytes& bytes, const BoxBytes::B
   }
 }
 
-Codestream codestreamIn(const File& file) {
+Jpeg2000Stream codestreamIn(const File& file) {
   constexpr std::uint64_t kSignature = 0x6a502020, kHeader = 0x6a703268, kCodestream = 0x6a703263;  // jP, jp2h, jp2c
   const BoxBytes bytes(file);
   if (bytes.number(4, 4) != kSignature) return {false, 0, file.size()};
@@ -147,10 +147,10 @@ class TileWalk {
 
 struct Jpeg2000Header {
   Jpeg2000Size size;
-  Codestream codestream;
+  Jpeg2000Stream codestream;
 };
 
-Jpeg2000Header headerOf(const File& file) {
+Jpeg2000Header jpeg2000HeaderOf(const File& file) {
   Jpeg2000Header out;
   out.codestream = codestreamIn(file);
   std::array<std::byte, kJpeg2000SizeBytes> start{};
@@ -161,7 +161,7 @@ Jpeg2000Header headerOf(const File& file) {
   return out;
 }
 
-std::optional<VoxelType> typeOf(const Jpeg2000Size& size) {
+std::optional<VoxelType> jpeg2000TypeOf(const Jpeg2000Size& size) {
   if (size.bits <= 8) return size.is_signed ? VoxelType::i8 : VoxelType::u8;
   if (size.bits <= 16) return size.is_signed ? VoxelType::i16 : VoxelType::u16;
   return std::nullopt;
@@ -171,11 +171,11 @@ std::optional<VoxelType> typeOf(const Jpeg2000Size& size) {
 
 PictureHeader readJpeg2000Header(const std::filesystem::path& path) {
   const File file(path);
-  const Jpeg2000Size size = headerOf(file).size;
+  const Jpeg2000Size size = jpeg2000HeaderOf(file).size;
   const auto refuse = [&](const std::string& what) { throw Error(ErrorCode::kUnsupported, path, "", what); };
   if (size.components != 1)
     refuse(fmt::format("holds {} components a pixel, not one value; save it as grey", size.components));
-  const std::optional<VoxelType> type = typeOf(size);
+  const std::optional<VoxelType> type = jpeg2000TypeOf(size);
   if (!type) refuse(fmt::format("holds values of {} bits; up to 16 are read", size.bits));
   if (size.is_subsampled) refuse("has fewer values than pixels, which is not read");
   return {{static_cast<std::int64_t>(size.columns), static_cast<std::int64_t>(size.rows), *type}, file.size()};
@@ -185,10 +185,10 @@ std::vector<std::byte> Jpeg2000Decoder::decode(const std::filesystem::path& path
                                                std::uint64_t limit_bytes) {
   const std::vector<std::byte> data = readFile(path, limit_bytes);
   const File file(path);
-  const auto [size, codestream] = headerOf(file);
+  const auto [size, codestream] = jpeg2000HeaderOf(file);
   // The file may have changed since its header was read.
   const bool same = static_cast<std::int64_t>(size.columns) == slice.width &&
-                    static_cast<std::int64_t>(size.rows) == slice.height && typeOf(size) == slice.type &&
+                    static_cast<std::int64_t>(size.rows) == slice.height && jpeg2000TypeOf(size) == slice.type &&
                     codestream.end <= data.size();
   if (!same) throw Error(ErrorCode::kFormat, path, "", "has changed while it was read");
   TileWalk(path, std::span(data).subspan(codestream.begin, codestream.end - codestream.begin)).requireAllTiles();
