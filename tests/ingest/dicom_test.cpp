@@ -1,9 +1,13 @@
 // Pixels of DICOM files. Known because the files are written here element by element, or, for the real slices, because
 // a NRRD file holds equal voxels.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <csignal>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <random>
 
@@ -492,6 +496,50 @@ TEST(IngestDicom, FlippedBitsOfFrames_areOneErrorOrValues) {
       }
     }
   }
+}
+
+// Ends the processes that this one started and that run `program`. Returns their number.
+int killChildren(const std::string& program) {
+  int out = 0;
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    const std::string pid = entry.path().filename().string();
+    if (pid.find_first_not_of("0123456789") != std::string::npos) continue;
+    // The name of a process has 15 characters at most, in parentheses; then follow its state and its parent.
+    std::ifstream stat(entry.path() / "stat");
+    std::string number, name, state;
+    int parent = 0;
+    stat >> number >> name >> state >> parent;
+    if (parent != ::getpid() || name != "(" + program.substr(0, 15) + ")") continue;
+    ::kill(std::stoi(pid), SIGKILL);
+    ++out;
+  }
+  return out;
+}
+
+// Known: the worker is killed between two slices, as by a system without memory.
+TEST(IngestDicom, AWorkerThatIsKilled_isAnErrorOfItsSliceAlone) {
+  const ForeignVolume volume = randomVolume({64, 48, 3}, VoxelType::u16, 25);
+  const ForeignFiles files;
+  writeSlices(files, volume);
+  for (int i = 1; i <= 3; ++i) compressDicom(files.directory() / ("s" + std::to_string(i)), DicomCodec::kJpegLs);
+  const auto source = openSource(files.directory());
+  const auto read = [&](std::int64_t z) {
+    const VoxelBox box = {{0, 0, z}, {64, 48, z + 1}};
+    std::vector<std::byte> out(static_cast<std::size_t>(box.count()) * 2);
+    source->read(box, out);
+    EXPECT_TRUE(out == volume.box(box)) << z;
+  };
+  read(0);
+  ASSERT_EQ(killChildren("kiln_gdcm_reader"), 1);
+  try {
+    read(1);
+    ADD_FAILURE() << "no error";
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    EXPECT_EQ(text.substr(text.rfind('/') + 1), "s2: frame 1: GDCM failed: its process was ended by signal 9");
+  }
+  read(1);
+  read(2);
 }
 
 // Flips bits of the whole uncompressed file, and of the headers of a compressed file.
