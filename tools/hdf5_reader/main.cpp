@@ -218,7 +218,7 @@ struct Description {
   json objects = json::object();
   bool is_cut = false;
 
-  // Returns what goes on with a walk of the library: 0, or 1 for its end.
+  // Returns 0, or 1 to end the walk of the library.
   herr_t add(hid_t root, const char* name, bool by_link) {
     if (objects.size() >= kMostObjects) {
       is_cut = true;
