@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
 #include <limits>
 #include <span>
 #include <string>
@@ -73,10 +74,11 @@ ClipRegion::ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, c
     for (int axis = 0; axis < 3; ++axis) {
       glm::dvec3 along(0);
       along[axis] = 1;
-      if (region.lo[axis] > 0) add(along, 0.5 - static_cast<double>(region.lo[axis]), 0, finest, span);
+      if (region.lo[axis] > 0)
+        half_spaces_.push_back(halfSpace(along, 0.5 - static_cast<double>(region.lo[axis]), 0, finest, span));
       if (region.hi[axis] < finest.dims[axis])
-        add(-along, static_cast<double>(region.hi[axis]) - 0.5, std::numeric_limits<double>::denorm_min(), finest,
-            span);
+        half_spaces_.push_back(halfSpace(-along, static_cast<double>(region.hi[axis]) - 0.5,
+                                         std::numeric_limits<double>::denorm_min(), finest, span));
     }
   }
   if (clipping.part) {
@@ -93,14 +95,24 @@ ClipRegion::ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, c
   for (const ClipPlane& plane : clipping.planes) {
     const double length = glm::length(plane.normal);
     const glm::dvec3 normal = plane.normal / length;
-    add(glm::transpose(glm::dmat3(finest.world_from_index)) * normal,
-        glm::dot(normal, glm::dvec3(finest.world_from_index[3])) + plane.offset / length, 0, finest, span);
+    half_spaces_.push_back(halfSpace(glm::transpose(glm::dmat3(finest.world_from_index)) * normal,
+                                     glm::dot(normal, glm::dvec3(finest.world_from_index[3])) + plane.offset / length,
+                                     0, finest, span));
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 along(0);
+    along[axis] = 1;
+    const double end = static_cast<double>(finest.dims[axis]) - 0.5;
+    border_.push_back(halfSpace(along, 0.5, 0, finest, span));
+    border_.push_back(halfSpace(-along, end, 0, finest, span));
+    core_lo_[axis] = 0.5;
+    core_hi_[axis] = static_cast<double>(finest.dims[axis]) / static_cast<double>(span[axis]) - 1.5;
   }
 }
 
 // `normal` and `offset` are in the index space of level 0; voxel p of this level is at span·p + (span - 1)/2.
-void ClipRegion::add(const glm::dvec3& normal, double offset, double least, const VolumeGeometry& finest,
-                     const Extent3& span) {
+ClipRegion::HalfSpace ClipRegion::halfSpace(const glm::dvec3& normal, double offset, double least,
+                                            const VolumeGeometry& finest, const Extent3& span) {
   const glm::dvec3 scale(span.x, span.y, span.z);
   HalfSpace out;
   out.normal = scale * normal;
@@ -109,7 +121,7 @@ void ClipRegion::add(const glm::dvec3& normal, double offset, double least, cons
   out.voxel = std::abs(out.normal.x) + std::abs(out.normal.y) + std::abs(out.normal.z);
   out.world_distance = 1 / glm::length(glm::transpose(glm::inverse(glm::dmat3(finest.world_from_index))) * normal);
   out.gradient = glm::vec3(glm::normalize(out.normal));
-  half_spaces_.push_back(out);
+  return out;
 }
 
 VoxelBox ClipRegion::Part::voxels() const noexcept {
@@ -175,18 +187,25 @@ ClipRegion::Overlap ClipRegion::classify(const VoxelBox& voxels) const noexcept 
     if (!(most >= h.least)) return Overlap::kOutside;
     if (!(least >= h.voxel)) out = Overlap::kCut;
   }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (lo[axis] < core_lo_[axis] || hi[axis] > core_hi_[axis]) out = Overlap::kCut;
+  }
   return out;
 }
 
 const glm::vec3* ClipRegion::cutGradient(const glm::dvec3& index) const noexcept {
   const glm::vec3* gradient = nullptr;
   double nearest = std::numeric_limits<double>::infinity();
-  for (const HalfSpace& h : half_spaces_) {
-    const double inside = glm::dot(h.normal, index) + h.offset;
-    if (!(inside < h.voxel) || !(inside * h.world_distance < nearest)) continue;
-    nearest = inside * h.world_distance;
-    gradient = &h.gradient;
-  }
+  const auto compare = [&](const std::vector<HalfSpace>& faces) {
+    for (const HalfSpace& h : faces) {
+      const double inside = glm::dot(h.normal, index) + h.offset;
+      if (!(inside < h.voxel) || !(inside * h.world_distance < nearest)) continue;
+      nearest = inside * h.world_distance;
+      gradient = &h.gradient;
+    }
+  };
+  compare(half_spaces_);
+  if (glm::any(glm::lessThan(index, core_lo_)) || glm::any(glm::greaterThan(index, core_hi_))) compare(border_);
   return gradient;
 }
 

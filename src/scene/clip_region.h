@@ -2,7 +2,9 @@
 // Method. Both become half-spaces in the index space of each level, so that testing a voxel takes only products and
 // sums. A voxel is shown if its centre is inside; a sample between voxels is shown by the share inside.
 // Shading. Within a voxel of a face, samples are lit by the face's normal, so that a cut looks flat. The distance is a
-// whole voxel, because only then is there a layer of voxels to show the face, wherever it runs between voxels.
+// whole voxel, because only then is there a layer of voxels to show the face, wherever it runs between voxels. The
+// border of the volume is lit as a face, too: beyond the border there are no values, and gradients at the border are
+// noise.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -25,10 +27,11 @@ class ClipRegion {
  public:
   enum class Overlap { kOutside, kCut, kInside };
 
-  /// Shows everything.
+  /// Shows everything, of a volume without a border.
   ClipRegion() = default;
   /// Builds the region for a level whose voxels span `span` voxels of level 0 along each axis. Faces at the volume's
-  /// border or beyond clip nothing. throws: Error kUsage if no voxel of the volume is in the region, or in the part.
+  /// border or beyond clip nothing. The border of the volume clips nothing, but is lit as a face. throws: Error kUsage
+  /// if no voxel of the volume is in the region, or in the part.
   ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, const Extent3& span = {1, 1, 1});
 
   bool showsAll() const noexcept { return half_spaces_.empty(); }
@@ -66,8 +69,8 @@ class ClipRegion {
   Overlap classify(const VoxelBox& voxels) const noexcept;
 
   /// Returns the shading gradient of a sample that lies less than a voxel's extent (along the normal) inside a face:
-  /// the normal of the nearest such face, in the level's index space, of any positive length; null if there is no such
-  /// face. requires: a part of the sample at `index` is inside.
+  /// or inside the volume's border: the normal of the nearest such face, in the level's index space, of any positive
+  /// length; null if there is no such face. requires: a part of the sample at `index` is inside.
   const glm::vec3* cutGradient(const glm::dvec3& index) const noexcept;
 
  private:
@@ -79,8 +82,12 @@ class ClipRegion {
     double world_distance;  // world distance per unit of normal·p
     glm::vec3 gradient;
   };
-  void add(const glm::dvec3& normal, double offset, double least, const VolumeGeometry& finest, const Extent3& span);
+  static HalfSpace halfSpace(const glm::dvec3& normal, double offset, double least, const VolumeGeometry& finest,
+                             const Extent3& span);
   std::vector<HalfSpace> half_spaces_;
+  std::vector<HalfSpace> border_;  // lights samples and clips nothing
+  // Points farther than a voxel from the border, which need no comparison with the faces of the border.
+  glm::dvec3 core_lo_{-std::numeric_limits<double>::infinity()}, core_hi_{std::numeric_limits<double>::infinity()};
   Part part_;
 };
 

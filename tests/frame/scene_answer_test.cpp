@@ -7,6 +7,10 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_access.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <vector>
 
 #include "image/compare.h"
 #include "support/reference/drawing.h"
@@ -49,14 +53,14 @@ class Scenes : public ::testing::TestWithParam<Projection> {
   FrameRequest request_;
 };
 
-// Returns the largest difference of colour over alpha among pixels with enough alpha; `pixels` is their number.
-double colorDifference(const Image& a, const Image& b, int& pixels) {
+// Returns the largest difference of colour over alpha among pixels with more alpha; `pixels` is their number.
+double colorDifference(const Image& a, const Image& b, int& pixels, float alpha) {
   double largest = 0;
   pixels = 0;
   for (int y = 0; y < a.height; ++y) {
     for (int x = 0; x < a.width; ++x) {
       const float *p = a.pixel(x, y), *q = b.pixel(x, y);
-      if (!(p[3] > 0.2f && q[3] > 0.2f)) continue;
+      if (!(p[3] > alpha && q[3] > alpha)) continue;
       ++pixels;
       for (int channel = 0; channel < 3; ++channel)
         largest = std::max(largest, std::abs(static_cast<double>(p[channel] / p[3] - q[channel] / q[3])));
@@ -74,17 +78,19 @@ TEST_P(Scenes, LightsAreThoseOfTheReference) {
   const std::vector<std::vector<Light>> lights = {
       {}, {Light{}}, {head}, {sun}, {sun, behind}, {lamp}, {head, sun, lamp, head}};
   std::vector<Image> pictures;
+  request_.sample_distance = 0.25;
   for (const std::vector<Light>& these : lights) {
     request_.shading = Shading{true, 0.15, 0.7, 0.3, 9, these};
     pictures.push_back(splatted());
     int pixels = 0;
     // A point's light changes within a footprint and along the ray; so does any highlight in perspective.
-    EXPECT_LT(colorDifference(pictures.back(), reference(), pixels), 0.02) << pictures.size();
+    // Near the border of the volume, which has normals of its own, samples of a quarter of a voxel are steps.
+    EXPECT_LT(colorDifference(pictures.back(), reference(), pixels, 0.4f), 0.035) << pictures.size();
     EXPECT_GT(pixels, 300);
   }
   int pixels = 0;
-  EXPECT_GT(colorDifference(pictures[0], pictures[1], pixels), 0.05);
-  EXPECT_GT(colorDifference(pictures[2], pictures[6], pixels), 0.05);
+  EXPECT_GT(colorDifference(pictures[0], pictures[1], pixels, 0.4f), 0.05);
+  EXPECT_GT(colorDifference(pictures[2], pictures[6], pixels, 0.4f), 0.05);
 }
 
 // Rays are cut exactly, voxels by their centres: the remaining material agrees in the mean.
@@ -119,6 +125,54 @@ TEST_P(Scenes, ACutIsAFaceWithTheNormalOfItsPlane) {
       EXPECT_NEAR(middle[2], 0.3 * expected, 0.01);
     }
   }
+}
+
+// A solid of noise, whose gradients are noise. Known because planes on the border clip nothing and have its normals,
+// and because one ray through the middle of the picture enters a face of the box, whose normal is that of the plane.
+TEST_P(Scenes, BorderOfTheVolume_isLitAsAFace) {
+  const DenseVolume noise = fill({{24, 20, 16}, VoxelType::u8, obliqueAffine()}, [](auto i, auto j, auto k) {
+    return static_cast<double>(100 + (i * 7919 + j * 104729 + k * 1299709) % 101);
+  });
+  const auto store = makeStore(noise, "scene_noise_" + std::to_string(static_cast<int>(GetParam())), 16);
+  request_.transfer_function = allOver(1);
+  const glm::dmat3 world(noise.geometry.world_from_index);
+  std::vector<ClipPlane> planes;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      glm::dvec3 face(11.5, 9.5, 7.5);
+      face[axis] = side < 0 ? -0.5 : static_cast<double>(noise.geometry.dims[axis]) - 0.5;
+      const glm::dvec3 normal = -side * glm::normalize(glm::column(glm::transpose(glm::inverse(world)), axis));
+      planes.push_back({normal, -glm::dot(normal, noise.geometry.worldOf(face))});
+    }
+  }
+  // The face that a ray to the centre enters last.
+  double entry = -std::numeric_limits<double>::infinity(), cosine = 0;
+  for (const ClipPlane& plane : planes) {
+    const double slope = glm::dot(plane.normal, request_.view.forward_world);
+    if (!(slope > 0)) continue;
+    const double at = -(glm::dot(plane.normal, centre()) + plane.offset) / slope;
+    if (at > entry) entry = at, cosine = slope;
+  }
+  const std::vector<std::vector<Light>> lights = {{Light{}}, {Light{LightKind::kHeadlight, {}, {1, 1, 1.001}, 1}}};
+  for (const Lattice lattice : kLattices) {
+    for (const std::vector<Light>& these : lights) {
+      request_.lattice = lattice;
+      request_.shading = Shading{true, 0.2, 0.8, 0, 1, these};
+      request_.clipping = {};
+      const Image whole = draw(store, request_);
+      EXPECT_NEAR(whole.pixel(kScenePixels / 2, kScenePixels / 2)[0], 0.9 * (0.2 + 0.8 * cosine), 0.02);
+      request_.clipping = {std::nullopt, planes};
+      int pixels = 0;
+      // The planes cut the ends of samples at edges of the box; noise would differ by a half.
+      EXPECT_LT(colorDifference(whole, draw(store, request_), pixels, 0.999f), lattice == Lattice::kVoxel ? 2e-3 : 0.05)
+          << nameOf(lattice);
+      EXPECT_GT(pixels, 300);
+    }
+  }
+  request_.clipping = {};
+  const Image truth =
+      referenceImage(noise, request_.view, request_.transfer_function, request_.shading, {}, {2, 0.25, 1, true, {}});
+  EXPECT_NEAR(truth.pixel(kScenePixels / 2, kScenePixels / 2)[0], 0.9 * (0.2 + 0.8 * cosine), 0.02);
 }
 
 TEST_P(Scenes, ARegionIsTheSmallerVolume) {
@@ -164,8 +218,8 @@ TEST_P(Scenes, OpacityFollowsTheGradient) {
   request_.transfer_function.gradient_opacity = {{0.5 * slope, 0}, {1.5 * slope, 0.8}};
   const Image modulated = splatted(), judged = reference();
   request_.transfer_function = allOver(0.4 * 0.05);
-  // With opacity by gradient, no sample represents two slabs.
-  EXPECT_LT(compareImages(modulated, splatted()).largest, 1e-3);
+  // With opacity by gradient, no sample represents two slabs, of which the border may light one.
+  EXPECT_LT(compareImages(modulated, splatted()).largest, 1e-2);
   EXPECT_LT(compareImages(judged, reference()).largest, 1e-2);
 }
 

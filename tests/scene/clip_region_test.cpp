@@ -146,7 +146,28 @@ TEST(ClipRegion, TheFirstVoxelsBehindAFaceHaveItsNormal) {
   EXPECT_EQ(normalAt({5, 2, 4}), glm::vec3(0));
   EXPECT_EQ(normalAt({2, 2, 2.7}), glm::vec3(0, 0, 1));
   EXPECT_EQ(normalAt({1.6, 2, 2.7}), glm::vec3(1, 0, 0));
-  EXPECT_EQ(normalAt({7, 2, 7}), glm::vec3(0));  // the volume's own border is no cut
+}
+
+// The border of the volume has faces of its own, at every level, and clips nothing.
+TEST(ClipRegion, BorderOfTheVolume_isLitAsAFace) {
+  const VolumeGeometry volume = volumeOf({9, 8, 8});
+  for (const std::int64_t span : {1, 2}) {
+    const ClipRegion whole({}, volume, {span, span, span});
+    EXPECT_TRUE(whole.showsAll());
+    EXPECT_TRUE(whole.halfSpaces().empty());
+    const auto normalAt = [&](const glm::dvec3& index) {
+      const glm::vec3* gradient = whole.cutGradient(index);
+      return gradient == nullptr ? glm::vec3(0) : *gradient;
+    };
+    const double end = 9.0 / static_cast<double>(span) - 0.5;
+    EXPECT_EQ(normalAt({0.4, 1.5, 1.5}), glm::vec3(1, 0, 0));
+    EXPECT_EQ(normalAt({0.6, 1.5, 1.5}), glm::vec3(0));
+    EXPECT_EQ(normalAt({end - 0.9, 1.5, 1.5}), glm::vec3(-1, 0, 0));
+    EXPECT_EQ(normalAt({end - 1.1, 1.5, 1.5}), glm::vec3(0));
+    EXPECT_EQ(normalAt({0.4, 1.5, 0.2}), glm::vec3(0, 0, 1));
+    EXPECT_EQ(whole.classify({{0, 1, 1}, {1, 2, 2}}), ClipRegion::Overlap::kCut);
+    EXPECT_EQ(whole.classify({{1, 1, 1}, {3, 3, 3}}), ClipRegion::Overlap::kInside);
+  }
 }
 
 TEST(ClipRegion, ARegionOutsideOfTheVolumeIsRefused) {

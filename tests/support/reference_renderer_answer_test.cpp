@@ -274,20 +274,31 @@ TEST(ReferenceRenderer, EyeInsideAConstantMedium) {
 }
 
 // A planar ramp has a constant gradient, perpendicular to its planes in world space. Every sample of a ray has an equal
-// colour, given by one evaluation of the shading formula (tools/kiln/manual/render.md). The edge clamp halves the
-// gradient's length and keeps its direction.
+// colour, given by one evaluation of the shading formula (tools/kiln/manual/render.md). The function shows planes
+// within the volume, and rays that meet them away from the border, whose normals are those of its faces.
 TEST(ReferenceRenderer, PlanarRampIsShadedByTheFormula) {
-  const DenseVolume volume = ramp({{20, 20, 20}, VoxelType::f32, obliqueAffine()}, 0, 1);
+  const DenseVolume volume = ramp({{20, 40, 40}, VoxelType::f32, obliqueAffine()}, 0, 1);
+  const TransferFunction planes{1, {{2, kRed, 0}, {2.01, kRed, 0.5}, {17, kRed, 0.5}, {17.01, kRed, 0}}};
+  const glm::dmat4 index_from_world = glm::inverse(volume.geometry.world_from_index);
+  const auto staysInside = [&](const Ray& ray) {
+    const auto origin = glm::dvec3(index_from_world * glm::dvec4(ray.origin, 1));
+    const auto step = glm::dvec3(index_from_world * glm::dvec4(ray.direction, 0));
+    for (const double x : {2.0, 17.01}) {
+      const glm::dvec3 at = origin + (x - origin.x) / step.x * step;
+      if (!(std::min(at.y, at.z) > 1 && std::max(at.y, at.z) < 38)) return false;
+    }
+    return true;
+  };
   const glm::dvec3 normal = glm::normalize(planeNormal(volume.geometry, 0));
   const Shading shading{true, 0.15, 0.7, 0.3, 12};
   for (const Projection projection : kBothProjections) {
     for (const glm::dvec3& forward : {glm::dvec3(1, 0.5, 0.2), glm::dvec3(-1, 0.5, 0.2)}) {
       const View view = viewAlong(projection, volume.geometry, forward, 24, {12, 9});
-      const Image image = referenceImage(volume, view, everywhere(0.5), shading, {}, oneRay());
+      const Image image = referenceImage(volume, view, planes, shading, {}, oneRay());
       int seen = 0;
       forPixels(view, [&](int column, int row, const Ray& ray) {
         const float* rgba = image.pixel(column, row);
-        if (rgba[3] < 0.5f) return;
+        if (rgba[3] < 0.5f || !staysInside(ray)) return;
         ++seen;
         const double facing = std::abs(glm::dot(normal, ray.direction));
         const glm::dvec3 expected = kRed * (0.15 + 0.7 * facing) + 0.3 * std::pow(facing, 12);
@@ -301,19 +312,23 @@ TEST(ReferenceRenderer, PlanarRampIsShadedByTheFormula) {
 }
 
 // A constant region has no normal: the transfer function's colour stays unshaded for every shading. A slope below
-// kGradientNoise of the range per voxel counts as constant, a larger slope does not.
+// kGradientNoise of the range per voxel counts as constant, a larger slope does not. The eye is inside the volume, and
+// the first voxels hide the border behind them.
 TEST(ReferenceRenderer, GradientBelowNoiseIsUnshaded) {
   const Shading dark{true, 0.1, 0.1, 0, 1};
   const auto colorOf = [&](double slope, double outlier) {
     DenseVolume volume = ramp({{16, 16, 16}, VoxelType::f64}, 0, slope);
     volume.set(0, 0, 0, outlier);  // gives the volume its range, out of the ray's sight
-    const View view = viewAlong(Projection::kOrthographic, volume.geometry, {1, 0, 0}, 1, {1, 1});
-    const Image image = referenceImage(volume, view, everywhere(0.5), dark, {}, oneRay());
+    Camera camera;
+    camera.eye = volume.geometry.worldOf({2, 8, 8});
+    camera.target = volume.geometry.worldOf({15, 8, 8});
+    camera.fov_deg = 10;
+    const View view = resolve(camera, {1, 1});
+    const Image image = referenceImage(volume, view, everywhere(0.9), dark, {}, oneRay());
     return image.pixel(0, 0)[0] / image.pixel(0, 0)[3];
   };
   EXPECT_NEAR(colorOf(0, 0), kRed.r, 1e-6);
   EXPECT_NEAR(colorOf(0.5 * kGradientNoise, 1), kRed.r, 1e-6);
-  // Slopes count beyond the first half voxel, where the edge clamp halves them.
   EXPECT_NEAR(colorOf(4 * kGradientNoise, 1), 0.2 * kRed.r, 1e-6);
 }
 

@@ -312,8 +312,9 @@ class CellCaster {
         hn::LoadInterleaved4(d, s_.rows[0] + 4 * i, red, green, blue, unused);
       if (l_.light.phong) {
         V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
-        const Sight sight = p_.sightOf(p_.whereIs(hn::LoadU(DI(), s_.kept_code + n + i)));
-        lightOn(d, l_.light, l_.perspective, field_.slopes(i), sight, matte, gloss);
+        const CellPlaces::Where w = p_.whereIs(hn::LoadU(DI(), s_.kept_code + n + i));
+        const Vector slope = in_.at_border ? slopeAtBorder(w, field_.slopes(i)) : field_.slopes(i);
+        lightOn(d, l_.light, l_.perspective, slope, p_.sightOf(w), matte, gloss);
         const auto lit = [&](V color) { return fused(color, matte, gloss); };
         red = lit(red), green = lit(green), blue = lit(blue);
       }
@@ -327,6 +328,28 @@ class CellCaster {
       for (std::size_t c = 0; c < 4; c += hn::Lanes(d4))
         hn::StoreU(hn::Add(hn::LoadU(d4, to + c), hn::Load(d4, s_.rows[0] + 4 * i + c)), d4, to + c);
     }
+  }
+
+  // Replaces the gradients of samples less than a voxel inside the volume's border by the normal of the nearest face,
+  // as ClipRegion::cutGradient does.
+  HWY_NOINLINE Vector slopeAtBorder(const CellPlaces::Where& w, Vector slope) const {
+    const D d;
+    const V none = hn::Zero(d), normal = hn::Set(d, l_.light.gradient.directed);
+    V nearest = hn::Set(d, CellPlaces::kFar);
+    for (int a = 0; a < 3; ++a) {
+      const V at = p_.indexOf(a, w, 0);
+      const auto from_anchor = [&](double index) {
+        return hn::Set(d, static_cast<float>(index - static_cast<double>(r_.anchor[a])));
+      };
+      const V inside = hn::Min(hn::Sub(at, from_anchor(-0.5)), hn::Sub(from_anchor(r_.volume_hi[a]), at));
+      const V distance = hn::Mul(inside, hn::Set(d, l_.layer_height[a]));
+      const M lit = hn::And(hn::Lt(inside, hn::Set(d, 1.0f)), hn::Lt(distance, nearest));
+      nearest = hn::IfThenElse(lit, distance, nearest);
+      slope.x = hn::IfThenElse(lit, a == 0 ? normal : none, slope.x);
+      slope.y = hn::IfThenElse(lit, a == 1 ? normal : none, slope.y);
+      slope.z = hn::IfThenElse(lit, a == 2 ? normal : none, slope.z);
+    }
+    return slope;
   }
 
   // Looks up the colours of a batch of samples.

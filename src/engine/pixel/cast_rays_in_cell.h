@@ -34,6 +34,7 @@ struct CellInput {
   glm::dvec3 corner, end;                  // begin and end of the cell in index space
   PixelRect rect;                          // pixels of the tile that the cell may touch
   bool at_end = false;                     // the cell is at an end of the volume
+  bool at_border = false;                  // samples may be less than a voxel inside the volume's border
   bool in_pairs = false;                   // one sample may cover two slabs
   bool gaps = false;                       // the cell's voxels may be NaN
   const float* color = nullptr;            // r, g, b of all samples if equal; otherwise null

@@ -75,6 +75,7 @@ class RayCaster {
       in.corner[a] = static_cast<double>(box.lo[a]) - 0.5;
       in.end[a] = last ? rays_.volume_hi[a] : static_cast<double>(box.hi[a]) - 0.5;
       in.at_end = in.at_end || last || box.lo[a] == 0;
+      in.at_border = in.at_border || box.lo[a] == 0 || in.end[a] > rays_.volume_hi[a] - 1;
     }
     in.rect = seen.rect;
     if (!part_.all()) in.part = &part_;

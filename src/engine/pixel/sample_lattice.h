@@ -1,6 +1,8 @@
 // Parameters shared by the samples of a zone, in the form that kernels need.
 #pragma once
 
+#include <glm/vec3.hpp>
+
 #include "engine/shared/plain_light.h"
 #include "scene/render_options.h"
 
@@ -21,6 +23,7 @@ struct SampleLattice {
   // Integral of extinction, for levels where a sample stands for an interval of values; null if a sample is a point.
   const float* integral = nullptr;
   float least_interval = 1;
+  glm::vec3 layer_height{1};  // distance of adjacent layers of voxels across each axis. unit: world
   // Without phong if samples are finished one by one (engine/pixel/finish_sample.h).
   PlainLight light;
 };

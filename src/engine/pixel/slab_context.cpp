@@ -38,6 +38,8 @@ SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, co
   out.visible_before = table.visibleBefore();
   if (zone.intervals && !table.ofLabels()) out.integral = table.integral();
   out.least_interval = table.leastInterval();
+  for (int axis = 0; axis < 3; ++axis)
+    out.layer_height[axis] = 1 / glm::length(projector.viewFromIndexGradient()[axis]);
   out.light = plainLight(look.shading, look.gradient_noise, projector);
   out.light.phong = out.light.phong && !detailed;
   return out;

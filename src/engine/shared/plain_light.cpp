@@ -17,6 +17,7 @@ GradientScale::GradientScale(float noise) {
   if (noise > 0 && (noise < 1e-8f || noise > 1e8f)) factor = factorToOne(noise);
   const float scaled = noise * factor;
   least_squared = scaled * scaled;
+  if (noise > 0) directed = 2 * noise;
 }
 
 glm::mat3 withoutLength(const glm::mat3& m) {

@@ -13,6 +13,7 @@ namespace kiln {
 /// fit floats for values from 1e-30 to 1e30 per voxel. A scaled square of at most `least_squared` has no direction.
 struct GradientScale {
   float factor = 1, least_squared = 0;
+  float directed = 1;  // a length above the noise. unit: value per voxel
   GradientScale() = default;
   /// `noise`: length below which a gradient has no direction. unit: value per voxel.
   explicit GradientScale(float noise);

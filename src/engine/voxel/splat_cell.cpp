@@ -85,19 +85,24 @@ class CellSplatter {
     // A NaN or infinite neighbour leaves no usable gradient.
     const glm::vec3 slope = std::isfinite(measured.x + measured.y + measured.z) ? measured : glm::vec3(0);
     const Shader& shader = context_.shader;
-    const glm::dvec3 p = context_.projector->viewOf(voxelAt(lo_, code));
+    const auto place = [&] { return context_.projector->viewOf(voxelAt(lo_, code)); };
     const float* const m = shaded.material + 4 * n;
     Material material = {m[0], m[1], m[2], m[3]};
     if (context_.gradient_opacity.active()) material.tau = context_.gradient_opacity(material.tau, slope);
     const glm::vec3* const face = cut_ ? context_.clip->cutGradient(indexOf(code)) : nullptr;
-    if (face != nullptr || !context_.light_is_plain) {
-      const Color color = face != nullptr ? shader.onCut(material, *face, p) : shader(material, slope, p);
+    if (!context_.light_is_plain) {
+      const Color color = face != nullptr ? shader.onCut(material, *face, place()) : shader(material, slope, place());
       material = {color.r, color.g, color.b, material.tau};
       for (auto& axis : shaded.slope) axis[n] = 0;
+    } else if (face != nullptr) {
+      for (int axis = 0; axis < 3; ++axis)
+        shaded.slope[axis][n] = context_.view.light.gradient.directed * (*face)[axis];
     }
-    if (planes_.aovs().any())
+    if (planes_.aovs().any()) {
+      const glm::dvec3 p = place();
       shaded.aov[n] = {static_cast<float>(p.z),
                        face != nullptr ? shader.normalOnCut(*face, p) : shader.normal(slope, p)};
+    }
     if (ends_) material.tau *= static_cast<float>(context_.ends.partOf(voxelAt(lo_, code)));
     std::memcpy(shaded.material + 4 * n, &material, sizeof material);
   }

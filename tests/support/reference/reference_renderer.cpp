@@ -35,6 +35,10 @@ struct Face {
   double voxel() const { return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z); }
 };
 
+glm::dvec3 worldNormal(const glm::dvec3& normal, const VolumeGeometry& volume) {
+  return glm::transpose(glm::inverse(glm::dmat3(volume.world_from_index))) * normal;
+}
+
 std::vector<Face> facesOf(const Clipping& clipping, const VolumeGeometry& volume) {
   std::vector<Face> faces;
   for (int axis = 0; axis < 3 && clipping.region; ++axis) {
@@ -50,8 +54,19 @@ std::vector<Face> facesOf(const Clipping& clipping, const VolumeGeometry& volume
     const glm::dvec4 index = glm::transpose(volume.world_from_index) * world;
     faces.push_back({glm::dvec3(index), index.w, {}});
   }
-  for (Face& face : faces)
-    face.world_normal = glm::transpose(glm::inverse(glm::dmat3(volume.world_from_index))) * face.normal;
+  for (Face& face : faces) face.world_normal = worldNormal(face.normal, volume);
+  return faces;
+}
+
+/// Faces of the volume's border, which light samples as faces of the clip region do.
+std::vector<Face> borderOf(const VolumeGeometry& volume) {
+  std::vector<Face> faces;
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 along(0);
+    along[axis] = 1;
+    faces.push_back({along, 0.5, worldNormal(along, volume)});
+    faces.push_back({-along, static_cast<double>(volume.dims[axis]) - 0.5, worldNormal(-along, volume)});
+  }
   return faces;
 }
 
@@ -67,7 +82,8 @@ struct Scene {
         world_from_index(volume.geometry.world_from_index),
         index_from_world(glm::inverse(volume.geometry.world_from_index)),
         gradient_world_from_index(glm::transpose(glm::inverse(glm::dmat3(volume.geometry.world_from_index)))),
-        faces(facesOf(the_settings.clipping, volume.geometry)) {
+        faces(facesOf(the_settings.clipping, volume.geometry)),
+        border(borderOf(volume.geometry)) {
     const ValueRange range = volume.range();
     gradient_noise = range.empty() ? 0 : kGradientNoise * (range.hi - range.lo);
     step_world = settings.step_voxels * volume.geometry.shortestEdge();
@@ -100,7 +116,7 @@ struct Scene {
   Extent3 dims;
   glm::dmat4 world_from_index, index_from_world;
   glm::dmat3 gradient_world_from_index;
-  std::vector<Face> faces;
+  std::vector<Face> faces, border;
   double gradient_noise = 0, step_world = 1, unit_world = 1;
   std::optional<EmptyBlocks> empty_blocks;
 };
@@ -154,12 +170,15 @@ void march(const Scene& scene, const Ray& ray, const Sample& sample) {
   }
 }
 
-/// Returns the normal at a sample: of the nearest face less than a voxel away, else of the gradient; zero if there is
-/// none.
+/// Returns the normal at a sample: of the nearest face (of the clipping or of the volume) less than a voxel away, else
+/// of the gradient; zero if there is none.
 glm::dvec3 normalAt(const Scene& scene, const glm::dvec3& index) {
   const Face* nearest = nullptr;
-  for (const Face& face : scene.faces) {
-    if (face.at(index) < face.voxel() && (!nearest || face.distance(index) < nearest->distance(index))) nearest = &face;
+  for (const std::vector<Face>* faces : {&scene.faces, &scene.border}) {
+    for (const Face& face : *faces) {
+      if (face.at(index) < face.voxel() && (!nearest || face.distance(index) < nearest->distance(index)))
+        nearest = &face;
+    }
   }
   if (nearest) return glm::normalize(nearest->world_normal);
   const glm::dvec3 difference = scene.gradient(index);

@@ -32,8 +32,8 @@ struct ReferenceSettings {
   double opacity_threshold = 1;
   /// Skips transparent blocks without sampling, which changes no bit of the picture.
   bool skip_empty = true;
-  /// Rays end exactly at the faces of the clipping. Within a voxel of a face (its extent along the normal) the face's
-  /// normal is used.
+  /// Rays end exactly at the faces of the clipping. Within a voxel of a face (its extent along the normal), or of the
+  /// volume's border, the normal of the face is used.
   Clipping clipping = {};
   Interpolation interpolation = Interpolation::kLinear;
   /// Number of voxels to either side over which opacities of labels are smoothed for their gradients.
