@@ -8,7 +8,7 @@
 
 namespace kiln {
 
-/// The names of colours, those of CSS: "black", "orange", …
+/// The 148 names of colours in CSS, sorted: "aliceblue", …
 std::span<const std::string_view> colorNames();
 
 /// Describes the legal texts, for errors.

@@ -402,7 +402,7 @@ void addFlags(const Options<RenderJob>& options, std::vector<JobFlag>& out) {
     const OptionForm& form = option.value.form;
     const auto apply = [&option, &options](const std::vector<std::string>& texts, RenderJob& job) {
       const json value = valueOfTexts(option, texts);
-      const FlagText flag{std::string(option.flag), fmt::format("{}", fmt::join(texts, " ")),
+      const FlagText flag{std::string(option.flag), quotedWrongText(option.value.form, texts),
                           option.value.form.expected};
       if (option.key.empty())
         readKnown(options, JobObject::ofFlag(value, flag), job);

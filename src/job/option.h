@@ -28,6 +28,7 @@ struct OptionForm {
   nlohmann::json present = true;                            // the value of a flag without an argument
   bool number = false;                                      // text that is no number is refused before the job is read
   std::function<nlohmann::json(const std::string&)> parse;  // a text as a value of a job; null for illegal texts
+  std::function<std::string(const std::string&)> wrong_part;  // of an illegal text, for errors; empty: the whole text
 };
 
 template <class Owner>

@@ -109,7 +109,16 @@ json colorOfText(std::string_view text) {
 }
 
 std::string refusalOfText(const OptionForm& form, const std::string& text) {
-  return form.parse(text).is_null() ? fmt::format("expected {}, found '{}'", form.expected, text) : "";
+  if (!form.parse(text).is_null()) return "";
+  return fmt::format("expected {}, found {}", form.expected, quotedWrongText(form, {text}));
+}
+
+std::string quotedWrongText(const OptionForm& form, const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) {
+    const std::string part = form.wrong_part ? form.wrong_part(text) : "";
+    if (!part.empty() && part != text) return fmt::format("'{}' in '{}'", part, text);
+  }
+  return fmt::format("'{}'", fmt::join(texts, " "));
 }
 
 json valueOfText(const OptionForm& form, const std::string& text, std::string_view flag) {
@@ -364,6 +373,14 @@ OptionForm BackgroundColors::form() const {
     if (colon == text.size() || top.is_null()) return top;
     const json bottom = backgroundOfText(text.substr(colon + 1));
     return bottom.is_null() ? bottom : json{{"top", top}, {"bottom", bottom}};
+  };
+  out.wrong_part = [](const std::string& text) -> std::string {
+    for (const std::string_view part : splitAt(text, ':')) {
+      const json color = backgroundOfText(std::string(part));
+      const auto legal = [](const json& number) { return !number.is_number() || legal::fraction(number); };
+      if (color.is_null() || !std::ranges::all_of(color, legal)) return std::string(part);
+    }
+    return {};
   };
   return out;
 }

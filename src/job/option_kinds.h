@@ -225,6 +225,7 @@ struct ListOf {
   /// For a flag that adds an item: reads the text as a list of one item.
   std::string_view value_name = {}, flag_expected = {};
   nlohmann::json (*parse)(const std::string& text) = nullptr;
+  std::string (*wrong_part)(const std::string& text) = nullptr;
 
   OptionForm form() const {
     OptionForm out;
@@ -235,6 +236,7 @@ struct ListOf {
     out.value_name = value_name;
     out.expected = flag_expected;
     out.parse = parse;
+    out.wrong_part = wrong_part;
     return out;
   }
   void read(const JobObject& object, std::string_view key, std::vector<Item>& out) const {
@@ -265,6 +267,8 @@ nlohmann::json colorOfText(std::string_view text);
 
 /// Returns "expected …, found …" for a text without legal form, else an empty text.
 std::string refusalOfText(const OptionForm& form, const std::string& text);
+/// Quotes the texts of a flag for an error, or the part that is wrong: "'skyblu' in 'navy:skyblu'".
+std::string quotedWrongText(const OptionForm& form, const std::vector<std::string>& texts);
 /// The text of a flag as a value of a job. throws: Error kUsage naming the flag.
 nlohmann::json valueOfText(const OptionForm& form, const std::string& text, std::string_view flag);
 
@@ -273,7 +277,9 @@ template <class T, class Kind>
 T valueOfFlag(const Kind& kind, const std::string& text, const std::string& flag) {
   const OptionForm form = kind.form();
   T out{};
-  kind.read(JobObject::ofFlag({{"value", valueOfText(form, text, flag)}}, {flag, text, form.expected}), "value", out);
+  kind.read(JobObject::ofFlag({{"value", valueOfText(form, text, flag)}},
+                              {flag, quotedWrongText(form, {text}), form.expected}),
+            "value", out);
   return out;
 }
 

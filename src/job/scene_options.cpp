@@ -69,6 +69,16 @@ nlohmann::json lightOfText(const std::string& text) {
   return nlohmann::json::array({light});
 }
 
+// The part of a light's text that is neither a point nor a colour, in place of either.
+std::string wrongPartOfLight(const std::string& text) {
+  const std::vector<std::string_view> parts = splitAt(text, ':');
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    const bool place = i == 1 && parts[0] != "headlight";
+    if ((place ? numbersOfText(parts[i]) : colorOfText(parts[i])).is_null()) return std::string(parts[i]);
+  }
+  return {};
+}
+
 // "nx,ny,nz,d".
 nlohmann::json planeOfText(const std::string& text) {
   const nlohmann::json n = numbersOfText(text);
@@ -204,7 +214,8 @@ const ListOf<Light>& lightList() {
                                        "headlight[:COLOR], dir:x,y,z[:COLOR], cam:x,y,z[:COLOR] or "
                                        "point:x,y,z[:COLOR], COLOR a name such as orange, "
                                        "#rgb, #rrggbb, or r,g,b from 0 to 1000000",
-                                   .parse = &lightOfText};
+                                   .parse = &lightOfText,
+                                   .wrong_part = &wrongPartOfLight};
   return kList;
 }
 

@@ -20,6 +20,10 @@ TEST(NamedColor, NamesAndDigits_areSrgb) {
   expectSrgb("orange", 255, 165, 0);
   expectSrgb("Navy", 0, 0, 128);
   expectSrgb("grey", 128, 128, 128);
+  expectSrgb("SkyBlue", 135, 206, 235);
+  expectSrgb("rebeccapurple", 102, 51, 153);
+  expectSrgb("aliceblue", 240, 248, 255);
+  expectSrgb("yellowgreen", 154, 205, 50);
   expectSrgb("#f80", 255, 136, 0);
   expectSrgb("#FF8800", 255, 136, 0);
   expectSrgb("#0a0b0c", 10, 11, 12);
@@ -36,6 +40,7 @@ TEST(NamedColor, OtherTexts_areNone) {
 }
 
 TEST(NamedColor, EachNameOfTheList_isAColour) {
+  EXPECT_EQ(colorNames().size(), 148u);
   std::set<std::string_view> names;
   for (const std::string_view name : colorNames()) {
     EXPECT_TRUE(colorNamed(name)) << name;

@@ -142,8 +142,32 @@ TEST(Options, Flag_withAWrongText_isRefusedByItsName) {
       ADD_FAILURE() << pair.flag << " " << pair.texts[0];
     } catch (const Error& error) {
       EXPECT_EQ(std::string(error.what()).find(std::string(pair.flag) + ": expected "), 0u) << error.what();
-      EXPECT_NE(std::string(error.what()).find("found '" + pair.texts[0] + "'"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find(pair.texts[0] + "'"), std::string::npos) << error.what();
       EXPECT_EQ(error.code(), ErrorCode::kUsage);
+    }
+  }
+}
+
+TEST(Options, FlagOfSeveralParts_namesTheWrongPart) {
+  struct Case {
+    std::string flag;
+    std::vector<std::string> texts;
+    std::string found;
+  };
+  const Case cases[] = {{"--background", {"navy:skyblu"}, "'skyblu' in 'navy:skyblu'"},
+                        {"--background", {"nav:skyblue"}, "'nav' in 'nav:skyblue'"},
+                        {"--background", {"0,0,2:white"}, "'0,0,2' in '0,0,2:white'"},
+                        {"--background", {"navy:white:red"}, "'navy:white:red'"},
+                        {"--background", {"navy:"}, "'navy:'"},
+                        {"--light", {"headlight", "dir:1,0,0:oragne"}, "'oragne' in 'dir:1,0,0:oragne'"},
+                        {"--light", {"dir:1,x,0:red"}, "'1,x,0' in 'dir:1,x,0:red'"},
+                        {"--tf", {"0:0,9:1:oragne"}, "'9:1:oragne'"}};
+  for (const Case& one : cases) {
+    try {
+      jobOfFlag(one.flag, one.texts);
+      ADD_FAILURE() << one.found;
+    } catch (const Error& error) {
+      EXPECT_TRUE(std::string(error.what()).ends_with(", found " + one.found)) << error.what();
     }
   }
 }

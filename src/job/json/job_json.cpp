@@ -221,7 +221,7 @@ void JobObject::complainAt(const std::string& place, const std::string& sentence
 }
 
 void JobObject::refuse(std::string_view key, std::string_view expected) const {
-  if (flag_) complain(key, "expected " + flag_->expected + ", found '" + flag_->text + "'");
+  if (flag_) complain(key, "expected " + flag_->expected + ", found " + flag_->found);
   const json* value = find(key);
   complain(key, "expected " + std::string(expected) + ", found " + (value ? shownValue(*value) : "nothing"));
 }

@@ -49,9 +49,9 @@ struct SharedRange {
   NumberRange range;
 };
 
-/// A flag of the command line and its text, for errors.
+/// A flag of the command line, for errors: `found` quotes its text.
 struct FlagText {
-  std::string flag, text, expected;
+  std::string flag, found, expected;
 };
 
 /// An object inside a parsed document, kept alive by the object. throws: every member throws Error kUsage "FILE: line
@@ -66,7 +66,7 @@ class JobObject {
   /// Reads a document: one object, or a list of objects.
   static std::vector<JobObject> parseSeveral(const std::string& text, const std::filesystem::path& path);
 
-  /// An object for the value of a flag. Errors name the flag instead of a file: "FLAG: expected …, found 'TEXT'".
+  /// An object for the value of a flag. Errors name the flag instead of a file: "FLAG: expected …, found …".
   static JobObject ofFlag(const nlohmann::json& value, const FlagText& flag);
 
   /// throws: Error kUsage for a key outside `known`, naming the nearest key.
