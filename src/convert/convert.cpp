@@ -17,6 +17,7 @@
 #include "convert/resume/output_directory.h"
 #include "convert/resume/source_state.h"
 #include "convert/resume_state.h"
+#include "ingest/source/placement.h"
 #include "store/manifest/float_steps.h"
 #include "store/manifest/read_manifest.h"
 #include "store/store_writer.h"
@@ -226,6 +227,8 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   }
   // A compressed stream adds notes when it ends.
   for (; ranks.first() && notes < info.notes.size(); ++notes) progress.note(namedNote(info, info.notes[notes]));
+  if (const std::string note = orientationNote(info); ranks.first() && !note.empty())
+    progress.note(namedNote(info, note));
   if (destination && !destination->leftOld().empty()) progress.note(destination->leftOld());
   report.buffer_bytes = plan.total();
   const auto voxels = static_cast<std::uint64_t>(info.geometry.dims.count());

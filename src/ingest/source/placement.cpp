@@ -99,4 +99,12 @@ VolumeGeometry placed(const VolumeGeometry& geometry, const Placement& placement
   return out;
 }
 
+std::string orientationNote(const SourceInfo& info) {
+  const VolumeGeometry& geometry = info.geometry;
+  const bool open = geometry.frame == PatientFrame::kUnknown && isUpright(geometry.world_from_index);
+  // A computed volume has no files. The grids of OpenVDB have z or y up by custom, and no patient.
+  if (!open || info.files.empty() || info.vdb) return {};
+  return "states no orientation; x is taken as left, y as back, z as up; --orient sets another, such as --orient RAS";
+}
+
 }  // namespace kiln

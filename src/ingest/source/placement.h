@@ -17,4 +17,7 @@ std::optional<AxisLetters> axisLettersOf(std::string_view text);
 /// under `flip`. throws: Error kUsage, naming `file` and the option, if the file states what the option would.
 VolumeGeometry placed(const VolumeGeometry& geometry, const Placement& placement, const std::string& file);
 
+/// Returns a note for a file that states no orientation, and that nobody has placed; else an empty text.
+std::string orientationNote(const SourceInfo& info);
+
 }  // namespace kiln

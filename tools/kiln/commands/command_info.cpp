@@ -15,6 +15,7 @@
 #include "grid/declared_look.h"
 #include "image/file/image_file.h"
 #include "ingest/open_source.h"
+#include "ingest/source/placement.h"
 #include "job/job_names.h"
 #include "picture_job.h"
 #include "say.h"
@@ -170,6 +171,7 @@ void printHeader(const std::string& path, const SourceInfo& info) {
       info.files.size() > 1 ? fmt::format(", {} files", info.files.size()) : "");
   printGeometry(info.geometry, info.type);
   for (const std::string& note : info.notes) say("note         {}\n", note);
+  if (const std::string note = orientationNote(info); !note.empty()) say("note         {}\n", note);
 }
 
 // Returns the header and the values of a volume file for programs, with the keys of a manifest.
