@@ -16,6 +16,7 @@
 #include "ingest/dicom/dicom_bytes.h"
 #include "ingest/dicom/dicom_directory.h"
 #include "ingest/source/header_text.h"
+#include "ingest/volume_format.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -238,6 +239,17 @@ std::vector<FormatFiles> picturesOf(const FolderEntries& entries) {
   return out;
 }
 
+// Refuses a folder of volume files; returns if there are none.
+void refuseVolumeFiles(const fs::path& directory, std::vector<fs::path> files) {
+  std::erase_if(files, [](const fs::path& file) { return !isThere(file) || !volumeFormatOf(file).read; });
+  if (files.empty()) return;
+  const std::string found = files.size() == 1 ? "a volume file" : fmt::format("{} volume files", files.size());
+  refuseFolder(directory,
+               fmt::format("a directory is read as slices of one volume (found {}: {}); name {}; kiln convert "
+                           "DIRECTORY --list lists all",
+                           found, named(files), files.size() == 1 ? "the file" : "one file at a time"));
+}
+
 // The slices of a folder by their format, without notes on other files. Searches the folders below if `in_subfolders`
 // is true, or the folder has no slices; sets `in_subfolders` if they were searched.
 SliceFiles chosenSlices(const fs::path& directory, FolderEntries& entries, bool& in_subfolders) {
@@ -337,6 +349,7 @@ SliceFiles slicesIn(const fs::path& directory) {
     std::erase_if(other, [&](const fs::path& path) { return path.parent_path() != directory; });
   if (dicom) passOverBadLinks(entries.unread, other, out.notes);
   passOver(entries.unread, out.files, out.notes);
+  if (out.files.empty()) refuseVolumeFiles(directory, other);
   if (out.files.empty())
     refuseFolder(directory, "a directory without slices: it holds no TIFF, DICOM, PNG, JPEG or JPEG 2000 file (found " +
                                 (other.empty() ? std::string("no file") : named(other)) + ")");
