@@ -197,7 +197,7 @@ TEST_F(SceneCli, ATransferFunctionIsShown) {
   const ToolResult preset = runTool({"tf", "ct-bone"});
   EXPECT_EQ(preset.exit_code, 0) << preset.err;
   EXPECT_NE(preset.out.find("330   0.90000"), std::string::npos) << preset.out;
-  EXPECT_NE(preset.out.find("#f1e7d1"), std::string::npos) << preset.out;
+  EXPECT_NE(preset.out.find("#e7dec8"), std::string::npos) << preset.out;
   const ToolResult store = runTool({"tf", store_, "--tf", "grayscale", "--window", "100,50", "-o", in("tf.png")});
   EXPECT_EQ(store.exit_code, 0) << store.err;
   for (const char* says : {"75   0.00000", "3 points", "volume       values "})

@@ -119,6 +119,36 @@ TEST(Presets, CtPresets_showTheTissueOfTheirName) {
   }
 }
 
+// Known because twice the voxels along each axis in the same box are the same object: its optical depth is the same. A
+// surface has its opacity within a voxel. Volumes of up to 768 voxels across keep an opacity per voxel.
+TEST(Presets, TissueThatIsSeenThrough_isAsTransparentInMoreVoxels) {
+  const auto headOf = [](const Extent3& dims, double spacing) {
+    Manifest out = ctHead(0, VoxelType::i16);
+    out.levels[0].geometry.dims = dims;
+    for (int axis = 0; axis < 3; ++axis) out.levels[0].geometry.world_from_index[axis][axis] = spacing;
+    return out;
+  };
+  const Manifest small = headOf({512, 512, 240}, 1), large = headOf({1024, 1024, 1024}, 0.5),
+                 larger = headOf({2048, 2048, 2048}, 0.25);
+  for (const std::string& name : presetNames()) {
+    if (!name.starts_with("ct-")) continue;
+    EXPECT_EQ(presetFor(name, small).unit, 0) << name;
+    const double unit = presetFor(name, large).unit;
+    const bool surface = name == "ct-skin" || name == "ct-bone";
+    EXPECT_NEAR(unit, surface ? 0 : 512 * std::sqrt(3.0) / 768, 1e-9) << name;
+    EXPECT_NEAR(presetFor(name, larger).unit, unit, 1e-12) << name;
+  }
+}
+
+// Known because the default light adds a highlight of 0.2 to a tint.
+TEST(Presets, TintsOfTissues_leaveRoomForAHighlight) {
+  for (const std::string& name : presetNames()) {
+    if ((!name.starts_with("ct-") && !name.starts_with("mr-") && name != "auto") || name == "ct-xray") continue;
+    for (const TransferPoint& point : presetFor(name, ctHead(0, VoxelType::i16)).points)
+      EXPECT_LE(std::max({point.color.r, point.color.g, point.color.b}), 0.8) << name;
+  }
+}
+
 // Otsu's threshold is between the peaks of air and tissue; the head's box has a diagonal of 173 voxels.
 TEST(Presets, ColourMaps_beginAboveEmptySpaceAndRise) {
   const Manifest head = ctHead(0, VoxelType::i16);

@@ -1,7 +1,7 @@
 // Hounsfield units: air -1000, aerated lung -950 to -700, fat -120 to -60, water 0, muscle and blood 30 to 80, blood
 // with contrast agent 150 to 450, spongy bone 150 to 500, compact bone 500 to 1900, enamel and metal above. Surfaces
-// reach 0.9 within the blur of a scanner. Tissue that other tissue shows through has 0.05 to 0.3: a layer of a few
-// voxels is a veil, an organ is nearly solid.
+// reach 0.9 within the blur of a scanner. Tissue that other tissue shows through has 0.05 to 0.3 per voxel of a CT of
+// 512 voxels: a layer of a few voxels is a veil, an organ is nearly solid.
 #include "scene/transfer/ct_presets.h"
 
 #include "scene/transfer/tissue_colors.h"
@@ -12,10 +12,12 @@ namespace {
 std::vector<CtPreset> madePresets() {
   return {
       {"ct-skin",
+       OpacityLength::kVoxel,
        {{-550, tint::kSkin, 0}, {-350, tint::kSkin, 0.9}, {100, tint::kSkinLight, 0.9}, {300, tint::kBone, 0.95}}},
-      {"ct-bone", {{130, tint::kBone, 0}, {330, tint::kBone, 0.9}, {1000, tint::kWhite, 0.97}}},
+      {"ct-bone", OpacityLength::kVoxel, {{130, tint::kBone, 0}, {330, tint::kBone, 0.9}, {1000, tint::kWhite, 0.97}}},
       // Skin is the border to air; tissue between skin and bone would hide the bone and is left out.
       {"ct-bone-and-skin",
+       OpacityLength::kObject,
        {{-700, tint::kSkin, 0},
         {-400, tint::kSkin, 0.1},
         {-200, tint::kSkin, 0.1},
@@ -25,6 +27,7 @@ std::vector<CtPreset> madePresets() {
         {1000, tint::kWhite, 0.97}}},
       // Fat is left out, so that muscles below it show; skin is a veil.
       {"ct-muscle",
+       OpacityLength::kObject,
        {{0, tint::kMuscle, 0},
         {40, tint::kMuscle, 0.12},
         {90, tint::kMuscle, 0.2},
@@ -33,6 +36,7 @@ std::vector<CtPreset> madePresets() {
         {400, tint::kBone, 0.9},
         {1000, tint::kWhite, 0.97}}},
       {"ct-fat",
+       OpacityLength::kObject,
        {{-180, tint::kFat, 0},
         {-130, tint::kFat, 0.15},
         {-60, tint::kFat, 0.15},
@@ -42,6 +46,7 @@ std::vector<CtPreset> madePresets() {
         {1000, tint::kWhite, 0.95}}},
       // Aerated tissue alone. The border of the body has the same values within a voxel, a faint outline.
       {"ct-lung",
+       OpacityLength::kObject,
        {{-940, tint::kLung, 0},
         {-860, tint::kLung, 0.04},
         {-760, tint::kLung, 0.04},
@@ -49,6 +54,7 @@ std::vector<CtPreset> madePresets() {
         {-350, tint::kLung, 0}}},
       // Blood with contrast agent in red; bone has the same values where it is spongy.
       {"ct-vessels",
+       OpacityLength::kObject,
        {{130, tint::kBlood, 0},
         {250, tint::kBlood, 0.35},
         {400, tint::kBloodLight, 0.7},
@@ -56,6 +62,7 @@ std::vector<CtPreset> madePresets() {
         {1200, tint::kWhite, 0.95}}},
       // Enamel and fillings in the shadow of the bone.
       {"ct-teeth",
+       OpacityLength::kObject,
        {{250, tint::kBone, 0},
         {500, tint::kBone, 0.015},
         {1300, tint::kBone, 0.03},
@@ -63,6 +70,7 @@ std::vector<CtPreset> madePresets() {
         {2200, tint::kWhite, 0.97}}},
       // As a radiograph: each layer absorbs little, more with its density.
       {"ct-xray",
+       OpacityLength::kObject,
        {{-500, tint::kFilmDark, 0},
         {-100, tint::kFilmDark, 0.0015},
         {80, tint::kFilm, 0.003},

@@ -8,9 +8,15 @@
 
 namespace kiln {
 
+/// The length of material that has the opacity of a point.
+/// - kVoxel: the mean spacing, for surfaces, which are as thick as the blur between two voxels.
+/// - kObject: a share of the volume's size if that is larger (presets.cpp), for tissue that other tissue shows through.
+enum class OpacityLength { kVoxel, kObject };
+
 struct CtPreset {
   std::string_view name;
-  std::vector<TransferPoint> points;  // values in Hounsfield units, opacities per mean spacing
+  OpacityLength length;
+  std::vector<TransferPoint> points;  // values in Hounsfield units
 };
 
 /// In the order of a list for users.

@@ -24,11 +24,11 @@ namespace {
 
 // Linear light.
 const glm::dvec3 kFogGrey{0.62, 0.66, 0.72}, kFogWarm{1.0, 0.93, 0.82}, kSolid{0.45, 0.62, 0.80},
-    kIvory{0.86, 0.82, 0.74};
+    kIvory{0.80, 0.76, 0.69};
 constexpr double kSurfaceOpacity = 0.9;
 
-// Returns the opacity per mean spacing that gives the box's mean diagonal this optical depth.
-double opacityForDepth(const Manifest& manifest, double optical_depth) {
+// unit: world.
+double meanDiagonal(const Manifest& manifest) {
   const VolumeGeometry& volume = manifest.geometry();
   const glm::dvec3 dims(volume.dims.x, volume.dims.y, volume.dims.z);
   double sum = 0;
@@ -36,7 +36,12 @@ double opacityForDepth(const Manifest& manifest, double optical_depth) {
        {glm::dvec3(1, 1, 1), glm::dvec3(-1, 1, 1), glm::dvec3(1, -1, 1), glm::dvec3(1, 1, -1)}) {
     sum += glm::length(glm::dmat3(volume.world_from_index) * (sign * dims));
   }
-  const double voxels = sum / 4 / volume.meanSpacing();
+  return sum / 4;
+}
+
+// Returns the opacity per mean spacing that gives the box's mean diagonal this optical depth.
+double opacityForDepth(const Manifest& manifest, double optical_depth) {
+  const double voxels = meanDiagonal(manifest) / manifest.geometry().meanSpacing();
   return voxels > 0 && std::isfinite(voxels) ? 1 - std::exp(-optical_depth / voxels) : 0.1;
 }
 
@@ -157,9 +162,17 @@ double valueOfHounsfield(const ValueRange& range, double hounsfield) {
   return range.lo + (hounsfield + 1024) / 3272 * (range.hi - range.lo);
 }
 
+// Returns the length of OpacityLength::kObject, 0 for a voxel: a volume of more voxels is as transparent as the same
+// volume of fewer voxels.
+double lengthInObject(const Manifest& manifest) {
+  constexpr double kVoxelsAcross = 768;  // the diagonal of 512 x 512 x 256 voxels, a CT of a head
+  const double length = meanDiagonal(manifest) / kVoxelsAcross;
+  return length > manifest.geometry().meanSpacing() && std::isfinite(length) ? length : 0;
+}
+
 TransferFunction computedTomography(const CtPreset& preset, const Manifest& manifest) {
   const ValueRange range = usableRange(manifest);
-  TransferFunction out{0, preset.points};
+  TransferFunction out{preset.length == OpacityLength::kObject ? lengthInObject(manifest) : 0, preset.points};
   for (TransferPoint& point : out.points) point.value = valueOfHounsfield(range, point.value);
   return out;
 }
