@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <string>
+#include <variant>
+#include <vector>
 
+#include "base/file/file.h"
 #include "base/memory/memory.h"
 #include "base/memory/spare_pages.h"
 #include "base/thread/parallel.h"
@@ -164,6 +167,29 @@ void OpenedJob::judge(DrawnFrame& drawn) const {
   if (drawn.continued) return;
   drawn.statistics.empty = emptinessOf(drawn.statistics, drawn.scene, requestFor(drawn.scene), volumes_.manifests());
   drawn.statistics.one_colour = isOfOneColour(drawn.scene, volumes_.manifests());
+}
+
+void OpenedJob::noteLook(Progress& progress) const {
+  noteDeep(progress);
+  notePaleFog(progress);
+}
+
+void OpenedJob::notePaleFog(Progress& progress) const {
+  const PictureOptions& picture = job_.picture;
+  if (!job_.volumes.empty() || picture.background || !engineOf(picture).capabilities().composites) return;
+  if (firstVolume().manifest().volume_class != VolumeClass::kFog) return;
+  const auto* const preset = std::get_if<std::string>(&picture.transfer_function);
+  if (preset == nullptr || (*preset != "auto" && *preset != "fog")) return;
+  std::vector<std::filesystem::path> paths = {job_.output.path};
+  for (const OutputFile& file : job_.output.files) paths.push_back(file.path);
+  for (const std::filesystem::path& path : paths) {
+    if (extensionOf(path) != ".png") continue;
+    progress.note(
+        fmt::format("{}: the fog is bright and the background transparent, which is pale on a white page; "
+                    "--background black is dark, --background transparent leaves this note out",
+                    path.string()));
+    return;
+  }
 }
 
 void OpenedJob::noteDeep(Progress& progress) const {

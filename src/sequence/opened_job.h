@@ -73,14 +73,18 @@ class OpenedJob {
   std::vector<Doubt> doubts() const;
   /// Sets the reason for an empty frame.
   void judge(DrawnFrame& drawn) const;
-  /// Notes that a deep picture differs from the flat picture of equal options, unless both are drawn.
-  void noteDeep(Progress& progress) const;
+  /// Notes that a deep picture differs from the flat picture of equal options, unless both are drawn; and that a PNG of
+  /// bright fog looks pale on a white page, unless the job has a background.
+  void noteLook(Progress& progress) const;
   /// The plan of the job's memory.
   const FrameMemory& memory() const { return memory_; }
   /// Adds the plan and the peak so far to the statistics.
   void describeMemory(RenderStatistics& statistics) const;
 
  private:
+  void noteDeep(Progress& progress) const;
+  void notePaleFog(Progress& progress) const;
+
   const RenderJob job_;
   const RenderJob drawn_job_;  // with the AOVs of all files
   const OpenedVolumes volumes_;

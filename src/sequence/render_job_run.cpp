@@ -28,7 +28,7 @@ void requireDrawable(const RenderJob& job) {
 RenderResult drawFirstFrame(const RenderJob& job, OpenedJob& opened, int repeat, Progress& progress) {
   const int number = framesOf(job).front();
   for (const OpenedJob::Doubt& doubt : opened.doubts()) progress.warn(doubt.sentence);
-  opened.noteDeep(progress);
+  opened.noteLook(progress);
   RenderResult result;
   DrawnFrame drawn;
   UncountedProgress of_one(progress);

@@ -88,7 +88,7 @@ OpenedJob& SequenceFrames::openedFor(int frame) {
   if (role_.part) job.picture.clipping.part = role_.part;
   opened_ = std::make_unique<OpenedJob>(job, progress_, beside_, role_.shared_reads, role_.writes_behind);
   if (!role_.warns) return *opened_;
-  if (frame == numbers_.front()) opened_->noteDeep(progress_);
+  if (frame == numbers_.front()) opened_->noteLook(progress_);
   for (const OpenedJob::Doubt& doubt : opened_->doubts()) {
     if (doubted_.insert(doubt.kind).second) progress_.warn(doubt.sentence);
   }

@@ -16,6 +16,7 @@
 #include "image/file/image_file.h"
 #include "support/reference/drawing.h"
 #include "support/system/tool_test.h"
+#include "support/volumes/vdb_files.h"
 
 namespace kiln::test {
 namespace {
@@ -84,6 +85,21 @@ TEST_F(ViewsCli, ADeepPictureSaysHowItDiffersFromAFlatOne) {
   writeText(in("job.json"), R"({"kiln": 1, "volume": "h.kiln", "image": {"width": 60, "height": 40},
     "outputs": [{"path": "deep.exr", "content": "deep"}, {"path": "flat.exr"}]})");
   EXPECT_EQ(done({"render", in("job.json")}).err.find(note), std::string::npos);
+}
+
+TEST_F(ViewsCli, PngOfBrightFog_isNotedWithoutABackground) {
+  writeVdb(in("fog.vdb"), {{.kind = VdbKind::kInt32}});
+  const auto notes = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"render", in("fog.vdb"), "--size", "24x24"});
+    return done(options).err.find("the fog is bright and the background transparent") != std::string::npos;
+  };
+  EXPECT_TRUE(notes({"-o", in("fog.png")}));
+  EXPECT_TRUE(notes({"-o", in("fog.png"), "--tf", "fog"}));
+  EXPECT_FALSE(notes({"-o", in("fog.exr")}));
+  EXPECT_FALSE(notes({"-o", in("fog.png"), "--tf", "viridis"}));
+  EXPECT_FALSE(notes({"-o", in("fog.png"), "--mode", "mip"}));
+  for (const char* background : {"black", "transparent"})
+    EXPECT_FALSE(notes({"-o", in("fog.png"), "--background", background})) << background;
 }
 
 TEST_F(ViewsCli, ADeepPictureIsOneOfAFramesFilesAndIsKeptByResume) {
