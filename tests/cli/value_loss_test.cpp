@@ -18,7 +18,9 @@ class ValueLoss : public ToolTest {
     std::string bytes(sizeof values, '\0');
     std::memcpy(bytes.data(), values, sizeof values);
     writeText(in("v.raw"), bytes);
-    return done({"convert", in("v.raw"), in("v.kiln"), "--dims", "2,1,1", "--type", type, option, "--overwrite"}).err;
+    return done({"convert", in("v.raw"), in("v.kiln"), "--dims", "2,1,1", "--orient", "LPS", "--type", type, option,
+                 "--overwrite"})
+        .err;
   }
 };
 
