@@ -11,11 +11,12 @@
 #include "base/memory/memory.h"
 #include "base/thread/parallel.h"
 #include "base/thread/trace.h"
-#include "frame/aov_planes.h"
-#include "frame/make_visibility.h"
+#include "frame/light/illuminate.h"
 #include "frame/panorama.h"
 #include "frame/part_image.h"
+#include "frame/pass/aov_planes.h"
 #include "frame/pass/make_pass.h"
+#include "frame/pass/make_visibility.h"
 #include "frame/pixel_filter.h"
 #include "image/file/exr_cost.h"
 #include "image/file/image_file.h"
@@ -128,6 +129,7 @@ class FrameAccount {
   FrameMemory charged() {
     chargePixels();
     chargeFace();
+    if (engineOf(job_).capabilities().composites) chargeShadows();
     if (engineOf(job_).capabilities().composites)
       out_.visibility = visibilityBytes(job_.speed.visibility.method, tested_);
     chargeIndex();
@@ -161,6 +163,15 @@ class FrameAccount {
     out_.face =
         static_cast<std::uint64_t>(tested_.width) * static_cast<std::uint64_t>(tested_.height) * pixelBytes(job_) +
         pixels_ * sizeof(float);
+  }
+
+  void chargeShadows() {
+    std::vector<Clipping> clippings;
+    for (const VolumeOptions& volume : job_.volumes) clippings.push_back(volume.clipping);
+    if (clippings.empty()) clippings.push_back(job_.picture.clipping);
+    Shading shading = job_.picture.shading;
+    if (!job_.animation.lights.empty()) shading.lights = job_.animation.lights.front().value;
+    out_.shadows = illuminationBytes(stores_, clippings, shading, size_);
   }
 
   void chargeIndex() {
@@ -281,7 +292,8 @@ std::uint64_t cacheBytes(const FrameMemory& memory, std::uint64_t budget_bytes, 
                             formatBytes(budget_bytes), roundedUpBytes(memory.smallest()),
                             formatBytes(memory.image + memory.face),
                             part(memory.least_band, "a band of samples (--samples, --crop of rays)") +
-                                part(memory.deep, "deep samples (--deep-samples)"),
+                                part(memory.deep, "deep samples (--deep-samples)") +
+                                part(memory.shadows, "shadows and ambient occlusion (--shadows, --ambient-occlusion)"),
                             formatBytes(memory.visibility), formatBytes(memory.index), formatBytes(memory.least_slabs),
                             part(memory.least_files, "a file's compression (--compression)") +
                                 part(memory.threads, "threads' stacks (--threads)") + part(memory.trace, "the trace") +

@@ -19,6 +19,7 @@ struct FrameMemory {
   std::uint64_t band = 0;        // the rows of samples drawn at a time; 0 if a pixel is one sample
   std::uint64_t face = 0;        // one face of a panorama
   std::uint64_t deep = 0;        // samples of a deep image, up to the user's bound per pixel
+  std::uint64_t shadows = 0;     // shadow maps and ambient occlusion, with the memory for drawing them
   std::uint64_t visibility = 0;  // the structure of the visibility method
   std::uint64_t index = 0;       // the indices of the stores, and the frame's octree above bricks
   std::uint64_t slabs = 0;       // scratch of each thread: cells, sums of several volumes; a tile of voxels
@@ -43,7 +44,7 @@ struct FrameMemory {
     return framebuffer() + visibility + index + slabs + files + threads + trace + functions + shared;
   }
   /// Memory that grows with the drawn pixels.
-  std::uint64_t framebuffer() const { return image + face + band + deep + behind; }
+  std::uint64_t framebuffer() const { return image + face + band + deep + shadows + behind; }
   /// Describes `brick` for a sentence that begins with its bytes.
   const char* brickText() const { return several ? "of bricks that meet in a tile" : "to read one brick"; }
   /// The least budget that draws the frame.

@@ -8,9 +8,11 @@
 #include <limits>
 
 #include "base/thread/parallel.h"
-#include "frame/aov_planes.h"
 #include "frame/background.h"
-#include "frame/frame_drawing.h"
+#include "frame/light/illuminate.h"
+#include "frame/light/shadow_views.h"
+#include "frame/pass/aov_planes.h"
+#include "frame/pass/frame_drawing.h"
 
 namespace kiln {
 namespace {
@@ -258,12 +260,7 @@ std::array<View, kPanoramaFaces> panoramaFaces(const View& panorama) {
 
 // A camera light has the direction of the panorama's camera, and not of a face's.
 void turnLights(const View& panorama, Shading& shading) {
-  const glm::dmat3 world_from_view = glm::transpose(glm::dmat3(panorama.view_from_world));
-  for (Light& light : shading.lights) {
-    if (light.kind != LightKind::kCamera) continue;
-    light.kind = LightKind::kDirectional;
-    light.place = world_from_view * glm::dvec3(light.place.x, -light.place.y, -light.place.z);
-  }
+  for (Light& light : shading.lights) light = standing(light, panorama);
 }
 
 FrameRequest faceOf(const FrameRequest& panorama, const View& face) {
@@ -299,12 +296,14 @@ std::array<PixelRect, kPanoramaFaces> facePixels(const View& panorama, const Pix
   return out;
 }
 
-Image renderPanorama(BrickCache& cache, const FrameRequest& request, Progress& progress, FrameStatistics& statistics) {
+Image renderPanorama(BrickCache& cache, FrameRequest request, Progress& progress, FrameStatistics& statistics) {
+  FrameStatistics of_lights;
+  illuminate(cache, progress, request, of_lights);
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
   Panorama panorama(request.view, pixels, request.aovs);
   const std::array<View, kPanoramaFaces> faces = panoramaFaces(request.view);
   const std::array<PixelRect, kPanoramaFaces> drawn_pixels = facePixels(request.view, pixels);
-  statistics = {};
+  statistics = std::move(of_lights);
   for (std::size_t i = 0; i < faces.size(); ++i) {
     if (drawn_pixels[i].empty()) continue;
     FrameRequest of_face = faceOf(request, faces[i]);

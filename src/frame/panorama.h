@@ -23,6 +23,6 @@ std::array<PixelRect, kPanoramaFaces> facePixels(const View& panorama, const Pix
 
 /// Draws an equirectangular view as renderFrame does. Depths are distances from the eye. Statistics are sums over
 /// faces; total and damaged bricks count once. requires: one sample a pixel, no deep image, no part.
-Image renderPanorama(BrickCache& cache, const FrameRequest& request, Progress& progress, FrameStatistics& statistics);
+Image renderPanorama(BrickCache& cache, FrameRequest request, Progress& progress, FrameStatistics& statistics);
 
 }  // namespace kiln

@@ -4,7 +4,7 @@
 #include <glm/matrix.hpp>
 
 #include "base/thread/parallel.h"
-#include "frame/aov_planes.h"
+#include "frame/pass/aov_planes.h"
 #include "job/job_facts.h"
 
 namespace kiln {

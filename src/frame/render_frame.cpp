@@ -12,12 +12,13 @@
 #include "base/elapsed.h"
 #include "base/thread/parallel.h"
 #include "base/thread/profile_scope.h"
-#include "frame/aov_planes.h"
 #include "frame/background.h"
 #include "frame/empty_frame.h"
-#include "frame/frame_drawing.h"
+#include "frame/light/illuminate.h"
 #include "frame/panorama.h"
 #include "frame/part_image.h"
+#include "frame/pass/aov_planes.h"
+#include "frame/pass/frame_drawing.h"
 #include "frame/pass/make_pass.h"
 #include "frame/pixel_filter.h"
 #include "scene/camera/framing.h"
@@ -192,12 +193,13 @@ std::uint64_t bytesAtOnce(const std::vector<const BrickedVolume*>& stores, const
   return out;
 }
 
-FramePainter::FramePainter(BrickCache& cache, const FrameRequest& request, Progress& progress)
-    : request_(request), of_sub_pixels_(ofSubPixels(request, filterOf(request).edge(), cache.stores())) {
+FramePainter::FramePainter(BrickCache& cache, const FrameRequest& request, Progress& progress) : request_(request) {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
   requireRequest(cache.stores(), request);
   drawnPixels(request.view.size, request.crop);
+  illuminate(cache, progress, request_, lights_);
+  of_sub_pixels_ = ofSubPixels(request_, filterOf(request_).edge(), cache.stores());
   drawing_ = std::make_unique<FrameDrawing>(cache, of_sub_pixels_, progress);
   count(begin, before);
 }
@@ -233,6 +235,7 @@ FrameStatistics FramePainter::finish() {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
   FrameStatistics out = drawing_->finish();
+  out.addView(lights_);
   count(begin, before);
   out.visible = cost_.visible;
   out.wall_s = cost_.wall_s;

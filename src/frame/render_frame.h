@@ -58,9 +58,10 @@ class FramePainter {
   FrameStatistics finish();
 
  private:
-  const FrameRequest request_, of_sub_pixels_;
+  FrameRequest request_, of_sub_pixels_;
   void count(std::chrono::steady_clock::time_point begin, const BusyTimes& before);
-  FrameStatistics cost_;  // time and visibility of all pieces so far
+  FrameStatistics cost_;    // time and visibility of all pieces so far
+  FrameStatistics lights_;  // counts of the lights' views
   std::unique_ptr<FrameDrawing> drawing_;
 };
 

@@ -13,6 +13,7 @@ inline constexpr std::array<std::string_view, 6> kSideNames = {"front", "back", 
 inline constexpr std::array<std::string_view, 5> kVisibilityNames = {"none", "mask", "range-tree", "quadtree",
                                                                      "overlay"};
 inline constexpr std::array<std::string_view, 2> kShadingNames = {"none", "phong"};
+inline constexpr std::array<std::string_view, 2> kOccludesNames = {"ambient", "all"};
 inline constexpr std::array<std::string_view, 4> kLightNames = {"headlight", "directional", "point", "camera"};
 inline constexpr std::array<std::string_view, 3> kEaseNames = {"smooth", "linear", "stop"};
 inline constexpr std::array<std::string_view, 3> kFitNames = {"visible", "region", "box"};

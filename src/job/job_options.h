@@ -34,6 +34,8 @@ const Options<CameraSpec>& cameraOptions();
 const Options<Turntable>& turntableOptions();
 const Options<Stereo>& stereoOptions();
 const Options<Shading>& shadingOptions();
+const Options<Shadow>& shadowOptions();
+const Options<AmbientOcclusion>& occlusionOptions();
 const Options<Light>& lightOptions();
 const Options<ClipPlane>& clipPlaneOptions();
 const ListOf<VolumeOptions>& volumeList();

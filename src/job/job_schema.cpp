@@ -79,6 +79,8 @@ std::string jobSchemaText() {
   addObject("gradientPoint", gradientPointOptions(), definitions);
   addObject("label", labelOptions(), definitions);
   addObject("light", lightOptions(), definitions);
+  addObject("shadow", shadowOptions(), definitions);
+  addObject("ambientOcclusion", occlusionOptions(), definitions);
   addObject("clipPlane", clipPlaneOptions(), definitions);
   requireOneOf({"points", "labels"}, definitions["transferFunction"]);
   requireOneOf({"interocular", "keyframes"}, definitions["stereo"]);

@@ -87,6 +87,52 @@ nlohmann::json planeOfText(const std::string& text) {
   return nlohmann::json::array({plane});
 }
 
+// A number, an object, or "STRENGTH[:RADIUS]".
+OptionValue<Shading> occlusionValue() {
+  const auto read = [](const JobObject& object, std::string_view key, Shading& shading) {
+    shading.occlusion = {};
+    if (object.isObject(key))
+      readOptions(occlusionOptions(), *object.object(key), shading.occlusion);
+    else
+      Number{kFraction.range}.read(object, key, shading.occlusion.strength);
+  };
+  const auto write = [](const Shading& shading) {
+    return shading.occlusion.strength > 0 ? resolvedJson(occlusionOptions(), shading.occlusion)
+                                          : nlohmann::ordered_json();
+  };
+  OptionForm form = schemaForm({{"anyOf", {Number{kFraction.range}.form().schema, {{"$ref", "ambientOcclusion"}}}}});
+  form.value_name = "STRENGTH[:RADIUS]";
+  form.expected = "a strength from 0 to 1, and a radius in world units after a colon";
+  form.parse = [](const std::string& text) -> nlohmann::json {
+    const std::vector<std::string_view> parts = splitAt(text, ':');
+    if (parts.size() > 2) return {};
+    const nlohmann::json strength = numbersOfText(parts[0]);
+    if (strength.size() != 1) return {};
+    if (parts.size() == 1) return strength[0];
+    const nlohmann::json radius = numbersOfText(parts[1]);
+    if (radius.size() != 1) return {};
+    return {{"strength", strength[0]}, {"radius", radius[0]}};
+  };
+  return OptionValue<Shading>::custom(std::move(form), read, write).resolvedIf(kAlways);
+}
+
+// true, false or an object.
+OptionValue<Light> shadowValue() {
+  const auto read = [](const JobObject& object, std::string_view key, Light& light) {
+    light.shadow = {};
+    light.shadow.casts = true;
+    if (object.isObject(key))
+      readOptions(shadowOptions(), *object.object(key), light.shadow);
+    else
+      Switch{}.read(object, key, light.shadow.casts);
+  };
+  const auto write = [](const Light& light) {
+    return light.shadow.casts ? resolvedJson(shadowOptions(), light.shadow) : nlohmann::ordered_json();
+  };
+  return OptionValue<Light>::custom(schemaForm({{"anyOf", {{{"type", "boolean"}}, {{"$ref", "shadow"}}}}}), read, write)
+      .resolvedIf(kAlways);
+}
+
 }  // namespace
 
 std::vector<SharedRange> sharedRanges() { return {kFraction, kWeight, kBrightness, kLength, kPositiveLength}; }
@@ -170,6 +216,41 @@ const Options<Shading>& shadingOptions() {
           "Weight of highlights, in the colour of the light."),
       Row("power", "--power", kLight, {KILN_MEMBER(power), Number{{0, 1e4}}, kAlways},
           "Exponent of highlights; larger is narrower."),
+      Row("shadows", "--shadows", kLight,
+          {KILN_MEMBER(shadows), Switch{}, [](const Shading& shading) { return shading.shadows; }},
+          "The volumes cast shadows in all lights but headlights, whose shadows the eye does not see."),
+      Row("ambientOcclusion", "--ambient-occlusion", kLight, occlusionValue(),
+          "Share of the ambient light that near matter keeps away, as STRENGTH or STRENGTH:RADIUS; in a job also an "
+          "object with strength, radius and occludes. Default radius: a tenth of the volume's longest edge."),
+  };
+  return kOptions;
+}
+
+const Options<Shadow>& shadowOptions() {
+  using Row = Option<Shadow>;
+  static const Options<Shadow> kOptions = {
+      Row("strength", {KILN_MEMBER(strength), Number{kFraction.range, "", kFraction.name}, kAlways},
+          "Share of the light that an opaque object takes away."),
+      Row("softness", {KILN_MEMBER(softness), Number{{0, 45}, "degrees"}, kAlways},
+          "Angle of the light, seen from the volume: 0 for sharp shadows, 0.5 for the sun."),
+      Row("resolution", {KILN_MEMBER(resolution), Whole{0, kMostShadowEdge, "pixels"}, kAlways},
+          "Longest edge of the shadow map; 0: the longer side of the picture, from 512 to 1024 pixels, and at most the "
+          "longest side of the volume in voxels; half as much for soft shadows."),
+  };
+  return kOptions;
+}
+
+const Options<AmbientOcclusion>& occlusionOptions() {
+  using Row = Option<AmbientOcclusion>;
+  static const Options<AmbientOcclusion> kOptions = {
+      Row("strength", {KILN_MEMBER(strength), Number{kFraction.range, "", kFraction.name}, kAlways},
+          "Share of the light that matter keeps away.", "occlusion has a strength from 0 to 1"),
+      Row("radius",
+          {KILN_MEMBER(radius), Number{kLength.range, "world units", kLength.name},
+           [](const AmbientOcclusion& occlusion) { return occlusion.radius > 0; }},
+          "Distance beyond which matter does not occlude. 0: a tenth of the volume's longest edge."),
+      Row("occludes", {KILN_MEMBER(diffuse), Word{kOccludesNames}, kAlways},
+          "ambient: occludes ambient light; all: diffuse light, too."),
   };
   return kOptions;
 }
@@ -189,6 +270,8 @@ const Options<Light>& lightOptions() {
           "[red, green, blue] in linear light, or a name, #rgb or #rrggbb in sRGB."),
       Row("intensity", {KILN_MEMBER(intensity), Number{kBrightness.range, "", kBrightness.name}, kAlways},
           "Factor of the colour."),
+      Row("shadow", shadowValue(),
+          "true, or the strength, softness and resolution of the shadow: the volumes cast shadows."),
   };
   return kOptions;
 }

@@ -7,6 +7,7 @@
 namespace kiln {
 
 inline constexpr std::size_t kMostLights = 64;
+inline constexpr int kMostShadowEdge = 4096;        // a map of so many pixels along each side has 1 GiB
 inline constexpr std::size_t kMostClipPlanes = 64;  // beside the six planes of a region in the world
 inline constexpr std::size_t kMostVolumesOfJob = 64;
 inline constexpr std::size_t kMostOutputs = 64;  // additional files of each frame

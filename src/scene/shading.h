@@ -1,6 +1,7 @@
 // Shading of samples: the material and the lights. Shared by jobs, kernels and the reference renderer.
 #pragma once
 
+#include <algorithm>
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -15,7 +16,16 @@ enum class LightKind { kHeadlight, kDirectional, kPoint, kCamera };
 /// Returns whether the light's place is a direction.
 constexpr bool isFar(LightKind kind) { return kind == LightKind::kDirectional || kind == LightKind::kCamera; }
 
-/// A light without falloff and without shadows.
+/// The shadow that the volumes cast in a light.
+struct Shadow {
+  bool casts = false;
+  double strength = 1;  // share of the light that an opaque object takes away, 0 to 1
+  double softness = 0;  // angle of the light, seen from the volume. unit: degrees
+  int resolution = 0;   // largest edge of a shadow map; 0: by the volumes and the picture. unit: pixels
+  bool operator==(const Shadow&) const = default;
+};
+
+/// A light without falloff.
 struct Light {
   LightKind kind = LightKind::kHeadlight;
   /// kDirectional: direction towards the light, of any positive length; kCamera: the direction in the camera's axes, x
@@ -23,7 +33,16 @@ struct Light {
   glm::dvec3 place{0, 0, 1};
   glm::dvec3 color{1};  // linear light
   double intensity = 1;
+  Shadow shadow = {};  // a headlight has none: the eye sees no shadow of its own light
   bool operator==(const Light&) const = default;
+};
+
+/// The share of light that matter around a sample keeps away from it.
+struct AmbientOcclusion {
+  double strength = 0;   // 0: none, 1: all
+  double radius = 0;     // beyond which matter does not occlude; 0: a tenth of the volumes' longest edge. unit: world
+  bool diffuse = false;  // occludes diffuse light, too
+  bool operator==(const AmbientOcclusion&) const = default;
 };
 
 /// Blinn-Phong shading. A sample with normal n, seen from direction v, sends colour·(ambient + Σ L·diffuse·n·l) + Σ
@@ -35,7 +54,21 @@ struct Shading {
   bool phong = true;  // model "phong"; false is "none": colours of the transfer function
   double ambient = 0.2, diffuse = 0.8, specular = 0.2, power = 16;
   std::vector<Light> lights = {Light{}};
+  bool shadows = false;  // all lights cast shadows
+  AmbientOcclusion occlusion = {};
   bool operator==(const Shading&) const = default;
 };
+
+/// Returns whether the volumes cast shadows in the light.
+inline bool castsShadows(const Shading& shading, const Light& light) {
+  return shading.phong && (shading.shadows || light.shadow.casts) && light.kind != LightKind::kHeadlight;
+}
+
+/// Returns whether a sample's light depends on the volume around it: on shadows or ambient occlusion.
+inline bool isShaded(const Shading& shading) {
+  if (shading.phong && shading.occlusion.strength > 0) return true;
+  return std::any_of(shading.lights.begin(), shading.lights.end(),
+                     [&](const Light& light) { return castsShadows(shading, light); });
+}
 
 }  // namespace kiln

@@ -9,10 +9,10 @@
 #include "base/elapsed.h"
 #include "cluster/shared_lists.h"
 #include "composite/part_order.h"
-#include "frame/aov_planes.h"
 #include "frame/background.h"
 #include "frame/empty_frame.h"
 #include "frame/part_image.h"
+#include "frame/pass/aov_planes.h"
 #include "job/frame_list.h"
 #include "job/frame_scene.h"
 #include "job/job_facts.h"
@@ -88,6 +88,10 @@ struct Plan {
 Plan planFor(const RenderJob& job, const SequenceOptions& options) {
   requireParts(job);
   if (!options.store_local.empty()) {
+    if (isShaded(job.picture.shading))
+      throw Error(ErrorCode::kUsage,
+                  "--store-local: shadows and ambient occlusion need the whole volume (found a part of it); leave out "
+                  "--shadows and --ambient-occlusion, or give all ranks the whole store");
     const std::filesystem::path part = pathOfFrame(options.store_local, options.ranks->rank() + 1);
     return {[part](const std::filesystem::path&) { return part; }, boxesOnDisks(part, job.volume, *options.ranks)};
   }

@@ -18,7 +18,7 @@
 #include "base/file/path_status.h"
 #include "base/file/record_file.h"
 #include "base/hash.h"
-#include "frame/aov_planes.h"
+#include "frame/pass/aov_planes.h"
 #include "frame/pass/frame_progress.h"
 #include "job/job_facts.h"
 #include "sequence/file_part.h"

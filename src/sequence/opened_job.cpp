@@ -14,6 +14,7 @@
 #include "base/thread/profile_scope.h"
 #include "engine/shown_box.h"
 #include "frame/empty_frame.h"
+#include "frame/light/illuminate.h"
 #include "frame/pass/frame_progress.h"
 #include "job/job_facts.h"
 #include "scene/transfer/label_styles.h"
@@ -98,6 +99,10 @@ FrameMemory memoryOf(RenderJob job, const std::vector<const BrickedVolume*>& sto
   for (const BrickedVolume* const store : stores) least = std::max(least, store->largestReadBytes());
   if (!job.volumes.empty())
     least = std::max(least, bytesAtOnce(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
+  if (job.picture.shading.occlusion.strength > 0 && engineOf(job).capabilities().composites) {
+    const FrameRequest request = requestOf(scenes.at(framesOf(job).front()), job.speed);
+    least = std::max(least, bytesAtOnce(stores, latticeRequest(stores, request)));
+  }
   // Memory that the frame cannot choose is taken off before shares of the budget are computed.
   const std::uint64_t functions = scenes.functionBytes();
   job.speed.memory_bytes -= std::min(job.speed.memory_bytes, beside.bytes + functions);
@@ -160,6 +165,12 @@ std::vector<OpenedJob::Doubt> OpenedJob::doubts() const {
     add(v, manifest.assumption);
     if (v > 0 && isAuto(job_.volumes[v])) add(v, likelyLabelsText(manifest));
   }
+  const Shading& shading = job_.picture.shading;
+  if (shading.shadows && std::none_of(shading.lights.begin(), shading.lights.end(),
+                                      [&](const Light& light) { return castsShadows(shading, light); }))
+    out.push_back({"headlights",
+                   "--shadows: the eye sees no shadow of a headlight (found no other light); add a light, "
+                   "such as --light cam:-1,1,1"});
   return out;
 }
 
@@ -205,6 +216,7 @@ void OpenedJob::noteDeep(Progress& progress) const {
 FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {
   FrameRequest request = requestOf(scene, job_.speed, memory_);
   if (drawsDeep(job_)) request.deep = job_.output.deep_bound;
+  request.last_illumination = &shadows_;
   return request;
 }
 

@@ -93,6 +93,7 @@ class OpenedJob {
   FrameMemory memory_;
   const OpenedForRanks for_ranks_;
   BrickCache cache_;
+  mutable std::shared_ptr<const Illumination> shadows_;  // of the last view
 };
 
 /// Threads of a cache that read ahead: none with one thread, so that statistics repeat exactly.

@@ -11,7 +11,7 @@
 #include "base/elapsed.h"
 #include "cluster/shared_lists.h"
 #include "cluster/work_ranges.h"
-#include "frame/aov_planes.h"
+#include "frame/pass/aov_planes.h"
 #include "frame/pass/frame_progress.h"
 #include "job/job_facts.h"
 #include "sequence/brick_sequence.h"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "frame/make_visibility.h"
+#include "frame/pass/make_visibility.h"
 
 namespace kiln {
 namespace {

@@ -140,6 +140,9 @@ std::vector<BudgetRow> pictureRows() {
       rendered("panorama", 16, {"--size", "240x120", "--projection", "equirectangular"}),
       rendered("deep", 24, {"--size", "150x150", "--deep"}),
       rendered("two volumes", 24, {"--size", "150x150", "--samples", "1", "--add", "IN/head.kiln"}),
+      rendered(
+          "shadows and ambient occlusion", 32,
+          {"--size", "200x200", "--samples", "1", "--light", "dir:1,1,1", "--shadows", "--ambient-occlusion", "1"}),
       rendered("partial image", 16, {"--size", "200x200", "--part", "1/4"}),
       rendered("sequence", 16, {"--size", "250x250", "--turntable", "3", "--samples", "1"}, "IN/o_#.png"),
       rendered("checkpoint", 32, {"--size", "900x900", "--samples", "1", "--checkpoint"}),

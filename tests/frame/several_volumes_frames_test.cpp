@@ -7,7 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/thread/parallel.h"
-#include "frame/frame_drawing.h"
+#include "frame/pass/frame_drawing.h"
 #include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/system/expect_error.h"

@@ -10,7 +10,7 @@
 #include <functional>
 #include <limits>
 
-#include "frame/make_visibility.h"
+#include "frame/pass/make_visibility.h"
 
 namespace kiln {
 namespace {

@@ -16,6 +16,7 @@
 #include "engine/pixel/cell_field-inl.h"
 #include "engine/pixel/cell_rays-inl.h"
 #include "engine/pixel/classify-inl.h"
+#include "engine/pixel/sample_light-inl.h"
 #include "engine/shared/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -224,12 +225,14 @@ class CellCaster {
       s_.weight[n] = weight;
       s_.opacity[n] = before;
       if (any_aovs && weight > 0) addAovs(n, pixel, before, weight, opacity, closes);
+      if (tile_.shadows != nullptr && weight > 0) addShadow(s_.kept_code[n], before, closes ? 1 : after);
       if (!closes) continue;
       s_.closed[closed++] = {pixel, after};
       alpha = 1.0f;
     }
     closed_count_ = closed;
     keepSeen();
+    if (tile_.shadows != nullptr) kept_ = 0;  // a light's view has no light
   }
 
   // Keeps the samples with a weight above zero.
@@ -265,6 +268,14 @@ class CellCaster {
       }
     }
     keepSeen();
+  }
+
+  void addShadow(std::int32_t code, float before, float after) {
+    const SlabZone& zone = context_.zone();
+    const CellPlaces::Place at = p_.placeOf(code);
+    const double near = zone.near + at.slab * zone.thickness;
+    const double thickness = (code >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
+    tile_.shadows->add(at.x, at.y, static_cast<float>(near), static_cast<float>(near + thickness), before, after);
   }
 
   HWY_NOINLINE void addAovs(std::size_t n, std::int32_t pixel, float before, float weight, float opacity, bool closes) {
@@ -303,7 +314,8 @@ class CellCaster {
     const bool one_color = in_.color != nullptr && !finishes_;
     if (!one_color) lookUpColors(n, count);
     if (finishes_) finishColors(n, count);
-    if (l_.light.phong) field_.findSlopes(n, count);
+    const bool lights = l_.light.phong || l_.lights != nullptr;
+    if (lights) field_.findSlopes(n, count);
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
       V red, green, blue, unused;
       if (one_color)
@@ -317,6 +329,8 @@ class CellCaster {
         lightOn(d, l_.light, l_.perspective, slope, p_.sightOf(w), matte, gloss);
         const auto lit = [&](V color) { return fused(color, matte, gloss); };
         red = lit(red), green = lit(green), blue = lit(blue);
+      } else if (l_.lights != nullptr) {
+        lightAt(n + i, i, count - i, red, green, blue);
       }
       const V weight = hn::LoadU(d, s_.weight + n + i);
       hn::StoreInterleaved4(hn::Mul(weight, red), hn::Mul(weight, green), hn::Mul(weight, blue),
@@ -350,6 +364,18 @@ class CellCaster {
       slope.z = hn::IfThenElse(lit, a == 2 ? normal : none, slope.z);
     }
     return slope;
+  }
+
+  // Lights a vector of samples, the i-th of its batch on, in any lights.
+  HWY_NOINLINE void lightAt(std::size_t n, std::size_t i, std::size_t count, V& red, V& green, V& blue) const {
+    const D d;
+    const CellPlaces::Where w = p_.whereIs(hn::LoadU(DI(), s_.kept_code + n));
+    const Sight sight = p_.sightOf(w);
+    const Vector slope = in_.at_border ? slopeAtBorder(w, field_.slopes(i)) : field_.slopes(i);
+    Colors colors{red, green, blue};
+    SampleLight(*l_.lights, l_.perspective)
+        .on(slope, sight, p_.viewOf(w, sight), hn::FirstN(d, std::min(count, hn::Lanes(d))), colors);
+    red = colors.red, green = colors.green, blue = colors.blue;
   }
 
   // Looks up the colours of a batch of samples.

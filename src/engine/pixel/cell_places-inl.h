@@ -91,6 +91,14 @@ class CellPlaces {
     if (!l_.perspective) return {u, v, one};
     return {u, v, hn::Sqrt(fused(u, u, fused(v, v, one)))};
   }
+  // Position of a sample in view space. unit: world.
+  HWY_INLINE Vector viewOf(const Where& w, const Sight& sight) const {
+    const D d;
+    const V slabs = hn::Add(w.t, hn::Set(d, r_.middle + 0.5f));
+    const V z = fused(slabs, hn::Set(d, l_.thickness), hn::Set(d, l_.near));
+    if (!l_.perspective) return {sight.u, sight.v, z};
+    return {hn::Mul(sight.u, z), hn::Mul(sight.v, z), z};
+  }
   // Length of the ray that a sample stands for. The first and the last sample of a ray in the volume also stand for the
   // remainder up to the volume's faces. The tests for first and last equal those of CellRays. unit: slabs.
   HWY_INLINE V partOf(const Where& w) const {

@@ -31,7 +31,7 @@ class SlabCompositing {
         tile_(tile),
         opacity_threshold_(opacity_threshold),
         visibility_(visibility),
-        has_layers_(tile.aovs.any() || tile.deep != nullptr) {}
+        has_layers_(tile.aovs.any() || tile.deep != nullptr || tile.shadows != nullptr) {}
 
   void run() {
     for (int row = 0; row < tile_.rect.height(); ++row) compositeRow(row);
@@ -110,6 +110,9 @@ class SlabCompositing {
         }
         addLayer(layer, tile_.aovs, tile_.placeOf(column, y));
       }
+      if (tile_.shadows != nullptr)
+        tile_.shadows->add(column, y, static_cast<float>(near), static_cast<float>(near + zone_.thickness), before[3],
+                           (closed >> lane & 1) != 0 ? 1 : before[3] + weight_[lane]);
       if (tile_.deep != nullptr)
         tile_.deep->add(column, y, static_cast<float>(near), static_cast<float>(near + zone_.thickness), before,
                         rgba_ + 4 * (x + lane));
@@ -122,7 +125,7 @@ class SlabCompositing {
   const TilePixels& tile_;
   const float opacity_threshold_;
   Visibility& visibility_;
-  const bool has_layers_;                    // the picture has AOVs or deep samples
+  const bool has_layers_;                    // samples are kept beyond their light
   alignas(64) float rgba_[4 * kSquareEdge];  // the row's pixels
   // A vector of pixels before a slab, and the slab's contribution.
   alignas(64) float before_[4 * kLanes], opacity_[kLanes], weight_[kLanes], per_depth_[kLanes];

@@ -33,6 +33,10 @@ class MultiVolume::ZoneEngine final : public Engine {
         sums.reset(square.rect, slabs_, square.aovs.normal[0] != nullptr);
         for (std::size_t volume = 0; volume < zone_.contexts.size(); ++volume)
           addVolume(volume, bricks, square, target, sums);
+        if (square.extinction != nullptr) {
+          addExtinction(sums, *square.extinction);
+          continue;
+        }
         compositeSlabs(sums, zone_.slabs.front(), zone_.rays.front(), square, target.opacity_threshold,
                        target.visibility);
       }
@@ -60,6 +64,23 @@ class MultiVolume::ZoneEngine final : public Engine {
     }
   }
 
+  // Adds the optical depths of a square's slabs to the lattice.
+  void addExtinction(const SlabSums& sums, ExtinctionLattice& lattice) const {
+    const SlabZone& zone = zone_.slabs.front();
+    const PixelRect& rect = sums.rect();
+    for (int slab = 0; slab < sums.slabs(); ++slab) {
+      const double middle = zone.near + (slab + 0.5) * zone.thickness;
+      for (int row = 0; row < rect.height(); ++row) {
+        if (!sums.has(slab, row)) continue;
+        const float* const light = sums.lightRow(slab, row);
+        for (int x = 0; x < rect.width(); ++x) {
+          const float optical_depth = light[4 * x + 3];
+          if (optical_depth > 0) lattice.add(rect.x0 + x, rect.y0 + row, middle, optical_depth);
+        }
+      }
+    }
+  }
+
   const Zone& zone_;
   MemoryPool<SlabSums>& sums_;
   int slabs_ = 0;  // the most of a volume
@@ -68,7 +89,7 @@ class MultiVolume::ZoneEngine final : public Engine {
 MultiVolume::Volume::Volume(MixedVolume the_mixed, const MixView& view)
     : mixed(std::move(the_mixed)),
       appearance(mixed.store->manifest(), mixed.transfer_function, mixed.shading, view.view,
-                 view.sampling.interpolation),
+                 view.sampling.interpolation, view.illumination),
       levels(mixed.store->manifest(), view.sampling.level, view.view, view.area, mixed.clipping),
       table(mixed.transfer_function, appearance.unit, mixed.store->manifest().type, mixed.store->manifest().range) {}
 

@@ -29,6 +29,7 @@ struct MixView {
   View view;
   ProjectedArea area = ProjectedArea::kBox;
   Sampling sampling;  // for all volumes
+  const Illumination* illumination = nullptr;
 };
 
 class MultiVolume {

@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 
 #include "engine/shared/plain_light.h"
+#include "engine/shared/shade.h"
 #include "scene/render_options.h"
 
 namespace kiln {
@@ -24,8 +25,10 @@ struct SampleLattice {
   const float* integral = nullptr;
   float least_interval = 1;
   glm::vec3 layer_height{1};  // distance of adjacent layers of voxels across each axis. unit: world
-  // Without phong if samples are finished one by one (engine/pixel/finish_sample.h).
+  // Without phong if samples are finished one by one (engine/pixel/finish_sample.h), or if there are `lights`.
   PlainLight light;
+  const Shader* lights = nullptr;  // other lights than a white headlight; null: none
+  float near = 0;                  // depth at which the zone begins. unit: world
 };
 
 }  // namespace kiln

@@ -42,6 +42,8 @@ SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, co
     out.layer_height[axis] = 1 / glm::length(projector.viewFromIndexGradient()[axis]);
   out.light = plainLight(look.shading, look.gradient_noise, projector);
   out.light.phong = out.light.phong && !detailed;
+  if (!detailed && look.shading.phong && !isPlain(look.shading)) out.lights = &look.shader;
+  out.near = static_cast<float>(zone.near);
   return out;
 }
 
@@ -76,8 +78,8 @@ SlabContext::SlabContext(const SlabZone& zone, const Projector& projector, const
       ends_(ends),
       table_(table),
       look_(look),
-      detailed_(!isPlain(look.shading) || look.gradient_opacity.active() || !look.clip->showsAll()),
-      lattice_(sampleLattice(zone, projector, table, look, detailed_)),
+      detailed_(look.gradient_opacity.active() || !look.clip->showsAll()),
+      lattice_(sampleLattice(zone, projector, table, look_, detailed_)),
       voxel_length_(std::cbrt(projector.voxelVolume())),
       shortest_edge_(shortestEdge(projector)) {
   lattice_.label_smoothing = labelSmoothing(zone, projector);

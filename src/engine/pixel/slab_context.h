@@ -32,6 +32,8 @@ class SlabContext {
   /// voxels.
   SlabContext(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
               const SampleTable& table, const Appearance& look);
+  SlabContext(const SlabContext&) = delete;
+  SlabContext& operator=(const SlabContext&) = delete;
 
   const SlabZone& zone() const { return zone_; }
   const Projector& projector() const { return projector_; }

@@ -30,8 +30,8 @@ glm::mat3 withoutLength(const glm::mat3& m) {
 
 bool isPlain(const Shading& shading) {
   if (!shading.phong) return true;
-  return shading.lights.size() == 1 && shading.lights[0].kind == LightKind::kHeadlight &&
-         shading.lights[0].color == glm::dvec3(1);
+  return shading.occlusion.strength == 0 && shading.lights.size() == 1 &&
+         shading.lights[0].kind == LightKind::kHeadlight && shading.lights[0].color == glm::dvec3(1);
 }
 
 PlainLight plainLight(const Shading& shading, float gradient_noise, const Projector& level) {

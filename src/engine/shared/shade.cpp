@@ -1,32 +1,49 @@
 #include "engine/shared/shade.h"
 
 namespace kiln {
+namespace {
 
-Shader::Shader(const Shading& shading, const View& view, float gradient_noise, const Projector& level)
-    : phong_(shading.phong),
-      perspective_(level.perspective()),
-      ambient_(static_cast<float>(shading.ambient)),
-      diffuse_(static_cast<float>(shading.diffuse)),
-      specular_(static_cast<float>(shading.specular)),
-      power_(static_cast<float>(shading.power)),
-      gradient_(gradient_noise),
-      view_from_index_gradient_(withoutLength(level.viewFromIndexGradient())) {
-  for (const Light& light : shading.lights) {
+Shader::PlacedLight placed(const Light& light, const View& view, const glm::vec3& color) {
+  if (light.kind == LightKind::kPoint)
+    return {true, glm::vec3(view.view_from_world * glm::dvec4(light.place, 1)), color, {}};
+  // View space has y down and z along the view.
+  const glm::dvec3 towards = light.kind == LightKind::kCamera
+                                 ? glm::dvec3(light.place.x, -light.place.y, -light.place.z)
+                                 : glm::dmat3(view.view_from_world) * light.place;
+  return {false, glm::vec3(glm::normalize(towards)), color, {}};
+}
+
+}  // namespace
+
+Shader::Shader(const Shading& shading, const View& view, float gradient_noise, const Projector& level,
+               const Illumination* illumination) {
+  m_.phong = shading.phong;
+  m_.perspective = level.perspective();
+  m_.ambient = static_cast<float>(shading.ambient);
+  m_.diffuse = static_cast<float>(shading.diffuse);
+  m_.specular = static_cast<float>(shading.specular);
+  m_.power = static_cast<float>(shading.power);
+  m_.gradient = GradientScale(gradient_noise);
+  m_.view_from_index_gradient = withoutLength(level.viewFromIndexGradient());
+  for (std::size_t i = 0; i < shading.lights.size(); ++i) {
+    const Light& light = shading.lights[i];
     const glm::vec3 color(light.intensity * light.color);
     if (light.kind == LightKind::kHeadlight) {
-      has_headlight_ = true;
-      headlight_ += color;
-    } else if (light.kind == LightKind::kDirectional) {
-      const glm::dvec3 towards = glm::dmat3(view.view_from_world) * light.place;
-      lights_.push_back({false, glm::vec3(glm::normalize(towards)), color});
-    } else if (light.kind == LightKind::kCamera) {
-      // View space has y down and z along the view.
-      const glm::dvec3 towards(light.place.x, -light.place.y, -light.place.z);
-      lights_.push_back({false, glm::vec3(glm::normalize(towards)), color});
-    } else {
-      lights_.push_back({true, glm::vec3(view.view_from_world * glm::dvec4(light.place, 1)), color});
+      m_.has_headlight = true;
+      m_.headlight += color;
+      continue;
     }
+    m_.lights.push_back(placed(light, view, color));
+    if (illumination == nullptr) continue;
+    ShadowLookup& shadow = m_.lights.back().shadow = ShadowLookup(illumination->lights.at(i), view);
+    m_.shadowed = m_.shadowed || !shadow.none();
   }
+  if (illumination != nullptr && illumination->ambient) {
+    m_.occlusion =
+        AmbientLookup(*illumination->ambient, static_cast<float>(shading.occlusion.strength), view.view_from_world);
+    m_.occludes_diffuse = shading.occlusion.diffuse;
+  }
+  m_.dims_flat = (m_.shadowed || !m_.occlusion.none()) && m_.ambient + m_.diffuse > 0;
 }
 
 }  // namespace kiln

@@ -12,6 +12,7 @@
 
 #include "engine/shared/classified_range.h"
 #include "engine/shared/classifier.h"
+#include "engine/shared/illumination.h"
 #include "engine/shared/plain_light.h"
 #include "engine/shared/projector.h"
 #include "scene/camera/camera.h"
@@ -38,75 +39,111 @@ struct Color {
 
 class Shader {
  public:
+  /// A light with a place, in view space.
+  struct PlacedLight {
+    bool point;
+    glm::vec3 place;  // unit vector towards the light, or its position
+    glm::vec3 color;
+    ShadowLookup shadow;
+    glm::vec3 towards(const glm::vec3& at) const { return point ? glm::normalize(place - at) : place; }
+  };
+  /// Everything that the light of a level's samples depends on.
+  struct Model {
+    bool phong = false, perspective = false, has_headlight = false, shadowed = false, occludes_diffuse = false;
+    bool dims_flat = false;  // shadows and occlusion take light away from samples without direction
+    float ambient = 0, diffuse = 0, specular = 0, power = 0;
+    GradientScale gradient;
+    glm::mat3 view_from_index_gradient{1};
+    glm::vec3 headlight{0};  // sum of all headlights
+    std::vector<PlacedLight> lights;
+    AmbientLookup occlusion;
+  };
+
   Shader() = default;
-  /// `gradient_noise`: length below which a gradient has no direction. unit: value per voxel of `level`.
-  Shader(const Shading& shading, const View& view, float gradient_noise, const Projector& level);
+  /// `gradient_noise`: length below which a gradient has no direction. unit: value per voxel of `level`. Shadows are
+  /// drawn if there is an `illumination`, which outlives the object.
+  Shader(const Shading& shading, const View& view, float gradient_noise, const Projector& level,
+         const Illumination* illumination = nullptr);
+
+  const Model& model() const { return m_; }
 
   /// Light that a sample of `material` at `view_point` sends to the eye. `index_gradient` is along the axes of the
   /// level. unit: gradient: value per voxel; view_point: world, in view space.
   Color operator()(const Material& material, const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
-    const glm::vec3 scaled = gradient_.factor * index_gradient;
-    if (!phong_ || !(glm::dot(scaled, scaled) > gradient_.least_squared)) return {material.r, material.g, material.b};
+    const glm::vec3 scaled = m_.gradient.factor * index_gradient;
+    if (!m_.phong) return {material.r, material.g, material.b};
+    if (!(glm::dot(scaled, scaled) > m_.gradient.least_squared)) return withoutDirection(material, view_point);
     return lit(material, scaled, view_point);
   }
 
   /// Light of a sample on a cut face. `index_normal` is the clip plane's normal, so no noise threshold applies.
   /// requires: a length above zero.
   Color onCut(const Material& material, const glm::vec3& index_normal, const glm::dvec3& view_point) const {
-    if (!phong_) return {material.r, material.g, material.b};
+    if (!m_.phong) return {material.r, material.g, material.b};
     return lit(material, index_normal, view_point);
   }
 
   /// Unit normal in view space, turned towards the eye; 0 if the gradient has no direction.
   glm::vec3 normal(const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
-    const glm::vec3 scaled = gradient_.factor * index_gradient;
-    if (!(glm::dot(scaled, scaled) > gradient_.least_squared)) return glm::vec3(0);
+    const glm::vec3 scaled = m_.gradient.factor * index_gradient;
+    if (!(glm::dot(scaled, scaled) > m_.gradient.least_squared)) return glm::vec3(0);
     return normalOnCut(scaled, view_point);
   }
   glm::vec3 normalOnCut(const glm::vec3& index_normal, const glm::dvec3& view_point) const {
-    const glm::vec3 out = glm::normalize(view_from_index_gradient_ * index_normal);
+    const glm::vec3 out = glm::normalize(m_.view_from_index_gradient * index_normal);
     return glm::dot(out, toEye(view_point)) < 0 ? -out : out;
   }
 
  private:
-  struct ViewLight {
-    bool point;
-    glm::vec3 place;  // unit vector towards the light (directional) or position (point)
-    glm::vec3 color;
-  };
+  // A sample without direction has the colour of its material, less the light that occlusion and shadows take away.
+  Color withoutDirection(const Material& material, const glm::dvec3& view_point) const {
+    if (!m_.dims_flat) return {material.r, material.g, material.b};
+    const glm::vec3 at(view_point);
+    const float open = m_.occlusion(at, glm::vec3(0));
+    glm::vec3 all = m_.headlight, reaching = m_.headlight;
+    for (const PlacedLight& light : m_.lights) {
+      all += light.color;
+      reaching += light.shadow(at, light.towards(at), 1) * light.color;
+    }
+    const auto share = [&](int c) {
+      const float lost = all[c] > 0 ? 1 - reaching[c] / all[c] : 0;
+      return (m_.ambient * open + m_.diffuse * (1 - lost) * (m_.occludes_diffuse ? open : 1)) /
+             (m_.ambient + m_.diffuse);
+    };
+    return {material.r * share(0), material.g * share(1), material.b * share(2)};
+  }
 
   glm::vec3 toEye(const glm::dvec3& view_point) const {
-    return perspective_ ? -glm::normalize(glm::vec3(view_point)) : glm::vec3(0, 0, -1);
+    return m_.perspective ? -glm::normalize(glm::vec3(view_point)) : glm::vec3(0, 0, -1);
   }
 
   Color lit(const Material& material, const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
-    glm::vec3 normal = view_from_index_gradient_ * index_gradient;
+    glm::vec3 normal = m_.view_from_index_gradient * index_gradient;
     const glm::vec3 to_eye = toEye(view_point);
     const float facing = glm::dot(normal, to_eye);
     const float length = glm::length(normal);
     const float cosine = std::min(std::abs(facing) / length, 1.0f);
-    glm::vec3 matte = ambient_ + diffuse_ * cosine * headlight_;
+    const bool needs_normal = !m_.lights.empty() || !m_.occlusion.none();
+    if (needs_normal) normal *= (facing < 0 ? -1.0f : 1.0f) / length;
+    const float open = m_.occlusion(glm::vec3(view_point), normal);
+    const float diffuse = m_.occludes_diffuse ? m_.diffuse * open : m_.diffuse;
+    glm::vec3 matte = glm::vec3(m_.ambient * open) + diffuse * cosine * m_.headlight;
     glm::vec3 gloss =
-        specular_ > 0 && has_headlight_ ? specular_ * std::pow(cosine, power_) * headlight_ : glm::vec3(0);
-    if (!lights_.empty()) normal *= (facing < 0 ? -1.0f : 1.0f) / length;
-    for (const ViewLight& light : lights_) {
-      const glm::vec3 to_light = light.point ? glm::normalize(light.place - glm::vec3(view_point)) : light.place;
+        m_.specular > 0 && m_.has_headlight ? m_.specular * std::pow(cosine, m_.power) * m_.headlight : glm::vec3(0);
+    for (const PlacedLight& light : m_.lights) {
+      const glm::vec3 to_light = light.towards(glm::vec3(view_point));
       const float lit = glm::dot(normal, to_light);
       if (!(lit > 0)) continue;
-      matte += diffuse_ * lit * light.color;
-      if (!(specular_ > 0)) continue;
+      const glm::vec3 reaching = light.shadow(glm::vec3(view_point), to_light, lit) * light.color;
+      matte += diffuse * lit * reaching;
+      if (!(m_.specular > 0)) continue;
       const float halfway = std::clamp(glm::dot(normal, glm::normalize(to_light + to_eye)), 0.0f, 1.0f);
-      gloss += specular_ * std::pow(halfway, power_) * light.color;
+      gloss += m_.specular * std::pow(halfway, m_.power) * reaching;
     }
     return {material.r * matte.r + gloss.r, material.g * matte.g + gloss.g, material.b * matte.b + gloss.b};
   }
 
-  bool phong_ = false, perspective_ = false, has_headlight_ = false;
-  float ambient_ = 0, diffuse_ = 0, specular_ = 0, power_ = 0;
-  GradientScale gradient_;
-  glm::mat3 view_from_index_gradient_{1};
-  glm::vec3 headlight_{0};  // sum of all headlights
-  std::vector<ViewLight> lights_;
+  Model m_;
 };
 
 }  // namespace kiln

@@ -4,6 +4,8 @@
 #include <cstddef>
 
 #include "engine/shared/aov_pixels.h"
+#include "engine/shared/deep_shadow_map.h"
+#include "engine/shared/extinction_lattice.h"
 #include "image/deep_samples.h"
 #include "image/pixel_rect.h"
 
@@ -18,14 +20,16 @@ struct TilePixels {
   float* rgba = nullptr;
   std::ptrdiff_t stride = 0;
   AovPixels aovs;
-  DeepSamples* deep = nullptr;  // samples of the whole picture's pixels; null if not requested
+  DeepSamples* deep = nullptr;              // samples of the whole picture's pixels; null if not requested
+  DeepShadowMap* shadows = nullptr;         // the map of a light whose view is drawn; samples are then not lit
+  ExtinctionLattice* extinction = nullptr;  // drawn instead of pixels, by the engine of several volumes
 
   /// Index of pixel (x, y), counted from the tile's first pixel. requires: (x, y) in `rect`.
   std::ptrdiff_t placeOf(int x, int y) const { return (y - rect.y0) * (stride / 4) + (x - rect.x0); }
   /// Returns the tile restricted to `part`. requires: `part` inside `rect`.
   TilePixels of(const PixelRect& part) const {
     const std::ptrdiff_t first = placeOf(part.x0, part.y0);
-    return {part, rgba + 4 * first, stride, aovs.from(first), deep};
+    return {part, rgba + 4 * first, stride, aovs.from(first), deep, shadows, extinction};
   }
 };
 

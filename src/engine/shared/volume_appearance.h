@@ -18,16 +18,18 @@ struct VolumeAppearance {
   double unit = 1;           // length that opacities refer to. unit: world
   float gradient_noise = 0;  // shorter gradients are noise. unit: value per voxel
   Interpolation interpolation = Interpolation::kLinear;
+  const Illumination* illumination = nullptr;  // null without shadows
 
   /// requires: as above; not the manifest.
   VolumeAppearance(const Manifest& volume, const TransferFunction& function, const Shading& light, const View& from,
-                   Interpolation between = Interpolation::kLinear)
+                   Interpolation between = Interpolation::kLinear, const Illumination* shadows = nullptr)
       : transfer_function(function),
         shading(light),
         view(from),
         unit(function.unitIn(volume.geometry().meanSpacing())),
         gradient_noise(gradientNoiseOf(volume, function)),
-        interpolation(between) {}
+        interpolation(between),
+        illumination(shadows) {}
 };
 
 }  // namespace kiln

@@ -1,10 +1,13 @@
 // The request of one frame: every choice about the picture made, and the number of bricks, rows and pixels at a time.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "engine/capabilities.h"
+#include "engine/shared/extinction_lattice.h"
+#include "engine/shared/illumination.h"
 #include "image/deep_samples.h"
 #include "image/pixel_rect.h"
 #include "scene/camera/camera.h"
@@ -55,6 +58,13 @@ struct FrameRequest {
   int tile_px = 64;                           // as in SpeedOptions
   int bricks_together = kMostBricksTogether;  // bricks in memory drawn together; no bit depends on the number
   int band_px = 1024;  // rows of sub-pixels drawn together, in steps of kVisibilityTile; no bit depends on the number
+  /// Shadows of the lights, drawn before the frame; null: none yet, or no shadows.
+  std::shared_ptr<const Illumination> illumination;
+  /// The shadows of an earlier frame, replaced by this frame's: lights that stay have equal shadows. Null: none.
+  std::shared_ptr<const Illumination>* last_illumination = nullptr;
+  DeepShadowMap* shadows = nullptr;  // the map to draw instead of a picture; requires: its view, samples == 1
+  /// The lattice to draw instead of a picture; requires: its view, and `volumes`, perhaps of one.
+  ExtinctionLattice* extinction = nullptr;
   NodeLog* node_log = nullptr;  // requires: tile_px == 0 and a level
   EngineChoice engine() const { return {mode, lattice, !volumes.empty()}; }
   /// All of several volumes; transfer function, shading and clipping above are then ignored.

@@ -30,7 +30,8 @@ std::unique_ptr<FramePass> makeZonePass(const std::vector<const BrickedVolume*>&
     volumes.push_back({stores.at(i), volume.transfer_function, volume.shading, volume.clipping});
   }
   return std::make_unique<ZonePass>(
-      std::move(volumes), MixView{request.view, request.visibility.area, request.sampling()}, request.tile_px);
+      std::move(volumes),
+      MixView{request.view, request.visibility.area, request.sampling(), request.illumination.get()}, request.tile_px);
 }
 
 PixelValue projectedBy(Mode mode) {
@@ -76,7 +77,7 @@ std::unique_ptr<FramePass> makePass(const std::vector<const BrickedVolume*>& sto
     return std::make_unique<ValuePass>(store, request, std::move(levels), std::move(projection));
   }
   const VolumeAppearance appearance(volume, request.transfer_function, request.shading, request.view,
-                                    request.interpolation);
+                                    request.interpolation, request.illumination.get());
   std::unique_ptr<VolumeEngine> engine;
   if (kind == EngineKind::kVoxel)
     engine = std::make_unique<VoxelEngine>(volume, *levels, appearance,

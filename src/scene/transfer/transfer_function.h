@@ -15,12 +15,14 @@ struct TransferPoint {
   double value = 0;
   glm::dvec3 color{1};  // linear light, 0..1
   double opacity = 0;   // per `unit` of length, 0..1
+  bool operator==(const TransferPoint&) const = default;
 };
 
 /// Factor on a sample's opacity at a given gradient length.
 struct GradientPoint {
   double gradient = 0;  // gradient length. unit: value per world unit
   double factor = 1;    // 0..1
+  bool operator==(const GradientPoint&) const = default;
 };
 
 struct Classified {
@@ -34,6 +36,7 @@ struct LabelStyle {
   std::string name;
   glm::dvec3 color{1};  // linear light, 0..1
   double opacity = 1;   // per `unit` of length, 0..1
+  bool operator==(const LabelStyle&) const = default;
 };
 
 struct TransferFunction {
@@ -62,6 +65,7 @@ struct TransferFunction {
   /// True if a label in [lo, hi] is not transparent.
   bool labelsShownIn(double lo, double hi) const;
   bool interesting(double value) const { return at(value).opacity > 0; }
+  bool operator==(const TransferFunction&) const = default;
 };
 
 /// Converts the function's lengths to a world with `world_per_own` units per unit of the volume's own world.

@@ -10,6 +10,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <span>
 
 #include "base/thread/parallel.h"
 #include "scene/clip_region.h"
@@ -129,7 +130,7 @@ struct Segment {
 Segment clipped(const Scene& scene, const Ray& ray) {
   const glm::dvec3 origin = glm::dvec3(scene.index_from_world * glm::dvec4(ray.origin, 1));
   const glm::dvec3 direction = glm::dvec3(scene.index_from_world * glm::dvec4(ray.direction, 0));
-  Segment segment{ray.begin, std::numeric_limits<double>::infinity()};
+  Segment segment{ray.begin, ray.end};
   for (int axis = 0; axis < 3; ++axis) {
     const double lo = -0.5 - origin[axis];
     const double hi = static_cast<double>(scene.dims[axis]) - 0.5 - origin[axis];
@@ -187,27 +188,6 @@ glm::dvec3 normalAt(const Scene& scene, const glm::dvec3& index) {
   return glm::normalize(scene.gradient_world_from_index * difference);
 }
 
-/// scene/shading.h: colour·(ambient + Σ L·diffuse·n·l) + Σ L·specular·(n·h)^power, n towards the eye.
-glm::dvec3 shaded(const Scene& scene, const Shading& shading, const glm::dvec3& color, const glm::dvec3& index,
-                  const glm::dvec3& world, const glm::dvec3& to_eye) {
-  if (!shading.phong) return color;
-  glm::dvec3 normal = normalAt(scene, index);
-  if (normal == glm::dvec3(0)) return color;
-  if (glm::dot(normal, to_eye) < 0) normal = -normal;
-  glm::dvec3 matte(shading.ambient), gloss(0);
-  for (const Light& light : shading.lights) {
-    glm::dvec3 to_light = to_eye;
-    if (light.kind == LightKind::kDirectional) to_light = glm::normalize(light.place);
-    if (light.kind == LightKind::kPoint) to_light = glm::normalize(light.place - world);
-    if (!(glm::dot(normal, to_light) > 0)) continue;
-    const glm::dvec3 halfway = glm::normalize(to_light + to_eye);
-    matte += shading.diffuse * glm::dot(normal, to_light) * light.intensity * light.color;
-    gloss += shading.specular * std::pow(std::max(0.0, glm::dot(normal, halfway)), shading.power) * light.intensity *
-             light.color;
-  }
-  return color * matte + gloss;
-}
-
 /// Returns the extinction at a sample, scaled by the gradient's length if the function has an opacity by gradient.
 double extinctionAt(const Scene& scene, const ReferenceLabels::There& there, const glm::dvec3& index) {
   double factor = 1;
@@ -218,8 +198,68 @@ double extinctionAt(const Scene& scene, const ReferenceLabels::There& there, con
   return there.solid * extinctionOf(factor * std::min(there.look.opacity, 0.9999), scene.unit_world);
 }
 
+double depthAlong(const Scene& scene, const Ray& ray) {
+  double depth = 0;
+  march(scene, ray, [&](const glm::dvec3& index, double length) {
+    const ReferenceLabels::There sample = scene.at(index);
+    if (sample.look.opacity > 0) depth += extinctionAt(scene, sample, index) * length;
+    return true;
+  });
+  return depth;
+}
+
+/// The scenes of a picture: one for each volume.
+using Scenes = std::span<const std::unique_ptr<Scene>>;
+
+/// Returns the share of a light that reaches a point through all volumes, by a ray of its own. `cosine`: of the angle
+/// between the normal and the light; in grazing light the ray begins farther away.
+double reachingShare(Scenes scenes, const Shading& shading, const Light& light, const glm::dvec3& world,
+                     const glm::dvec3& to_light, double cosine) {
+  if (!castsShadows(shading, light)) return 1;
+  constexpr double kLeastCosine = 0.25;
+  Ray ray{world, to_light, scenes.front()->settings.shadow_start / std::max(cosine, kLeastCosine)};
+  if (light.kind == LightKind::kPoint) ray.end = glm::distance(light.place, world);
+  double depth = 0;
+  for (const std::unique_ptr<Scene>& scene : scenes) depth += depthAlong(*scene, ray);
+  return 1 - light.shadow.strength * (1 - std::exp(-depth));
+}
+
+/// scene/shading.h: colour·(ambient + Σ L·diffuse·n·l) + Σ L·specular·(n·h)^power, n towards the eye.
+glm::dvec3 shaded(Scenes scenes, const Scene& scene, const Shading& shading, const glm::dvec3& color,
+                  const glm::dvec3& index, const glm::dvec3& world, const glm::dvec3& to_eye) {
+  if (!shading.phong) return color;
+  const auto directionOf = [&](const Light& light) {
+    if (light.kind == LightKind::kDirectional) return glm::normalize(light.place);
+    return light.kind == LightKind::kPoint ? glm::normalize(light.place - world) : to_eye;
+  };
+  glm::dvec3 normal = normalAt(scene, index);
+  if (normal == glm::dvec3(0)) {
+    // The material's colour, without the share of the lights that shadows take away.
+    glm::dvec3 all(0), reaching(0);
+    for (const Light& light : shading.lights) {
+      const glm::dvec3 sent = light.intensity * light.color;
+      all += sent, reaching += reachingShare(scenes, shading, light, world, directionOf(light), 1) * sent;
+    }
+    if (all == reaching) return color;
+    return color * (shading.ambient * all + shading.diffuse * reaching) / ((shading.ambient + shading.diffuse) * all);
+  }
+  if (glm::dot(normal, to_eye) < 0) normal = -normal;
+  glm::dvec3 matte(shading.ambient), gloss(0);
+  for (const Light& light : shading.lights) {
+    const glm::dvec3 to_light = directionOf(light);
+    if (!(glm::dot(normal, to_light) > 0)) continue;
+    const glm::dvec3 halfway = glm::normalize(to_light + to_eye);
+    const glm::dvec3 reaching = reachingShare(scenes, shading, light, world, to_light, glm::dot(normal, to_light)) *
+                                light.intensity * light.color;
+    matte += shading.diffuse * glm::dot(normal, to_light) * reaching;
+    gloss += shading.specular * std::pow(std::max(0.0, glm::dot(normal, halfway)), shading.power) * reaching;
+  }
+  return color * matte + gloss;
+}
+
 /// Returns the premultiplied RGBA of a ray over a clear background.
-glm::dvec4 lightAlong(const Scene& scene, const Shading& shading, const Ray& ray) {
+glm::dvec4 lightAlong(Scenes scenes, const Shading& shading, const Ray& ray) {
+  const Scene& scene = *scenes.front();
   glm::dvec3 light(0);
   double transmittance = 1;
   bool closed = false;
@@ -228,7 +268,7 @@ glm::dvec4 lightAlong(const Scene& scene, const Shading& shading, const Ray& ray
     if (!(sample.look.opacity > 0)) return true;
     const double alpha = 1 - std::exp(-extinctionAt(scene, sample, index) * length);
     const glm::dvec3 world = scene.world_from_index * glm::dvec4(index, 1);
-    light += transmittance * alpha * shaded(scene, shading, sample.look.color, index, world, -ray.direction);
+    light += transmittance * alpha * shaded(scenes, scene, shading, sample.look.color, index, world, -ray.direction);
     transmittance *= 1 - alpha;
     closed = scene.settings.opacity_threshold < 1 && 1 - transmittance >= scene.settings.opacity_threshold;
     return !closed && transmittance >= kStopTransmittance;
@@ -238,8 +278,7 @@ glm::dvec4 lightAlong(const Scene& scene, const Shading& shading, const Ray& ray
 }
 
 /// Returns the light of several volumes along a ray: their extinctions add up.
-glm::dvec4 lightAlong(const std::vector<std::unique_ptr<Scene>>& scenes, const std::vector<ReferenceVolume>& volumes,
-                      const Ray& ray) {
+glm::dvec4 lightAlong(Scenes scenes, const std::vector<ReferenceVolume>& volumes, const Ray& ray) {
   std::vector<Segment> segments;
   double step = std::numeric_limits<double>::infinity(), begin = step, end = -step;
   for (const std::unique_ptr<Scene>& scene : scenes) {
@@ -266,7 +305,7 @@ glm::dvec4 lightAlong(const std::vector<std::unique_ptr<Scene>>& scenes, const s
       if (!(sample.look.opacity > 0)) continue;
       const double of_volume = extinctionAt(scene, sample, index) * (to - from);
       depth += of_volume;
-      sent += of_volume * shaded(scene, volumes[v].shading, sample.look.color, index, world, -ray.direction);
+      sent += of_volume * shaded(scenes, scene, volumes[v].shading, sample.look.color, index, world, -ray.direction);
     }
     if (!(depth > 0)) continue;
     const double alpha = 1 - std::exp(-depth);
@@ -277,16 +316,6 @@ glm::dvec4 lightAlong(const std::vector<std::unique_ptr<Scene>>& scenes, const s
     if (transmittance < kStopTransmittance) break;
   }
   return {light, 1 - transmittance};
-}
-
-double depthAlong(const Scene& scene, const Ray& ray) {
-  double depth = 0;
-  march(scene, ray, [&](const glm::dvec3& index, double length) {
-    const ReferenceLabels::There sample = scene.at(index);
-    if (sample.look.opacity > 0) depth += extinctionAt(scene, sample, index) * length;
-    return true;
-  });
-  return depth;
 }
 
 /// Calls draw(column, row, rays) for every pixel with its n × n rays, through the centres of n × n equal squares.
@@ -333,13 +362,14 @@ Ray rayThrough(const View& view, const glm::dvec2& pixel) {
 Image referenceImage(const DenseVolume& volume, const View& view, const TransferFunction& transfer_function,
                      const Shading& shading, const std::array<double, 4>& background,
                      const ReferenceSettings& settings) {
-  const Scene scene(volume, view, transfer_function, settings);
+  std::vector<std::unique_ptr<Scene>> scenes;
+  scenes.push_back(std::make_unique<Scene>(volume, view, transfer_function, settings));
   const glm::dvec4 behind(background[0], background[1], background[2], background[3]);
   Image image(view.size.width, view.size.height);
-  forEachPixel(scene, [&](int column, int row, const std::vector<Ray>& rays) {
+  forEachPixel(*scenes.front(), [&](int column, int row, const std::vector<Ray>& rays) {
     glm::dvec4 sum(0);
     for (const Ray& ray : rays) {
-      const glm::dvec4 light = lightAlong(scene, shading, ray);
+      const glm::dvec4 light = lightAlong(scenes, shading, ray);
       sum += light + (1 - light.a) * behind;
     }
     for (int channel = 0; channel < 4; ++channel) {

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "image/image.h"
@@ -36,6 +37,8 @@ struct ReferenceSettings {
   /// volume's border, the normal of the face is used.
   Clipping clipping = {};
   Interpolation interpolation = Interpolation::kLinear;
+  /// Distance from a sample at which layers begin to shadow the sample, in light along its normal. unit: world.
+  double shadow_start = 0;
   /// Number of voxels to either side over which opacities of labels are smoothed for their gradients.
   int label_smoothing = 0;
 
@@ -87,6 +90,7 @@ ProjectedImage projectedImage(const DenseVolume& volume, const View& view, const
 struct Ray {
   glm::dvec3 origin, direction;  // direction has unit length
   double begin;                  // distance from origin to the start: 0, or -infinity for parallel rays
+  double end = std::numeric_limits<double>::infinity();  // distance to the end
 };
 Ray rayThrough(const View& view, const glm::dvec2& pixel);
 

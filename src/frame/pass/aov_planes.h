@@ -6,7 +6,7 @@
 
 #include "engine/shared/aov_pixels.h"
 #include "image/image.h"
-#include "job/render_job.h"
+#include "scene/render_options.h"
 #include "scene/camera/camera.h"
 
 namespace kiln {

@@ -1,4 +1,4 @@
-#include "frame/make_visibility.h"
+#include "frame/pass/make_visibility.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,10 +1,10 @@
-#include "frame/frame_drawing.h"
+#include "frame/pass/frame_drawing.h"
 
 #include <algorithm>
 
 #include "base/thread/profile_scope.h"
-#include "frame/aov_planes.h"
-#include "frame/make_visibility.h"
+#include "frame/pass/aov_planes.h"
+#include "frame/pass/make_visibility.h"
 #include "frame/pass/make_pass.h"
 
 namespace kiln {
@@ -61,6 +61,8 @@ Image FrameDrawing::draw(const PixelRect& pixels) {
   TilePixels all{pixels, image.pixel(0, 0), std::ptrdiff_t{4} * image.width, aovPixels(request_.aovs, image, 0, 0)};
   if (request_.deep) image.deep = std::make_shared<DeepSamples>(pixels, *request_.deep, request_.view.origin_depth);
   all.deep = image.deep.get();
+  all.shadows = request_.shadows;
+  all.extinction = request_.extinction;
   // A threshold above zero in floats, too: a pixel without opacity is not closed.
   const float threshold = std::max(static_cast<float>(request_.opacity_threshold), 1e-30f);
   PassContext context{cache_, progress_, costs_};

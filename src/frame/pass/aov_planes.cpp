@@ -1,4 +1,4 @@
-#include "frame/aov_planes.h"
+#include "frame/pass/aov_planes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,237 @@
+#include "frame/light/illuminate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "frame/light/gather_ambient.h"
+#include "frame/light/shadow_views.h"
+#include "frame/pass/frame_drawing.h"
+#include "frame/pass/make_visibility.h"
+#include "scene/camera/framing.h"
+
+namespace kiln {
+namespace {
+
+// Smallest edge of a shadow map by default: a small picture of a large object has fine shadows, too. unit: pixels.
+constexpr int kLeastEdge = 512;
+// Distance from a sample to the nearest layer that shadows the sample. Shorter distances darken surfaces by their own
+// layers: a surface's opacity rises over some two voxels. unit: voxels or pixels of the map, the longer.
+constexpr double kStart = 1.5;
+// Cells along the longest edge of the lattice for ambient occlusion.
+constexpr int kLatticeEdge = 256;
+// Default radius of ambient occlusion. unit: longest edges of the volumes.
+constexpr double kRadius = 0.1;
+// Rows of a light's view drawn at a time, which bounds the memory of the pixels. unit: pixels.
+constexpr int kBand = 256;
+
+// Lights draw without reports: their share of a frame's time is not known before.
+class OnlyCancelled final : public Progress {
+ public:
+  explicit OnlyCancelled(const Progress& progress) : progress_(progress) {}
+  bool cancelled() const override { return progress_.cancelled(); }
+
+ private:
+  const Progress& progress_;
+};
+
+std::vector<Clipping> clippingsOf(const FrameRequest& request) {
+  std::vector<Clipping> out;
+  for (const VolumeRequest& volume : request.volumes) out.push_back(volume.clipping);
+  if (out.empty()) out.push_back(request.clipping);
+  for (Clipping& clipping : out) clipping.part.reset();
+  return out;
+}
+
+ShadowScene sceneOf(const FrameRequest& request) {
+  ShadowScene out;
+  for (const VolumeRequest& volume : request.volumes) out.functions.push_back(volume.transfer_function);
+  if (out.functions.empty()) out.functions.push_back(request.transfer_function);
+  out.clippings = clippingsOf(request);
+  out.level = request.level;
+  out.coarser = request.coarser;
+  out.interpolation = request.interpolation;
+  out.opacity_threshold = request.opacity_threshold;
+  return out;
+}
+
+// The extent of all volumes after their regions.
+struct Extent {
+  std::vector<glm::dvec3> corners;
+  double voxel = 0;          // smallest mean edge of a voxel. unit: world
+  std::int64_t longest = 0;  // edge of a volume. unit: voxels
+};
+
+Extent extentOf(const std::vector<const BrickedVolume*>& volumes, const std::vector<Clipping>& clippings) {
+  Extent out;
+  for (std::size_t i = 0; i < volumes.size(); ++i) {
+    const VolumeGeometry whole = volumes[i]->manifest().geometry();
+    VoxelBox box = boxOf(whole.dims);
+    if (clippings[i].region) box = intersection(box, *clippings[i].region);
+    if (box.empty()) continue;
+    const VolumeGeometry shown = partOf(whole, box);
+    for (const glm::dvec3& corner : shown.corners()) out.corners.push_back(corner);
+    out.longest = std::max({out.longest, shown.dims.x, shown.dims.y, shown.dims.z});
+    const double voxel = whole.meanSpacing();
+    out.voxel = out.voxel > 0 ? std::min(out.voxel, voxel) : voxel;
+  }
+  return out;
+}
+
+int edgeOf(const Light& light, const Extent& extent, const ImageSize& picture) {
+  if (light.shadow.resolution > 0) return light.shadow.resolution;
+  const int side = std::clamp(std::max(picture.width, picture.height), kLeastEdge, kShadowEdge);
+  const auto edge = static_cast<int>(std::min<std::int64_t>(side, std::max<std::int64_t>(extent.longest, 8)));
+  // A penumbra needs fewer pixels, and each of its lights a map.
+  return light.shadow.softness > 0 ? edge / 2 : edge;
+}
+
+// Draws a view for its opacities: the request has a place for them.
+void drawOpacity(BrickCache& cache, FrameRequest request, Progress& progress, FrameStatistics& statistics) {
+  request.shading.phong = false;
+  request.clipping.part.reset();
+  for (VolumeRequest& volume : request.volumes) volume.shading.phong = false, volume.clipping.part.reset();
+  request.lattice = Lattice::kPixel;
+  request.mode = Mode::kComposite;
+  request.crop.reset();
+  request.samples = 1;
+  request.filters_rays = false;
+  request.aovs = {};
+  request.deep.reset();
+  request.visibility = {};
+  request.tile_px = kSquareEdge;
+  request.node_log = nullptr;
+  FrameDrawing drawing(cache, request, progress);
+  const ImageSize& size = request.view.size;
+  for (int y = 0; y < size.height; y += kBand) drawing.draw({0, y, size.width, std::min(y + kBand, size.height)});
+  statistics.addView(drawing.finish());
+}
+
+// The view along the z axis of the first volume whose pixels are cells of the lattice, and the cells behind a pixel.
+struct LatticePlan {
+  View view;
+  double near = 0;
+  int depth = 1;
+  Extent3 cells() const { return {view.size.width, view.size.height, depth}; }
+};
+
+LatticePlan latticeOf(const VolumeGeometry& first, const Extent& extent) {
+  Light along;
+  along.kind = LightKind::kDirectional;
+  along.place = -glm::dmat3(first.world_from_index)[2];
+  const auto viewWith = [&](int edge) { return shadowViews(along, extent.corners, edge).front(); };
+  ShadowView seen = viewWith(kLatticeEdge);
+  const double depth = seen.depths.far - seen.depths.near;
+  // The longest of the three edges has kLatticeEdge cells, or a cell is a voxel.
+  const double cell = std::max({pixelEdge(seen), depth / kLatticeEdge, extent.voxel});
+  const double plane = std::max(seen.view.size.width, seen.view.size.height) * pixelEdge(seen);
+  seen = viewWith(std::max(static_cast<int>(std::ceil(plane / cell)), 8));
+  const int cells = static_cast<int>(std::ceil(depth / pixelEdge(seen)));
+  return {seen.view, seen.depths.near, std::clamp(cells, 1, 2 * kLatticeEdge)};
+}
+
+double radiusOf(const AmbientOcclusion& occlusion, const Extent& extent) {
+  if (occlusion.radius > 0) return occlusion.radius;
+  return kRadius * static_cast<double>(extent.longest) * extent.voxel;
+}
+
+}  // namespace
+
+std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes,
+                                const std::vector<Clipping>& clippings, const Shading& shading,
+                                const ImageSize& picture) {
+  const Extent extent = extentOf(volumes, clippings);
+  if (extent.corners.empty() || !shading.phong) return 0;
+  const auto bandBytes = [](int width, int height) {
+    const int rows = std::min(height, kBand);
+    return 4 * sizeof(float) * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(rows) +
+           visibilityBytes(VisibilityMethod::kMask, {width, rows});
+  };
+  std::uint64_t kept = 0, drawing = 0;
+  for (const Light& light : shading.lights) {
+    if (!castsShadows(shading, light)) continue;
+    const int edge = edgeOf(light, extent, picture);
+    const auto pixels = static_cast<std::uint64_t>(edge) * static_cast<std::uint64_t>(edge);
+    // The views of a far light have equal bounds for all directions.
+    std::size_t maps = isFar(light.kind) ? 1 : shadowViews(light, extent.corners, edge).size();
+    if (light.shadow.softness > 0) maps = isFar(light.kind) ? kSoftLights : 6 * kSoftLights;
+    const std::uint64_t finished = DeepShadowMap::bytesFor(pixels, false);
+    kept += maps * finished;
+    drawing = std::max(drawing, DeepShadowMap::bytesFor(pixels, true) - finished + bandBytes(edge, edge));
+  }
+  if (shading.occlusion.strength > 0) {
+    const Extent3 cells = latticeOf(volumes.front()->manifest().geometry(), extent).cells();
+    kept += ambientBytes(cells) + bandBytes(static_cast<int>(cells.x), static_cast<int>(cells.y));
+  }
+  return kept + drawing;
+}
+
+FrameRequest latticeRequest(const std::vector<const BrickedVolume*>& volumes, const FrameRequest& request) {
+  FrameRequest out = request;
+  out.view = latticeOf(volumes.front()->manifest().geometry(), extentOf(volumes, clippingsOf(request))).view;
+  if (out.volumes.empty()) out.volumes = {{request.transfer_function, request.shading, request.clipping}};
+  out.sample_distance = kMostSampleDistance;
+  return out;
+}
+
+void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& request, FrameStatistics& statistics) {
+  if (request.illumination || !request.engine().capabilities().composites || !isShaded(request.shading)) return;
+  const std::vector<Light>& lights = request.shading.lights;
+  const AmbientOcclusion& occlusion = request.shading.occlusion;
+  const auto casts = [&](const Light& light) { return castsShadows(request.shading, light); };
+  auto out = std::make_shared<Illumination>();
+  out->scene = sceneOf(request);
+  const Illumination* previous = request.last_illumination != nullptr ? request.last_illumination->get() : nullptr;
+  if (previous != nullptr && !(previous->scene == out->scene)) previous = nullptr;
+  const Extent extent = extentOf(cache.stores(), out->scene.clippings);
+  if (extent.corners.empty()) return;
+  OnlyCancelled silent(progress);
+  glm::dvec3 centre(0);
+  for (const glm::dvec3& corner : extent.corners) centre += corner / static_cast<double>(extent.corners.size());
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const Light& light = lights[i];
+    ShadowedLight& shadowed = out->lights.emplace_back();
+    if (!casts(light)) continue;
+    shadowed.light = light;
+    shadowed.place = standing(light, request.view).place;
+    shadowed.edge_px = edgeOf(light, extent, request.view.size);
+    if (previous != nullptr && i < previous->lights.size()) {
+      const ShadowedLight& known = previous->lights[i];
+      if (known.light == light && known.place == shadowed.place && known.edge_px == shadowed.edge_px) {
+        shadowed = known;
+        continue;
+      }
+    }
+    for (const Light& point : pointsOf(light, request.view, centre)) {
+      std::vector<std::shared_ptr<const DeepShadowMap>> maps;
+      for (const ShadowView& view : shadowViews(point, extent.corners, shadowed.edge_px)) {
+        auto map = std::make_shared<DeepShadowMap>(view.view, view.depths);
+        FrameRequest of_light = request;
+        of_light.view = view.view;
+        of_light.shadows = map.get();
+        drawOpacity(cache, std::move(of_light), silent, statistics);
+        map->finish();
+        shadowed.start = std::max(shadowed.start, kStart * std::max(extent.voxel, pixelEdge(view)));
+        maps.push_back(std::move(map));
+      }
+      shadowed.points.push_back(std::move(maps));
+    }
+  }
+  if (occlusion.strength > 0) {
+    out->ambient_radius = radiusOf(occlusion, extent);
+    if (previous != nullptr && previous->ambient && previous->ambient_radius == out->ambient_radius) {
+      out->ambient = previous->ambient;
+    } else {
+      const LatticePlan plan = latticeOf(cache.stores().front()->manifest().geometry(), extent);
+      ExtinctionLattice lattice(plan.view, plan.near, plan.depth);
+      FrameRequest of_lattice = latticeRequest(cache.stores(), request);
+      of_lattice.extinction = &lattice;
+      drawOpacity(cache, std::move(of_lattice), silent, statistics);
+      out->ambient = std::make_shared<AmbientGrid>(gatherAmbient(lattice, out->ambient_radius));
+    }
+  }
+  request.illumination = std::move(out);
+  if (request.last_illumination != nullptr) *request.last_illumination = request.illumination;
+}
+
+}  // namespace kiln

@@ -1,0 +1,295 @@
+// Shadows and ambient occlusion against closed forms and against rays of the reference renderer.
+// Known because a layer of known depth transmits exp(-depth) of a light, an open plane sees all of its half space, and
+// the reference renderer follows each shadow ray by itself.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <glm/geometric.hpp>
+
+#include "frame/light/illuminate.h"
+#include "image/compare.h"
+#include "store/store_reader.h"
+#include "support/reference/contact_sheet.h"
+#include "support/reference/drawing.h"
+#include "support/reference/lattices.h"
+#include "support/reference/quality_scenes.h"
+#include "support/reference/reference_renderer.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+Light directional(const glm::dvec3& towards) {
+  Light out;
+  out.kind = LightKind::kDirectional;
+  out.place = towards;
+  return out;
+}
+Light pointLight(const glm::dvec3& place) {
+  Light out;
+  out.kind = LightKind::kPoint;
+  out.place = place;
+  return out;
+}
+
+// Distance from samples to the layers that shadow them. unit: world.
+double startOf(const std::filesystem::path& store, FrameRequest request) {
+  const StoreReader reader(store);
+  BrickCache cache({&reader}, 1ull << 30, 0);
+  FrameStatistics ignored;
+  illuminate(cache, Progress(), request, ignored);
+  double out = 0;
+  for (const ShadowedLight& light : request.illumination->lights) out = std::max(out, light.start);
+  return out;
+}
+
+constexpr int kEdge = 64;
+
+// A floor of opaque voxels below z = 16, and a translucent layer of 16 voxels above.
+DenseVolume floorUnderLayer() {
+  return fill({{kEdge, kEdge, kEdge}, VoxelType::u8}, [](auto, auto, auto z) {
+    return z < 16 ? 200 : z >= 32 && z < 48 ? 50 : 0;
+  });
+}
+
+// Extinction is linear in the value up to 50, so that the interpolated borders of the layer keep its depth.
+TransferFunction layerFunction(double extinction) {
+  TransferFunction out;
+  out.unit = 1;
+  for (int value = 0; value <= 50; value += 2)
+    out.points.push_back({static_cast<double>(value), glm::dvec3(1), 1 - std::exp(-extinction * value / 50)});
+  out.points.push_back({60, glm::dvec3(1), 0.9999});
+  return out;
+}
+
+// The eye sees the floor below the layer, from the side.
+FrameRequest floorRequest(double extinction) {
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.target = {32, 32, 16};
+  camera.eye = camera.target + 100.0 * glm::normalize(glm::dvec3(-1, 0, 0.2));
+  camera.up = {0, 0, 1};
+  camera.height = 8;
+  FrameRequest request;
+  request.view = resolve(camera, {96, 32});
+  request.transfer_function = layerFunction(extinction);
+  request.shading.ambient = request.shading.specular = 0;
+  request.shading.lights = {directional({0, 0, 1})};
+  return request;
+}
+
+// Mean light of the picture's middle rows.
+double brightnessOf(const Image& image) {
+  double sum = 0;
+  int pixels = 0;
+  for (int y = image.height / 4; y < 3 * image.height / 4; ++y) {
+    for (int x = 0; x < image.width; ++x) sum += image.pixel(x, y)[0], ++pixels;
+  }
+  return sum / pixels;
+}
+
+class Shadows : public ::testing::TestWithParam<Lattice> {};
+
+TEST_P(Shadows, OfALayerIsItsTransmittance) {
+  const auto store = makeStore(floorUnderLayer(), "layer", 32);
+  for (const double extinction : {0.01, 0.05, 0.15}) {
+    FrameRequest request = floorRequest(extinction);
+    setLattice(request, GetParam());
+    const double lit = brightnessOf(draw(store, request));
+    ASSERT_GT(lit, 0.2);
+    request.shading.shadows = true;
+    const double shadowed = brightnessOf(draw(store, request));
+    EXPECT_NEAR(shadowed / lit, std::exp(-16 * extinction), 0.01) << extinction;
+    request.shading.lights = {pointLight({32, 32, 4000})};
+    EXPECT_NEAR(brightnessOf(draw(store, request)) / lit, std::exp(-16 * extinction), 0.01) << extinction;
+    // A light between the floor and the layer is not shadowed.
+    request.shading.lights = {pointLight({32, 32, 27})};
+    const double near = brightnessOf(draw(store, request));
+    request.shading.shadows = false;
+    EXPECT_NEAR(near / brightnessOf(draw(store, request)), 1, 0.01) << extinction;
+  }
+}
+
+TEST_P(Shadows, HaveAStrength) {
+  const auto store = makeStore(floorUnderLayer(), "layer", 32);
+  FrameRequest request = floorRequest(0.1);
+  setLattice(request, GetParam());
+  const double lit = brightnessOf(draw(store, request));
+  request.shading.lights.front().shadow = {true, 0.25, 0, 128};
+  EXPECT_NEAR(brightnessOf(draw(store, request)) / lit, 1 - 0.25 * (1 - std::exp(-1.6)), 0.01);
+}
+
+INSTANTIATE_TEST_SUITE_P(OfLattices, Shadows, ::testing::ValuesIn(kLattices),
+                         [](const auto& tested) { return std::string(nameOf(tested.param)); });
+
+// A bar of width 8 at height h above the floor casts a penumbra of width 2 h tan(angle / 2).
+TEST(Shadows, OfASoftLightHaveAPenumbra) {
+  const DenseVolume bar = fill({{kEdge, kEdge, kEdge}, VoxelType::u8},
+                               [](auto x, auto, auto z) { return z < 16 || (z >= 48 && z < 52 && x >= 32) ? 200 : 0; });
+  const auto store = makeStore(bar, "bar", 32);
+  FrameRequest request = floorRequest(0.1);
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.target = {32, 32, 16}, camera.eye = {-300, 32, 116}, camera.up = {0, 0, 1};
+  camera.height = 16;
+  request.view = resolve(camera, {16, 64});
+  const Image unshadowed = draw(store, request);
+  const auto widthOf = [&](double softness) {
+    request.shading.lights.front().shadow = {true, 1, softness, 256};
+    const Image image = draw(store, request);
+    int between = 0;
+    for (int y = 0; y < image.height; ++y) {
+      const float share = image.pixel(8, y)[0] / unshadowed.pixel(8, y)[0];
+      between += share > 0.05 && share < 0.95 ? 1 : 0;
+    }
+    // A row of pixels covers 1/4 across the view, and so much more along the floor.
+    return between * 0.25 * std::hypot(332.0, 100.0) / 100;
+  };
+  EXPECT_LE(widthOf(0), 3);
+  EXPECT_NEAR(widthOf(20), 2 * 32 * std::tan(10 * 3.14159265 / 180), 3);
+}
+
+// Clipping removes what casts the shadow.
+TEST(Shadows, OfWhatIsClippedAwayAreGone) {
+  const auto store = makeStore(floorUnderLayer(), "layer", 32);
+  FrameRequest request = floorRequest(0.15);
+  request.clipping.planes = {{{0, 0, -1}, 24}};
+  const double lit = brightnessOf(draw(store, request));
+  request.shading.shadows = true;
+  EXPECT_NEAR(brightnessOf(draw(store, request)) / lit, 1, 1e-3);
+}
+
+// Each volume shadows the other.
+TEST(Shadows, OfSeveralVolumesFallOnEachOther) {
+  const auto whole = makeStore(floorUnderLayer(), "layer", 32);
+  FrameRequest request = floorRequest(0.1);
+  request.volumes = {{request.transfer_function, request.shading, {}},
+                     {request.transfer_function, request.shading, {}}};
+  // The floor of one volume and the layer of the other.
+  request.volumes[0].clipping.planes = {{{0, 0, -1}, 24}};
+  request.volumes[1].clipping.planes = {{{0, 0, 1}, -24}};
+  const double lit = brightnessOf(draw({whole, whole}, request));
+  request.shading.shadows = true;
+  for (VolumeRequest& volume : request.volumes) volume.shading.shadows = true;
+  EXPECT_NEAR(brightnessOf(draw({whole, whole}, request)) / lit, std::exp(-1.6), 0.01);
+}
+
+// An open plane sees its half space; the corner of a wall sees half of it.
+TEST(AmbientOcclusion, OfPlaneAndCornerAreKnown) {
+  const DenseVolume corner =
+      fill({{kEdge, kEdge, kEdge}, VoxelType::u8}, [](auto x, auto, auto z) { return z < 16 || x >= 48 ? 200 : 0; });
+  const auto store = makeStore(corner, "corner", 32);
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.target = {32, 32, 16}, camera.eye = {32, 32, 200}, camera.up = {0, 1, 0};
+  camera.height = 8;
+  FrameRequest request;
+  request.view = resolve(camera, {256, 32});  // x from 0 to 64
+  request.transfer_function = {1, {{60, glm::dvec3(1), 0}, {120, glm::dvec3(1), 0.99}}};
+  request.shading.ambient = 1, request.shading.diffuse = request.shading.specular = 0;
+  request.shading.occlusion = {1, 12, false};
+  const Image image = draw(store, request);
+  const auto at = [&](double x) { return image.pixel(static_cast<int>(4 * x), 16)[0]; };
+  EXPECT_NEAR(at(24), 1, 0.02);
+  EXPECT_LT(at(46), 0.8);
+  EXPECT_GT(at(46), 0.45);
+  for (int x = 30; x < 45; ++x) EXPECT_LE(at(x + 1), at(x) + 0.01) << x;  // darker and darker
+}
+
+TEST(AmbientOcclusion, OfStrengthZeroChangesNoBit) {
+  const auto store = makeStore(floorUnderLayer(), "layer", 32);
+  FrameRequest request = floorRequest(0.1);
+  request.shading.ambient = 0.5;
+  const Image plain = draw(store, request);
+  request.shading.occlusion = {0, 10, true};
+  EXPECT_TRUE(equalBits(plain, draw(store, request)));
+}
+
+// Tiles, threads, budgets, bricks and crops change no bit.
+TEST(Illumination, DependsOnTheSceneAlone) {
+  const DenseVolume volume = head({{80, 102, 74}, VoxelType::u8, anisotropicAffine()}, usualRange(VoxelType::u8));
+  const auto store = makeStore(volume, "head", 16), large = makeStore(volume, "large", 64);
+  FrameRequest request;
+  request.view = resolve(cameraFrom(volume.geometry, {-0.5, -1, 0.3}, Projection::kPerspective), {150, 130});
+  request.level = 0;
+  request.transfer_function = {0, {{60, {1, 0.8, 0.7}, 0}, {100, {1, 0.8, 0.7}, 0.1}, {200, {1, 1, 1}, 0.9}}};
+  request.shading.ambient = 0.4;
+  request.shading.shadows = true;
+  request.shading.lights = {directional({-1, -1, 1}), pointLight(volume.geometry.worldOf({100, -20, 80})), Light{}};
+  request.shading.occlusion = {0.8, 0, true};
+  const Image whole = draw(store, request);
+  ASSERT_TRUE(showsSomething(whole));
+  EXPECT_TRUE(equalBits(whole, draw(large, request)));
+  EXPECT_TRUE(equalBits(whole, draw(store, request, 8 << 20)));
+  FrameRequest other = request;
+  other.tile_px = 128, other.bricks_together = 3, other.visibility.method = VisibilityMethod::kNone;
+  EXPECT_TRUE(equalBits(whole, draw(store, other)));
+  other = request;
+  other.crop = PixelRect{37, 41, 120, 99};
+  EXPECT_TRUE(equalBits(partOf(whole, *other.crop), draw(store, other)));
+  FrameRequest unlit = request;
+  unlit.shading.shadows = false, unlit.shading.occlusion = {};
+  EXPECT_FALSE(equalBits(whole, draw(store, unlit)));
+}
+
+struct Scan {
+  const char* volume;
+  Material material;
+  bool point;
+};
+
+class ShadowsOfScans : public ::testing::TestWithParam<Scan> {};
+
+// Pictures of scans against rays. A sheet stays in the test's output: ours, the reference's, and without shadows.
+TEST_P(ShadowsOfScans, AreNearTheReference) {
+  const Scan& scan = GetParam();
+  const QualityVolume* volume = nullptr;
+  for (const QualityVolume& each : qualityVolumes()) {
+    if (each.name == scan.volume) volume = &each;
+  }
+  const std::filesystem::path file = std::filesystem::path(KILN_TEST_DATA_DIR) / volume->file;
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no test data: " << file;
+  const DenseVolume dense = readVolume(file);
+  const auto store = makeStore(dense, "scan", 64);
+  FrameRequest request;
+  request.view = resolve(cameraOf(*volume, dense.geometry, Projection::kOrthographic, 0.7, 160), {160, 160});
+  request.transfer_function = transferFunctionOf(*volume, scan.material);
+  request.samples = 4;
+  request.shading.shadows = true;
+  const glm::dvec3 to_eye = glm::normalize(volume->from), up = glm::normalize(volume->up);
+  const glm::dvec3 to_light = glm::normalize(to_eye + 0.7 * up + 0.8 * glm::cross(up, to_eye));
+  const glm::dvec3 middle =
+      dense.geometry.worldOf(0.5 * glm::dvec3(dense.geometry.dims.x, dense.geometry.dims.y, dense.geometry.dims.z));
+  const double away = 1.2 * static_cast<double>(dense.geometry.dims.x) * dense.geometry.meanSpacing();
+  request.shading.lights = {scan.point ? pointLight(middle + away * to_light) : directional(to_light)};
+  ReferenceSettings settings;
+  settings.rays_per_axis = 2;
+  settings.step_voxels = 0.5;
+  settings.opacity_threshold = request.opacity_threshold;
+  settings.shadow_start = startOf(store, request);
+  const Image truth =
+      referenceImage(dense, request.view, request.transfer_function, request.shading, {0, 0, 0, 0}, settings);
+  const Image image = draw(store, request);
+  FrameRequest flat = request;
+  flat.shading.shadows = false;
+  const Image without = draw(store, flat);
+  const ImageDifference difference = compareImages(truth, image), none = compareImages(truth, without);
+  std::printf("  %s %s, %s: %.1f dB (without shadows %.1f), brightness %+.2f %%\n", scan.volume, nameOf(scan.material),
+              scan.point ? "point" : "directional", difference.foreground_psnr_db, none.foreground_psnr_db,
+              100 * (difference.mean_brightness_ratio - 1));
+  writeContactSheet({{image, truth, without}}, 480,
+                    fmt::format("shadows_{}_{}_{}.png", scan.volume, nameOf(scan.material), scan.point));
+  EXPECT_GE(difference.foreground_psnr_db, 36);
+  EXPECT_NEAR(difference.mean_brightness_ratio, 1, 0.005);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    OfLights, ShadowsOfScans,
+    ::testing::Values(Scan{"cthead", Material::kSkin, false}, Scan{"cthead", Material::kBoneInSkin, true},
+                      Scan{"vhm_head", Material::kBoneInSkin, false}, Scan{"vhm_head", Material::kSkin, true},
+                      Scan{"engine", Material::kBoneInSkin, false}, Scan{"engine", Material::kSkin, true}));
+
+}  // namespace
+}  // namespace kiln::test
