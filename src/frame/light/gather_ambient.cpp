@@ -13,18 +13,18 @@ namespace kiln {
 namespace {
 
 // Cells of the lattice along an edge of the grid's cells.
-constexpr int kFiner = 2;
+constexpr int kCellsOfGrid = 2;
 // Directions, evenly over the sphere. Experiment: 64 directions change the occlusion of heads by less than 0.01.
-constexpr int kDirections = 32;
+constexpr int kCones = 32;
 // Cells that see so little are inside matter, and their darkness is not seen.
 constexpr float kDark = 0.02f;
 constexpr std::uint8_t kInside = static_cast<std::uint8_t>(kDark * 255);
 // Cells of the grid around visible matter whose occlusion samples may look up: the look-up reads a cell away from the
 // surface, between eight cells.
-constexpr int kReach = 2;
+constexpr int kNearMatter = 2;
 
 // Transmittances of paths as long as a cell's edge, each level with cells twice as large.
-struct Level {
+struct Opacities {
   Extent3 dims;
   std::vector<std::uint8_t> open;  // unit: 1 / 255
 
@@ -50,9 +50,9 @@ struct Level {
   }
 };
 
-Level firstLevel(const ExtinctionLattice& lattice) {
+Opacities firstLevel(const ExtinctionLattice& lattice) {
   const ImageSize& size = lattice.view().size;
-  Level out{{size.width, size.height, lattice.depth()}, {}};
+  Opacities out{{size.width, size.height, lattice.depth()}, {}};
   out.open.resize(static_cast<std::size_t>(out.dims.count()));
   parallelFor(static_cast<std::size_t>(out.dims.z), [&](std::size_t z) {
     std::uint8_t* to = &out.open[z * static_cast<std::size_t>(out.dims.x * out.dims.y)];
@@ -65,9 +65,9 @@ Level firstLevel(const ExtinctionLattice& lattice) {
 }
 
 // A path through two cells along an axis; the mean over the four paths along each of the three axes.
-Level coarser(const Level& fine) {
+Opacities coarser(const Opacities& fine) {
   const Extent3 n{(fine.dims.x + 1) / 2, (fine.dims.y + 1) / 2, (fine.dims.z + 1) / 2};
-  Level out{n, {}};
+  Opacities out{n, {}};
   out.open.resize(static_cast<std::size_t>(n.count()));
   parallelFor(static_cast<std::size_t>(n.z), [&](std::size_t slice) {
     const auto z = static_cast<std::int64_t>(slice);
@@ -91,10 +91,10 @@ Level coarser(const Level& fine) {
 }
 
 // Evenly over the sphere: a spiral. Source: Swinbank and Purser 2006.
-std::array<glm::vec3, kDirections> directions() {
-  std::array<glm::vec3, kDirections> out;
-  for (int i = 0; i < kDirections; ++i) {
-    const double z = 1 - (2 * i + 1.0) / kDirections, r = std::sqrt(1 - z * z);
+std::array<glm::vec3, kCones> coneDirections() {
+  std::array<glm::vec3, kCones> out;
+  for (int i = 0; i < kCones; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kCones, r = std::sqrt(1 - z * z);
     const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
     out[static_cast<std::size_t>(i)] = glm::vec3(glm::dvec3(r * std::cos(angle), r * std::sin(angle), z));
   }
@@ -102,15 +102,15 @@ std::array<glm::vec3, kDirections> directions() {
 }
 
 // A look-up of a cone: the middle of a step of `1 << level` cells.
-struct Step {
+struct ConeStep {
   float at;  // distance. unit: cells
   int level;
   float weight;  // of matter at the distance
 };
 
 // Steps grow with the distance, as wide as the cone: 32 cones have an opening of about half their length.
-std::vector<Step> stepsWithin(float radius) {
-  std::vector<Step> out;
+std::vector<ConeStep> stepsWithin(float radius) {
+  std::vector<ConeStep> out;
   for (float from = 0.5f; from < radius;) {
     const int level = from < 3.5f ? 0 : std::min(static_cast<int>(std::log2(from / 1.75f)), 6);
     const float length = static_cast<float>(1 << level), at = from + 0.5f * length;
@@ -124,12 +124,12 @@ std::vector<Step> stepsWithin(float radius) {
 class Gathering {
  public:
   Gathering(const ExtinctionLattice& lattice, double radius)
-      : steps_(stepsWithin(static_cast<float>(radius / lattice.edge()))), directions_(directions()) {
+      : steps_(stepsWithin(static_cast<float>(radius / lattice.edge()))), directions_(coneDirections()) {
     levels_.push_back(firstLevel(lattice));
     const int coarsest = steps_.empty() ? 0 : steps_.back().level;
     while (static_cast<int>(levels_.size()) <= coarsest) levels_.push_back(coarser(levels_.back()));
     const Extent3& n = levels_.front().dims;
-    dims_ = {n.x / kFiner + 2, n.y / kFiner + 2, n.z / kFiner + 2};
+    dims_ = {n.x / kCellsOfGrid + 2, n.y / kCellsOfGrid + 2, n.z / kCellsOfGrid + 2};
   }
 
   const Extent3& dims() const { return dims_; }
@@ -156,22 +156,24 @@ class Gathering {
 
   // Marks cells of the grid whose surroundings hold matter, and cells whose surroundings hold more than matter.
   std::vector<std::uint8_t> marks() const {
-    const Level& fine = levels_.front();
+    const Opacities& fine = levels_.front();
     std::vector<std::uint8_t> out(static_cast<std::size_t>(dims_.count()));
     parallelFor(static_cast<std::size_t>(dims_.z), [&](std::size_t slice) {
       const auto z = static_cast<std::int64_t>(slice);
-      for (std::int64_t k = kFiner * z; k < std::min(kFiner * (z + 1), fine.dims.z); ++k) {
+      for (std::int64_t k = kCellsOfGrid * z; k < std::min(kCellsOfGrid * (z + 1), fine.dims.z); ++k) {
         for (std::int64_t j = 0; j < fine.dims.y; ++j) {
           const std::uint8_t* const row = &fine.open[static_cast<std::size_t>((k * fine.dims.y + j) * fine.dims.x)];
-          std::uint8_t* const to = &out[placeOf(0, j / kFiner, z)];
+          std::uint8_t* const to = &out[placeOf(0, j / kCellsOfGrid, z)];
           for (std::int64_t i = 0; i < fine.dims.x; ++i)
-            to[i / kFiner] |= static_cast<std::uint8_t>((row[i] < 255 ? kMatter : 0) | (row[i] > kInside ? kClear : 0));
+            to[i / kCellsOfGrid] |=
+                static_cast<std::uint8_t>((row[i] < 255 ? kMatter : 0) | (row[i] > kInside ? kClear : 0));
         }
       }
       // Beyond the lattice nothing is in the way.
       for (std::int64_t y = 0; y < dims_.y; ++y) {
         for (std::int64_t x = 0; x < dims_.x; ++x) {
-          const bool outside = kFiner * x >= fine.dims.x || kFiner * y >= fine.dims.y || kFiner * z >= fine.dims.z;
+          const bool outside =
+              kCellsOfGrid * x >= fine.dims.x || kCellsOfGrid * y >= fine.dims.y || kCellsOfGrid * z >= fine.dims.z;
           if (outside) out[placeOf(x, y, z)] |= kClear;
         }
       }
@@ -192,7 +194,7 @@ class Gathering {
           const std::int64_t here = axis == 0 ? x : axis == 1 ? y : z;
           const std::uint8_t* const at = &marks[placeOf(x, y, z)];
           std::uint8_t mark = 0;
-          for (std::int64_t beside = -kReach; beside < kReach; ++beside) {
+          for (std::int64_t beside = -kNearMatter; beside < kNearMatter; ++beside) {
             if (here + beside < 0 || here + beside > last)
               mark |= kClear;
             else
@@ -207,9 +209,9 @@ class Gathering {
 
   float visibilityAlong(const glm::vec3& from, const glm::vec3& direction) const {
     float open = 1, seen = 1;
-    for (const Step& step : steps_) {
+    for (const ConeStep& step : steps_) {
       const float scale = 1.0f / static_cast<float>(1 << step.level);
-      const Level& level = levels_[static_cast<std::size_t>(step.level)];
+      const Opacities& level = levels_[static_cast<std::size_t>(step.level)];
       const float through = level.between(scale * (from + step.at * direction));
       seen -= open * (1 - through) * step.weight;
       open *= through;
@@ -219,7 +221,7 @@ class Gathering {
   }
 
   AmbientCell cellAt(const VoxelCoord& cell) const {
-    const glm::vec3 from(static_cast<float>(kFiner) * glm::vec3(cell.x, cell.y, cell.z));
+    const glm::vec3 from(static_cast<float>(kCellsOfGrid) * glm::vec3(cell.x, cell.y, cell.z));
     float mean = 0;
     glm::vec3 along(0);
     for (const glm::vec3& direction : directions_) {
@@ -227,16 +229,15 @@ class Gathering {
       mean += seen, along += seen * direction;
     }
     AmbientCell out;
-    out.mean = static_cast<std::uint8_t>(std::lround(255 * mean / kDirections));
+    out.mean = static_cast<std::uint8_t>(std::lround(255 * mean / kCones));
     for (int axis = 0; axis < 3; ++axis)
-      out.along[axis] =
-          static_cast<std::int8_t>(std::lround(std::clamp(4 * along[axis] / kDirections, -1.0f, 1.0f) * 127));
+      out.along[axis] = static_cast<std::int8_t>(std::lround(std::clamp(4 * along[axis] / kCones, -1.0f, 1.0f) * 127));
     return out;
   }
 
-  std::vector<Step> steps_;
-  std::array<glm::vec3, kDirections> directions_;
-  std::vector<Level> levels_;
+  std::vector<ConeStep> steps_;
+  std::array<glm::vec3, kCones> directions_;
+  std::vector<Opacities> levels_;
   Extent3 dims_;
 };
 
@@ -247,14 +248,15 @@ AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius) {
   const View& view = lattice.view();
   // Pixels and slabs of the lattice to cells of the grid.
   glm::dmat4 grid_from_view(1.0);
-  for (int axis = 0; axis < 3; ++axis) grid_from_view[axis][axis] = view.focal_px / kFiner;
-  grid_from_view[3] = glm::dvec4(view.centre_px / double{kFiner}, -lattice.near() * view.focal_px / kFiner, 1);
+  for (int axis = 0; axis < 3; ++axis) grid_from_view[axis][axis] = view.focal_px / kCellsOfGrid;
+  grid_from_view[3] =
+      glm::dvec4(view.centre_px / double{kCellsOfGrid}, -lattice.near() * view.focal_px / kCellsOfGrid, 1);
   return AmbientGrid(gathering.dims(), grid_from_view * view.view_from_world, gathering.run());
 }
 
 std::uint64_t ambientBytes(const Extent3& cells) {
   const auto fine = static_cast<std::uint64_t>(cells.count());
-  const Extent3 grid{cells.x / kFiner + 2, cells.y / kFiner + 2, cells.z / kFiner + 2};
+  const Extent3 grid{cells.x / kCellsOfGrid + 2, cells.y / kCellsOfGrid + 2, cells.z / kCellsOfGrid + 2};
   return fine * sizeof(std::uint16_t) + fine + fine / 4 +
          static_cast<std::uint64_t>(grid.count()) * sizeof(AmbientCell);
 }

@@ -14,16 +14,16 @@ namespace kiln {
 namespace {
 
 // Smallest edge of a shadow map by default: a small picture of a large object has fine shadows, too. unit: pixels.
-constexpr int kLeastEdge = 512;
+constexpr int kLeastMapEdge = 512;
 // Distance from a sample to the nearest layer that shadows the sample. Shorter distances darken surfaces by their own
 // layers: a surface's opacity rises over some two voxels. unit: voxels or pixels of the map, the longer.
-constexpr double kStart = 1.5;
+constexpr double kShadowStart = 1.5;
 // Cells along the longest edge of the lattice for ambient occlusion.
 constexpr int kLatticeEdge = 256;
 // Default radius of ambient occlusion. unit: longest edges of the volumes.
-constexpr double kRadius = 0.1;
+constexpr double kOcclusionRadius = 0.1;
 // Rows of a light's view drawn at a time, which bounds the memory of the pixels. unit: pixels.
-constexpr int kBand = 256;
+constexpr int kOpacityBand = 256;
 
 // Lights draw without reports: their share of a frame's time is not known before.
 class OnlyCancelled final : public Progress {
@@ -56,14 +56,14 @@ ShadowScene sceneOf(const FrameRequest& request) {
 }
 
 // The extent of all volumes after their regions.
-struct Extent {
+struct ShownExtent {
   std::vector<glm::dvec3> corners;
   double voxel = 0;          // smallest mean edge of a voxel. unit: world
   std::int64_t longest = 0;  // edge of a volume. unit: voxels
 };
 
-Extent extentOf(const std::vector<const BrickedVolume*>& volumes, const std::vector<Clipping>& clippings) {
-  Extent out;
+ShownExtent extentOf(const std::vector<const BrickedVolume*>& volumes, const std::vector<Clipping>& clippings) {
+  ShownExtent out;
   for (std::size_t i = 0; i < volumes.size(); ++i) {
     const VolumeGeometry whole = volumes[i]->manifest().geometry();
     VoxelBox box = boxOf(whole.dims);
@@ -78,16 +78,16 @@ Extent extentOf(const std::vector<const BrickedVolume*>& volumes, const std::vec
   return out;
 }
 
-int edgeOf(const Light& light, const Extent& extent, const ImageSize& picture) {
+int edgeOf(const Light& light, const ShownExtent& extent, const ImageSize& picture) {
   if (light.shadow.resolution > 0) return light.shadow.resolution;
-  const int side = std::clamp(std::max(picture.width, picture.height), kLeastEdge, kShadowEdge);
+  const int side = std::clamp(std::max(picture.width, picture.height), kLeastMapEdge, kShadowEdge);
   const auto edge = static_cast<int>(std::min<std::int64_t>(side, std::max<std::int64_t>(extent.longest, 8)));
   // A penumbra needs fewer pixels, and each of its lights a map.
   return light.shadow.softness > 0 ? edge / 2 : edge;
 }
 
 // Draws a view for its opacities: the request has a place for them.
-void drawOpacity(BrickCache& cache, FrameRequest request, Progress& progress, FrameStatistics& statistics) {
+void drawOpacities(BrickCache& cache, FrameRequest request, Progress& progress, FrameStatistics& statistics) {
   request.shading.phong = false;
   request.clipping.part.reset();
   for (VolumeRequest& volume : request.volumes) volume.shading.phong = false, volume.clipping.part.reset();
@@ -103,7 +103,8 @@ void drawOpacity(BrickCache& cache, FrameRequest request, Progress& progress, Fr
   request.node_log = nullptr;
   FrameDrawing drawing(cache, request, progress);
   const ImageSize& size = request.view.size;
-  for (int y = 0; y < size.height; y += kBand) drawing.draw({0, y, size.width, std::min(y + kBand, size.height)});
+  for (int y = 0; y < size.height; y += kOpacityBand)
+    drawing.draw({0, y, size.width, std::min(y + kOpacityBand, size.height)});
   statistics.addView(drawing.finish());
 }
 
@@ -115,7 +116,7 @@ struct LatticePlan {
   Extent3 cells() const { return {view.size.width, view.size.height, depth}; }
 };
 
-LatticePlan latticeOf(const VolumeGeometry& first, const Extent& extent) {
+LatticePlan latticeOf(const VolumeGeometry& first, const ShownExtent& extent) {
   Light along;
   along.kind = LightKind::kDirectional;
   along.place = -glm::dmat3(first.world_from_index)[2];
@@ -130,9 +131,9 @@ LatticePlan latticeOf(const VolumeGeometry& first, const Extent& extent) {
   return {seen.view, seen.depths.near, std::clamp(cells, 1, 2 * kLatticeEdge)};
 }
 
-double radiusOf(const AmbientOcclusion& occlusion, const Extent& extent) {
+double radiusOf(const AmbientOcclusion& occlusion, const ShownExtent& extent) {
   if (occlusion.radius > 0) return occlusion.radius;
-  return kRadius * static_cast<double>(extent.longest) * extent.voxel;
+  return kOcclusionRadius * static_cast<double>(extent.longest) * extent.voxel;
 }
 
 }  // namespace
@@ -140,10 +141,10 @@ double radiusOf(const AmbientOcclusion& occlusion, const Extent& extent) {
 std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes,
                                 const std::vector<Clipping>& clippings, const Shading& shading,
                                 const ImageSize& picture) {
-  const Extent extent = extentOf(volumes, clippings);
+  const ShownExtent extent = extentOf(volumes, clippings);
   if (extent.corners.empty() || !shading.phong) return 0;
   const auto bandBytes = [](int width, int height) {
-    const int rows = std::min(height, kBand);
+    const int rows = std::min(height, kOpacityBand);
     return 4 * sizeof(float) * static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(rows) +
            visibilityBytes(VisibilityMethod::kMask, {width, rows});
   };
@@ -183,7 +184,7 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
   out->scene = sceneOf(request);
   const Illumination* previous = request.last_illumination != nullptr ? request.last_illumination->get() : nullptr;
   if (previous != nullptr && !(previous->scene == out->scene)) previous = nullptr;
-  const Extent extent = extentOf(cache.stores(), out->scene.clippings);
+  const ShownExtent extent = extentOf(cache.stores(), out->scene.clippings);
   if (extent.corners.empty()) return;
   OnlyCancelled silent(progress);
   glm::dvec3 centre(0);
@@ -209,9 +210,9 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
         FrameRequest of_light = request;
         of_light.view = view.view;
         of_light.shadows = map.get();
-        drawOpacity(cache, std::move(of_light), silent, statistics);
+        drawOpacities(cache, std::move(of_light), silent, statistics);
         map->finish();
-        shadowed.start = std::max(shadowed.start, kStart * std::max(extent.voxel, pixelEdge(view)));
+        shadowed.start = std::max(shadowed.start, kShadowStart * std::max(extent.voxel, pixelEdge(view)));
         maps.push_back(std::move(map));
       }
       shadowed.points.push_back(std::move(maps));
@@ -226,7 +227,7 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
       ExtinctionLattice lattice(plan.view, plan.near, plan.depth);
       FrameRequest of_lattice = latticeRequest(cache.stores(), request);
       of_lattice.extinction = &lattice;
-      drawOpacity(cache, std::move(of_lattice), silent, statistics);
+      drawOpacities(cache, std::move(of_lattice), silent, statistics);
       out->ambient = std::make_shared<AmbientGrid>(gatherAmbient(lattice, out->ambient_radius));
     }
   }

@@ -14,10 +14,10 @@ namespace {
 // Pixels of a map around the box: bilinear look-ups at the border of the box read them.
 constexpr int kMargin_px = 2;
 // Largest slope x/z of a single map around a point light; a wider map would waste pixels at its borders.
-constexpr double kWidest = 1.5;
+constexpr double kWidestMap = 1.5;
 // Least ratio of the nearest to the farthest depth of a single map around a point light.
-constexpr double kNearest = 0.05;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNearestShare = 0.05;
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 // A view without size, from `at` along `forward`.
 View viewAlong(const glm::dvec3& at, const glm::dvec3& forward) {
@@ -34,7 +34,7 @@ View viewAlong(const glm::dvec3& at, const glm::dvec3& forward) {
 }
 
 struct Bounds {
-  glm::dvec3 lo{kInfinity}, hi{-kInfinity};
+  glm::dvec3 lo{kUnbounded}, hi{-kUnbounded};
   void add(const glm::dvec3& p) { lo = glm::min(lo, p), hi = glm::max(hi, p); }
 };
 
@@ -72,7 +72,7 @@ bool singleView(const glm::dvec3& light, std::span<const glm::dvec3> points, int
   View view = viewAlong(light, centre - light);
   view.projection = Projection::kPerspective;
   Bounds slopes;
-  double near = kInfinity, far = 0;
+  double near = kUnbounded, far = 0;
   for (const glm::dvec3& point : points) {
     const glm::dvec3 p(view.view_from_world * glm::dvec4(point, 1));
     if (!(p.z > 0)) return false;
@@ -80,7 +80,7 @@ bool singleView(const glm::dvec3& light, std::span<const glm::dvec3> points, int
     near = std::min(near, p.z), far = std::max(far, p.z);
   }
   const glm::dvec3 widest = glm::max(glm::abs(slopes.lo), glm::abs(slopes.hi));
-  if (near < kNearest * far || std::max(widest.x, widest.y) > kWidest) return false;
+  if (near < kNearestShare * far || std::max(widest.x, widest.y) > kWidestMap) return false;
   fit(glm::dvec2(slopes.lo), glm::dvec2(slopes.hi), edge_px, view);
   const double slack = 1e-3 * (far - near);
   out = {view, {near - slack, far + slack}};
