@@ -11,6 +11,7 @@
 #include "composite/part_order.h"
 #include "frame/background.h"
 #include "frame/part_image.h"
+#include "image/display.h"
 #include "image/image_memory.h"
 #include "job/job_facts.h"
 #include "job/json/job_json.h"
@@ -132,7 +133,8 @@ std::string partOriginText(const Manifest& volume) {
   return out.dump();
 }
 
-CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& progress, std::uint64_t memory_bytes) {
+CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& progress, std::uint64_t memory_bytes,
+                               Medium medium) {
   if (paths.empty()) throw Error(ErrorCode::kUsage, "there are no partial images to composite");
   std::vector<Part> parts;
   for (const fs::path& path : paths) {
@@ -170,6 +172,7 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   }
   out.volume_share = static_cast<double>(voxels) / static_cast<double>(volume.dims.count());
   out.image = pixelsOf(made, picture, picture.aovs);
+  if (medium == Medium::kDisplay) show(displayOf(picture), out.image);
   layOverBackground(out.image, drawnPixels(picture.size, picture.crop).y0, picture.size.height,
                     backgroundOf(picture, std::get<TransferFunction>(picture.transfer_function)));
   return out;

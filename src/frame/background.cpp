@@ -4,8 +4,16 @@
 #include <cmath>
 
 #include "base/thread/parallel.h"
+#include "image/file/image_file.h"
+#include "job/job_facts.h"
 
 namespace kiln {
+namespace {
+
+// Rows of ShownRows at a time.
+constexpr int kShownRows = 16;
+
+}  // namespace
 
 void layOverBackground(Image& image, int first_row, int rows, const Background& background) {
   if (background == Background{}) return;
@@ -25,6 +33,42 @@ void layOverBackground(Image& image, int first_row, int rows, const Background& 
       }
     }
   });
+}
+
+Medium mediumOf(const std::filesystem::path& picture) { return isExrPath(picture) ? Medium::kLight : Medium::kDisplay; }
+
+Finish finishOf(const PictureOptions& picture, const TransferFunction& transfer_function) {
+  if (drawsPart(picture)) return {};
+  return {displayOf(picture), backgroundOf(picture, transfer_function), picture.size.height};
+}
+
+Background drawnBackground(const PictureOptions& picture, const TransferFunction& transfer_function) {
+  if (drawsPart(picture) || !showsAsDrawn(displayOf(picture))) return {};
+  return backgroundOf(picture, transfer_function);
+}
+
+void finishPicture(Image& image, int first_row, const Finish& finish, Medium medium) {
+  if (finish.none()) return;
+  if (medium == Medium::kDisplay) show(finish.display, image);
+  layOverBackground(image, first_row, finish.rows, finish.background);
+}
+
+std::uint64_t ShownRows::bytesFor(int width) {
+  return 4 * sizeof(float) * kShownRows * static_cast<std::uint64_t>(width);
+}
+
+ShownRows::ShownRows(const Image& image, int first_row, const Finish& finish)
+    : ImageRows(image.width, image.height), image_(image), first_row_(first_row), finish_(finish) {}
+
+ImageRows::Band ShownRows::bandAt(int row) {
+  if (band_.height == 0 || row < band_row_ || row >= band_row_ + band_.height) {
+    const int rows = std::min(kShownRows, height - row);
+    if (band_.height != rows) band_ = Image(width, rows);
+    std::copy_n(image_.pixel(0, row), band_.rgba.size(), band_.rgba.data());
+    band_row_ = row;
+    finishPicture(band_, first_row_ + row, finish_, Medium::kDisplay);
+  }
+  return {&band_, band_row_};
 }
 
 }  // namespace kiln

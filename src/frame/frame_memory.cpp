@@ -11,6 +11,7 @@
 #include "base/memory/memory.h"
 #include "base/thread/parallel.h"
 #include "base/thread/trace.h"
+#include "frame/background.h"
 #include "frame/light/illuminate.h"
 #include "frame/panorama.h"
 #include "frame/part_image.h"
@@ -183,6 +184,7 @@ class FrameAccount {
   // Charges the largest file, as files are written in turn. A file may hold both eyes.
   void chargeFiles(std::uint64_t share) {
     const std::vector<std::filesystem::path> names = namesOf(job_.output);
+    if (!showsAsDrawn(displayOf(job_.picture))) out_.files = picturesHeld(job_) * ShownRows::bytesFor(written_.width());
     if (std::none_of(names.begin(), names.end(), isExrPath)) return;
     const std::uint64_t eyes = eyesOf(job_.picture).size();
     const auto bytesOf = [&](const ExrShape& shape) {
@@ -190,7 +192,7 @@ class FrameAccount {
     };
     const ExrShape flat{written_.width(), written_.height(), job_.output.exr_float || drawsPart(job_.picture),
                         aovBytes(job_.picture.aovs), job_.output.exr_compression};
-    out_.files = bytesOf(flat);
+    out_.files = std::max(out_.files, bytesOf(flat));
     if (!drawsDeep(job_)) return;
     constexpr std::uint64_t kDepths = 2 * sizeof(float);
     const ExrShape deep{written_.width() * std::int64_t{job_.output.deep_bound.samples}, written_.height(),

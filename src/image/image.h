@@ -48,4 +48,18 @@ struct Image {
   const float* pixel(int x, int y) const { return rgba.data() + (static_cast<std::size_t>(y) * width + x) * 4; }
 };
 
+/// The colours of a file: linear light as in an EXR, or colours to look at, as in a PNG and a video.
+enum class Medium { kLight, kDisplay };
+
+/// - kClip: light beyond 1 is shown as 1, channel by channel.
+/// - kSoft: light beyond a knee approaches 1 (image/display.h).
+enum class Tone { kClip, kSoft };
+
+/// How linear light is shown.
+struct Display {
+  double exposure = 0;  // unit: stops; each doubles the light
+  Tone tone = Tone::kClip;
+  bool operator==(const Display&) const = default;
+};
+
 }  // namespace kiln

@@ -13,6 +13,8 @@ namespace kiln {
 /// Returns the background of a picture. By default: transparent behind light; behind projected values the colour of the
 /// function's low end, which no value falls below.
 Background backgroundOf(const PictureOptions& picture, const TransferFunction& transfer_function);
+/// Returns the display of a picture. Projected values are colours of a scale, not light: they have no tone curve.
+Display displayOf(const PictureOptions& picture);
 /// Returns true if the job sets more than one sample a pixel.
 bool oversamples(const PictureOptions& picture);
 /// Returns whether the number is 1, 2, 4 or 16.

@@ -221,6 +221,31 @@ void readQuality(const JobObject& root, std::string_view key, RenderJob& job) {
     picture.sample_distance = draft ? kMostSampleDistance : kLeastSampleDistance;
 }
 
+// Sets the options that a look stands for.
+void readLook(const JobObject& root, std::string_view key, RenderJob& job) {
+  const bool studio = *root.choice(key, kLookNames) == 1;
+  job.picture.shading = studio ? studioShading() : Shading();
+  job.picture.display.tone = studio ? Tone::kSoft : Tone::kClip;
+  job.animation.lights.clear();
+}
+
+Options<RenderJob> displayOptions() {
+  using Row = Option<RenderJob>;
+  return {
+      Row("exposure", "--exposure", kLight,
+          {KILN_MEMBER(picture.display.exposure), Number{{-20, 20}, "stops"},
+           [](const RenderJob& job) { return job.picture.display.exposure != 0; }},
+          "Exposure of the volume's light in PNG and video: 1 doubles the light. The background keeps its colour, and "
+          "an "
+          "EXR its light."),
+      Row("tone", "--tone", kLight,
+          {KILN_MEMBER(picture.display.tone), Word{kToneNames},
+           [](const RenderJob& job) { return job.picture.display.tone != Tone::kClip; }},
+          "Light beyond white in PNG and video. clip: white, channel by channel. soft: bright colours keep their "
+          "hue and stay below white. An EXR keeps its light."),
+  };
+}
+
 Options<RenderJob> rootOptions() {
   using Row = Option<RenderJob>;
   Options<RenderJob> out;
@@ -279,6 +304,11 @@ Options<RenderJob> rootOptions() {
               .resolvedIf(ofOneVolume),
           kFunctionHelp));
   add(Row("window", "--window", kTransferFunction, {KILN_MEMBER(picture.window), ValueWindow{}}, kWindowHelp));
+  add(Row(
+      "look", "--look", kLight, OptionValue<RenderJob>::custom(Word{kLookNames}.form(), readLook),
+      "Several options in one word; options beside it win. plain: the defaults. studio: three lights that move with "
+      "the camera, of which the key casts shadows, ambient occlusion and --tone soft."));
+  add(objectRow("display", displayOptions()));
   add(objectRow("shading", optionsIn<RenderJob>(shadingOptions(), KILN_MEMBER(picture.shading))));
   OptionValue<RenderJob> lights = {KILN_MEMBER(picture.shading.lights), lightList()};
   lights.form.schema = {{"anyOf", {lights.form.schema, {{"$ref", "lightsKeyframes"}}}}};

@@ -49,6 +49,12 @@ Background backgroundOf(const PictureOptions& picture, const TransferFunction& t
   return {opaque, opaque};
 }
 
+Display displayOf(const PictureOptions& picture) {
+  Display out = picture.display;
+  if (!engineOf(picture).capabilities().composites) out.tone = Tone::kClip;
+  return out;
+}
+
 bool samplesKnown(int samples) { return samples == 1 || samples == 2 || samples == 4 || samples == 16; }
 
 bool oversamples(const PictureOptions& picture) { return picture.samples.value_or(1) != 1; }

@@ -35,6 +35,7 @@ struct PictureOptions {
   TransferFunctionChoice transfer_function = std::string("auto");
   std::optional<Window> window;  // the values of the transfer function's first and last points
   Shading shading;
+  Display display;  // in PNG and video
   Clipping clipping;
   std::optional<PartNumber> part;  // a part of the volume by number, instead of clipping.part
   double opacity_threshold = 0.998;

@@ -59,6 +59,10 @@ struct Shading {
   bool operator==(const Shading&) const = default;
 };
 
+/// The light of `--look studio`, for a camera's view: a key from the upper left that casts shadows, a fill from the
+/// right without one, and a rim from behind that lights edges. Near matter occludes ambient and diffuse light.
+Shading studioShading();
+
 /// Returns whether the volumes cast shadows in the light.
 inline bool castsShadows(const Shading& shading, const Light& light) {
   return shading.phong && (shading.shadows || light.shadow.casts) && light.kind != LightKind::kHeadlight;

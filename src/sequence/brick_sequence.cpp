@@ -175,7 +175,7 @@ class BrickSequence : public RankedSequence {
     statistics.visible = isVisible(image);
     const PixelRect crop = drawnPixels(job_.picture.size, job_.picture.crop);
     layOverBackground(image, crop.y0, job_.picture.size.height,
-                      backgroundOf(drawn.scene.picture, drawn.scene.transfer_function));
+                      drawnBackground(drawn.scene.picture, drawn.scene.transfer_function));
   }
 
   const std::vector<VoxelBox> boxes_;

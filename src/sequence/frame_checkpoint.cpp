@@ -201,8 +201,8 @@ MemoryBeside checkpointMemory(const RenderJob& job) {
   return out;
 }
 
-TileRows::TileRows(const FrameTiles& tiles, const OutputFile& file, const Aovs& aovs)
-    : ImageRows(tiles.whole.width(), tiles.whole.height()), tiles_(tiles), file_(file), aovs_(aovs) {}
+TileRows::TileRows(const FrameTiles& tiles, const OutputFile& file, const Aovs& aovs, const Finish& finish)
+    : ImageRows(tiles.whole.width(), tiles.whole.height()), tiles_(tiles), file_(file), aovs_(aovs), finish_(finish) {}
 
 TileRows::~TileRows() = default;
 
@@ -227,6 +227,7 @@ ImageRows::Band TileRows::bandAt(int row) {
                   "a finished tile is not what was written; run the same command with --resume");
     putTile(tile->image, tile->at, rect, band_);
   }
+  finishPicture(band_, rect.y0, finish_, mediumOf(file_.path));
   first_row_ = rect.y0 - tiles_.whole.y0;
   part_ = std::make_unique<FilePart>(band_, file_, aovs_);
   return {&part_->image(), first_row_};

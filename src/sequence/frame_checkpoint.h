@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/hash.h"
+#include "frame/background.h"
 #include "image/image_rows.h"
 #include "image/pixel_rect.h"
 #include "sequence/opened_job.h"
@@ -50,7 +51,7 @@ struct FrameTiles {
 class TileRows : public ImageRows {
  public:
   /// requires: all tiles are finished; `tiles` outlives the object.
-  TileRows(const FrameTiles& tiles, const OutputFile& file, const Aovs& aovs);
+  TileRows(const FrameTiles& tiles, const OutputFile& file, const Aovs& aovs, const Finish& finish);
   ~TileRows() override;
   /// throws: Error kDamaged if a tile's bytes have changed since writing, kIo.
   Band bandAt(int row) override;
@@ -59,6 +60,7 @@ class TileRows : public ImageRows {
   const FrameTiles& tiles_;
   const OutputFile& file_;
   const Aovs aovs_;
+  const Finish finish_;
   int first_row_ = 0;
   Image band_;
   std::unique_ptr<FilePart> part_;

@@ -12,6 +12,7 @@
 #include "base/hash.h"
 #include "base/thread/profile_scope.h"
 #include "composite/composite_parts.h"
+#include "frame/background.h"
 #include "frame/part_image.h"
 #include "image/file/image_file.h"
 #include "job/frame_list.h"
@@ -114,7 +115,9 @@ OutputFile keptFrame(const VideoOptions& video) { return {keptFramesOf(video) / 
 // Returns whether a video can use the file. A stereo video needs both eyes in one picture; an EXR has two pictures.
 bool isVideoFrame(const OutputFile& file, const RenderJob& job) {
   const bool in_two = hasEyePlace(file.path) || (drawsBothEyes(job.picture.stereo) && isExrPath(file.path));
-  return holdsColors(file.content) && !file.eye && !in_two;
+  // An EXR holds light, and a video is shown.
+  const bool is_light = isExrPath(file.path) && !showsAsDrawn(displayOf(job.picture));
+  return holdsColors(file.content) && !file.eye && !in_two && !is_light;
 }
 
 // Returns all requested files except the video, with names that have no frame number yet.
@@ -136,13 +139,26 @@ std::vector<OutputFile> patternsOf(const RenderJob& job) {
   return ofEyes(out, job.picture.stereo);
 }
 
+Finish finishOf(const FrameScene& scene) { return kiln::finishOf(scene.picture, scene.transfer_function); }
+
+int firstRowOf(const PictureOptions& picture) { return drawnPixels(picture.size, picture.crop).y0; }
+
+// Writes one picture. The background of an EXR is laid already.
+void writeFlat(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
+               const PictureOptions& picture, const Finish& finish, const fs::path& path) {
+  if (finish.none() || mediumOf(path) == Medium::kLight) return writeImage(image, metadata, options, path);
+  ShownRows rows(image, firstRowOf(picture), finish);
+  writeImage(rows, metadata, options, path);
+}
+
 void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, const BrickedVolume& store,
                std::uint64_t writer_bytes) {
   const bool deep = file.content == Content::kDeep;
   const bool as_float = job.output.exr_float || (drawsPart(job.picture) && !deep);
   const ImageFileOptions options{as_float, job.output.png_bits, job.output.exr_compression, writer_bytes};
+  const Finish finish = finishOf(drawn.scene);
   if (drawn.tiles) {
-    TileRows rows(*drawn.tiles, file, aovsOf(job, file));
+    TileRows rows(*drawn.tiles, file, aovsOf(job, file), finish);
     return writeImage(rows, metadataOf(job, file, drawn, drawn.views.front().view, store), options, file.path);
   }
   std::deque<FilePart> parts;
@@ -157,13 +173,21 @@ void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, 
   if (deep)
     writeDeepImage(*first.deep, views.front().metadata, options, file.path);
   else if (views.size() == 1)
-    writeImage(first, views.front().metadata, options, file.path);
+    writeFlat(first, views.front().metadata, options, drawn.scene.picture, finish, file.path);
   else if (isExrPath(file.path))
     writeImageViews(views, options, file.path);
   else {
     views.front().metadata.views_beside = 2;
-    writeImage(besideEachOther(first, *views.back().image), views.front().metadata, options, file.path);
+    writeFlat(besideEachOther(first, *views.back().image), views.front().metadata, options, drawn.scene.picture, finish,
+              file.path);
   }
+}
+
+// Lays the backgrounds that the frame was drawn without.
+void finishLight(DrawnFrame& drawn) {
+  if (drawn.tiles) return;
+  for (DrawnView& view : drawn.views)
+    finishPicture(view.image, firstRowOf(drawn.scene.picture), finishOf(drawn.scene), Medium::kLight);
 }
 
 // Describes the difference between the job of an existing picture and this job, as the end of a sentence.
@@ -245,10 +269,15 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
 void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const BrickedVolume& store,
                 std::uint64_t writer_bytes) {
   const auto begin = std::chrono::steady_clock::now();
-  for (const OutputFile& file : filesOf(job, frame)) {
-    ProfileScope span(Activity::kWrite);
-    if (span.traced()) span.note("file", file.path.filename().native());
-    writeFile(job, file, drawn, store, writer_bytes);
+  // Pictures on a display need the volume's light without the background.
+  for (const Medium medium : {Medium::kDisplay, Medium::kLight}) {
+    if (medium == Medium::kLight) finishLight(drawn);
+    for (const OutputFile& file : filesOf(job, frame)) {
+      if (mediumOf(file.path) != medium) continue;
+      ProfileScope span(Activity::kWrite);
+      if (span.traced()) span.note("file", file.path.filename().native());
+      writeFile(job, file, drawn, store, writer_bytes);
+    }
   }
   drawn.statistics.output_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }

@@ -36,7 +36,8 @@ std::string frameText(const RenderJob& job, const OutputFile& file, const FrameS
 std::string contentHash(const RenderJob& job, const OutputFile& file, const FrameScene& scene,
                         const Manifest& manifest);
 
-/// Writes all files of a frame, each whole or not at all, and records the time. Compression takes up to `writer_bytes`
+/// Writes all files of a frame, each whole or not at all, and records the time. The drawn pictures then have their
+/// background. Compression takes up to `writer_bytes`
 /// (FrameMemory::files). throws: Error kNoSpace, kIo.
 void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const BrickedVolume& store,
                 std::uint64_t writer_bytes);

@@ -1,6 +1,6 @@
 #include "sequence/frame_requests.h"
 
-#include "job/job_facts.h"
+#include "frame/background.h"
 #include "job/stereo.h"
 
 namespace kiln {
@@ -19,7 +19,7 @@ FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& spe
   request.transfer_function = transfer_function;
   request.shading = picture.shading;
   request.clipping = picture.clipping;
-  if (!drawsPart(picture)) request.background = backgroundOf(picture, transfer_function);
+  request.background = drawnBackground(picture, transfer_function);
   request.opacity_threshold = picture.opacity_threshold;
   request.mode = picture.mode;
   request.lattice = picture.lattice;

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/thread/parallel.h"
 #include "base/thread/trace.h"
+#include "frame/background.h"
 #include "frame/empty_frame.h"
 #include "frame/pass/frame_progress.h"
 #include "image/thumbnail_sheet.h"
@@ -84,8 +85,11 @@ Image drawSequenceSheet(const RenderJob& given, const StoreFor& store_for, Progr
     DrawnFrame drawn = opened.draw(numbers[i], of_frames);
     opened.judge(drawn);
     noteDamage(drawn.statistics, progress);
+    Image& picture = drawn.views.front().image;
+    finishPicture(picture, drawnPixels(job.picture.size, job.picture.crop).y0,
+                  finishOf(drawn.scene.picture, drawn.scene.transfer_function), mediumOf(job.output.path));
     const auto place = static_cast<int>(i);
-    sheet.put(place % layout.columns, place / layout.columns, drawn.views.front().image, fmt::format("{}", numbers[i]));
+    sheet.put(place % layout.columns, place / layout.columns, picture, fmt::format("{}", numbers[i]));
     statistics.push_back(std::move(drawn.statistics));
     progress.advance("drawing", "frames", i + 1, numbers.size());
   }

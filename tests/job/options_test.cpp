@@ -84,6 +84,9 @@ const Pair kPairs[] = {
      R"("lights": [{"type": "headlight", "color": "#ffa500"},
                    {"type": "directional", "direction": [0, 0, 1], "color": [1, 1, 1]}])"},
     {"--light", {"cam:1,2,3"}, R"("lights": [{"type": "camera", "direction": [1, 2, 3]}])"},
+    {"--look", {"studio"}, R"("look": "studio")"},
+    {"--exposure", {"-1.5"}, R"("display": {"exposure": -1.5})"},
+    {"--tone", {"soft"}, R"("display": {"tone": "soft"})"},
     {"--region", {"0,1,2,3,4,5"}, R"("region": [0, 1, 2, 3, 4, 5])"},
     {"--world-region", {"0,0,0,1,1,1.5"}, R"("worldRegion": [0, 0, 0, 1, 1, 1.5])"},
     {"--clip",
@@ -126,6 +129,21 @@ TEST(Options, FlagAndKey_giveTheSameJob) {
   EXPECT_EQ(allValues(jobOptions(), jobOfFlag("--output", {"a.mp4"})), plain);  // a video, which is no picture
 }
 
+// Keys and flags beside a look win, wherever they stand.
+TEST(Options, ALook_setsOptionsThatAreNotGiven) {
+  const RenderJob studio = parseJob(
+      R"({"kiln": 2, "volume": "a.kiln", "shading": {"ambient": 0.125}, "display": {"exposure": 1}, "look": "studio"})",
+      "job.json");
+  Shading expected = studioShading();
+  expected.ambient = 0.125;
+  EXPECT_EQ(studio.picture.shading, expected);
+  EXPECT_EQ(studio.picture.display, (Display{1, Tone::kSoft}));
+  RenderJob plain = studio;
+  flagNamed("--look").apply({"plain"}, plain);
+  EXPECT_EQ(plain.picture.shading, Shading());
+  EXPECT_EQ(plain.picture.display, (Display{1, Tone::kClip}));
+}
+
 TEST(Options, Flag_withAWrongText_isRefusedByItsName) {
   const Pair wrong[] = {{"--fov", {"180"}, ""},
                         {"--fov", {"6o"}, ""},
@@ -155,7 +173,10 @@ TEST(Options, Flag_withAWrongText_isRefusedByItsName) {
                         {"--background", {"navy:"}, ""},
                         {"--background", {"#ff"}, ""},
                         {"--light", {"headlight:sun"}, ""},
-                        {"--ambient-occlusion", {"much"}, ""}};
+                        {"--ambient-occlusion", {"much"}, ""},
+                        {"--look", {"film"}, ""},
+                        {"--exposure", {"21"}, ""},
+                        {"--tone", {"hard"}, ""}};
   for (const Pair& pair : wrong) {
     try {
       jobOfFlag(pair.flag, pair.texts);

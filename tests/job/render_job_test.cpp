@@ -348,6 +348,7 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.background, b.picture.background);
   EXPECT_EQ(a.picture.opacity_threshold, b.picture.opacity_threshold);
   EXPECT_EQ(a.picture.shading, b.picture.shading);
+  EXPECT_EQ(a.picture.display, b.picture.display);
   EXPECT_EQ(a.picture.clipping, b.picture.clipping);
   EXPECT_EQ(a.picture.lattice, b.picture.lattice);
   EXPECT_EQ(a.picture.interpolation, b.picture.interpolation);
@@ -494,6 +495,7 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
     if (projection == Projection::kOrthographic) job.picture.mode = Mode::kAverage;
     job.picture.stereo = Stereo{StereoEye::kLeft, 1 / 3.0, {}};
     job.picture.aovs = {true, projection == Projection::kOrthographic};
+    job.picture.display = {-1 / 3.0, Tone::kSoft};
     const std::string text = resolvedJobText(job, camera, function);
     const RenderJob again = parseJob(text, "job.json");
     expectSamePicture(job, again);

@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "composite/composite_parts.h"
 #include "examples.h"
+#include "frame/background.h"
 #include "job/job_names.h"
 #include "output_files.h"
 #include "say.h"
@@ -29,7 +30,8 @@ void run(const CompositeArguments& a, Context& context) {
   for (const std::string& part : a.parts) outputs.requireNone(part);
   for (const std::string& part : a.parts) refuseVolumeFile(part, "a partial image");
   const std::uint64_t memory_bytes = parseBytes(a.memory, "--memory");
-  const CompositedParts made = compositeParts({a.parts.begin(), a.parts.end()}, context.progress, memory_bytes);
+  const CompositedParts made =
+      compositeParts({a.parts.begin(), a.parts.end()}, context.progress, memory_bytes, mediumOf(a.output));
   writeImage(
       made.image, made.metadata,
       {a.exr_type == "float", a.png_bits, a.exr_compression, memory_bytes - std::min(memory_bytes, made.image.bytes())},
