@@ -174,8 +174,9 @@ class BrickSequence : public RankedSequence {
     image = pixelsOf(made, drawn.scene.picture, aovs);
     statistics.visible = isVisible(image);
     const PixelRect crop = drawnPixels(job_.picture.size, job_.picture.crop);
-    layOverBackground(image, crop.y0, job_.picture.size.height,
-                      drawnBackground(drawn.scene.picture, drawn.scene.transfer_function));
+    PictureOptions whole = drawn.scene.picture;
+    whole.part.reset(), whole.clipping.part.reset();
+    layOverBackground(image, crop.y0, job_.picture.size.height, drawnBackground(whole, drawn.scene.transfer_function));
   }
 
   const std::vector<VoxelBox> boxes_;
