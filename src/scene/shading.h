@@ -37,6 +37,12 @@ struct Light {
   bool operator==(const Light&) const = default;
 };
 
+/// Returns the direction of a camera light in view space, which has y down and z along the view. Any length.
+inline glm::dvec3 viewDirection(const Light& camera_light) {
+  const glm::dvec3& place = camera_light.place;
+  return {place.x, -place.y, -place.z};
+}
+
 /// The share of light that matter around a sample keeps away from it.
 struct AmbientOcclusion {
   double strength = 0;   // 0: none, 1: all

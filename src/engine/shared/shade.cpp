@@ -6,10 +6,8 @@ namespace {
 Shader::PlacedLight placed(const Light& light, const View& view, const glm::vec3& color) {
   if (light.kind == LightKind::kPoint)
     return {true, glm::vec3(view.view_from_world * glm::dvec4(light.place, 1)), color, {}};
-  // View space has y down and z along the view.
-  const glm::dvec3 towards = light.kind == LightKind::kCamera
-                                 ? glm::dvec3(light.place.x, -light.place.y, -light.place.z)
-                                 : glm::dmat3(view.view_from_world) * light.place;
+  const glm::dvec3 towards =
+      light.kind == LightKind::kCamera ? viewDirection(light) : glm::dmat3(view.view_from_world) * light.place;
   return {false, glm::vec3(glm::normalize(towards)), color, {}};
 }
 

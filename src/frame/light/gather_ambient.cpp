@@ -14,7 +14,7 @@ namespace {
 
 // Cells of the lattice along an edge of the grid's cells.
 constexpr int kCellsOfGrid = 2;
-// Directions, evenly over the sphere. Experiment: 64 directions change the occlusion of heads by less than 0.01.
+// Cones, evenly over the sphere. An estimate, not compared with other numbers.
 constexpr int kCones = 32;
 // Cells that see so little are inside matter, and their darkness is not seen.
 constexpr float kDark = 0.02f;

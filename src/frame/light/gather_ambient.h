@@ -3,7 +3,7 @@
 // distance s counts with the weight 1 - (s / radius)².
 // Source: Crassin et al. 2011 (cone tracing); Hernell, Ljung and Ynnerman 2010 (local ambient occlusion).
 // Differs: means over the three axes instead of one set of means for each direction.
-// Cost. Some 300 look-ups for each cell near matter; cells in the open or inside opaque matter cost nothing.
+// Cost. At most 32 cones, with a look-up for each step, for each cell near matter; none for other cells.
 #pragma once
 
 #include <cstdint>

@@ -105,9 +105,7 @@ std::vector<ShadowView> cubeViews(const glm::dvec3& light, std::span<const glm::
 }  // namespace
 
 glm::dvec3 worldDirection(const Light& camera_light, const View& eye) {
-  // View space has y down and z along the view.
-  const glm::dvec3& place = camera_light.place;
-  return glm::transpose(glm::dmat3(eye.view_from_world)) * glm::dvec3(place.x, -place.y, -place.z);
+  return glm::transpose(glm::dmat3(eye.view_from_world)) * viewDirection(camera_light);
 }
 
 Light standing(Light light, const View& eye) {

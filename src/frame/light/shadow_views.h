@@ -1,6 +1,6 @@
 // The views of a light in which its shadow maps are drawn: a parallel view along a far light, a perspective view from a
 // point light, or six views around a point light that the volumes surround.
-// Invariant. The views depend on the light and the box, never on the picture's pixels or crop.
+// Invariant. The views depend on the light, the box and the edge of the map, never on the picture's crop.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -26,7 +26,7 @@ Light standing(Light light, const View& eye);
 /// Returns the lights that a soft light is the mean of, without camera lights: the light itself if it is not soft, else
 /// kSoftLights on a disc, whose angle from `centre` is the light's softness.
 std::vector<Light> pointsOf(const Light& light, const View& eye, const glm::dvec3& centre);
-/// Experiment: 16 shadow borders in a penumbra of 16 pixels show no steps.
+/// Points of a soft light. A penumbra of so many pixels has one shadow border a pixel.
 inline constexpr int kSoftLights = 16;
 
 /// Returns the views of a light that together contain the points. `edge_px`: longest edge of a map. requires: a
