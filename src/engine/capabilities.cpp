@@ -20,6 +20,7 @@ constexpr CapabilityRow kCapabilityRows[] = {
     {&EngineCapabilities::composites, "light and opacity; opaque pixels hide bricks"},
     {&EngineCapabilities::labels, "volumes of labels"},
     {&EngineCapabilities::gradient_opacity, "opacity by gradient"},
+    {&EngineCapabilities::surfaces, "surfaces (`--tf iso:VALUE`)"},
     {&EngineCapabilities::cubic, "`--interpolation cubic`, `catmull-rom`"},
     {&EngineCapabilities::sample_distance, "`--sample-distance`"},
     {&EngineCapabilities::coarser_levels, "`--level auto+N`"},
@@ -54,6 +55,7 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .composites = true,
        .labels = true,
        .gradient_opacity = true,
+       .surfaces = true,
        .cubic = true,
        .sample_distance = true,
        .coarser_levels = true,
@@ -152,6 +154,11 @@ void requireOptions(const EngineChoice& engine, const EngineOptions& options) {
                       "choose --aov value");
   if (options.aovs.value)
     requireCapability(engine, &EngineCapabilities::value, "--aov: value needs", "choose one of these modes");
+}
+
+void requireSurfaces(const EngineChoice& engine, const TransferFunction& function) {
+  if (function.surfaces.empty()) return;
+  requireCapability(engine, &EngineCapabilities::surfaces, "--tf: surfaces (iso:VALUE) need", "choose solid:VALUE");
 }
 
 std::string capabilityTable() {

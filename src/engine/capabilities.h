@@ -8,6 +8,7 @@
 
 #include "scene/render_options.h"
 #include "scene/sampling.h"
+#include "scene/transfer/transfer_function.h"
 
 namespace kiln {
 
@@ -24,6 +25,7 @@ struct EngineCapabilities {
   bool composites = false;        // draws light that opacity attenuates; opaque pixels hide bricks
   bool labels = false;            // draws volumes of labels
   bool gradient_opacity = false;  // opacity can depend on the gradient
+  bool surfaces = false;          // draws iso-surfaces
   bool cubic = false;             // interpolates by cubics, besides linearly
   bool sample_distance = false;   // the distance of samples along a ray can be chosen
   bool coarser_levels = false;    // the automatic level can be made coarser
@@ -69,6 +71,9 @@ struct EngineOptions {
 /// throws: Error kUsage if the engine lacks an option, if the choice of the engine contradicts itself, or if the
 /// distance of samples is out of range.
 void requireOptions(const EngineChoice& engine, const EngineOptions& options);
+
+/// throws: Error kUsage if the function has surfaces and the chosen engine draws none.
+void requireSurfaces(const EngineChoice& engine, const TransferFunction& function);
 
 /// Returns the table as Markdown: a row per capability, a column per engine.
 std::string capabilityTable();

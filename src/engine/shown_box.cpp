@@ -18,6 +18,7 @@ constexpr double kLeastAlpha = 1.0 / 32;
 // Returns the function with all opacities below `least` set to zero. Segments are split where they cross `least`.
 TransferFunction withoutHaze(TransferFunction function, double least) {
   for (LabelStyle& style : function.labels) style.opacity = style.opacity < least ? 0 : style.opacity;
+  for (IsoSurface& surface : function.surfaces) surface.opacity = surface.opacity < kLeastAlpha ? 0 : surface.opacity;
   std::vector<TransferPoint> points;
   for (TransferPoint point : function.points) {
     const bool shown = point.opacity >= least;

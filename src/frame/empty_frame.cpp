@@ -15,6 +15,7 @@ namespace {
 bool showsSomeValue(const TransferFunction& function) {
   const auto opaque = [](const auto& entry) { return entry.opacity > 0; };
   if (!function.labels.empty()) return std::any_of(function.labels.begin(), function.labels.end(), opaque);
+  if (!function.surfaces.empty()) return std::any_of(function.surfaces.begin(), function.surfaces.end(), opaque);
   const auto& by_gradient = function.gradient_opacity;
   return std::any_of(function.points.begin(), function.points.end(), opaque) &&
          (by_gradient.empty() ||
@@ -24,6 +25,7 @@ bool showsSomeValue(const TransferFunction& function) {
 bool showsSomeOf(const TransferFunction& function, const ValueRange& range) {
   if (range.empty()) return false;
   if (!function.labels.empty()) return function.labelsShownIn(range.lo, range.hi);
+  if (!function.surfaces.empty()) return function.surfacesCrossedIn(range.lo, range.hi);
   return function.interesting(range.lo) || function.interesting(range.hi) ||
          std::any_of(function.points.begin(), function.points.end(), [&](const TransferPoint& point) {
            return point.opacity > 0 && point.value >= range.lo && point.value <= range.hi;

@@ -32,6 +32,8 @@ void requireRequest(const std::vector<const BrickedVolume*>& stores, const Frame
   }
   requireOptions(request.engine(),
                  {request.interpolation, request.samples, request.sample_distance, request.aovs, request.coarser});
+  requireSurfaces(request.engine(), request.transfer_function);
+  for (const VolumeRequest& volume : request.volumes) requireSurfaces(request.engine(), volume.transfer_function);
   const int tile_px = request.tile_px;
   if (tile_px != 0 && (tile_px < kVisibilityTile || !std::has_single_bit(static_cast<unsigned>(tile_px)))) {
     throw Error(ErrorCode::kUsage, fmt::format("a tile of {} pixels: expected a power of two from {} on, or 0 for the "

@@ -66,6 +66,17 @@ void drawOpacity(PlotImage& plot, const TransferFunction& function, const ValueR
   }
 }
 
+// A surface is a bar of its colour, as high as its opacity.
+void drawSurfaces(PlotImage& plot, const TransferFunction& function, const ValueRange& range) {
+  constexpr int kHalf = 2;
+  for (const IsoSurface& surface : function.surfaces) {
+    const double share = (surface.value - range.lo) / (range.hi - range.lo);
+    const int x = kLeft + static_cast<int>(std::lround(share * (kRight - kLeft)));
+    plot.fill({x - kHalf, rowOf(surface.opacity), x + kHalf, kBottom}, surface.color);
+    plot.fill({x - kHalf, kBandTop, x + kHalf, kBandBottom}, surface.color);
+  }
+}
+
 void drawBand(PlotImage& plot, const TransferFunction& function, const ValueRange& range) {
   for (int x = kLeft; x < kRight; ++x) {
     const Classified c = function.at(valueAt(range, x + 0.5));
@@ -86,6 +97,7 @@ void drawBand(PlotImage& plot, const TransferFunction& function, const ValueRang
 ValueRange pictureRange(const TransferFunction& function, const ValueHistogram& histogram) {
   ValueRange out;
   for (const TransferPoint& point : function.points) out.include(point.value);
+  for (const IsoSurface& surface : function.surfaces) out.include(surface.value);
   if (histogram.hi > histogram.lo) {
     out.include(histogram.lo);
     out.include(histogram.hi);
@@ -100,8 +112,12 @@ Image transferFunctionPicture(const TransferFunction& function, const ValueHisto
   PlotImage plot(kWidth, kHeight, kPaper);
   drawHistogram(plot, histogram, range);
   drawGrid(plot, range);
-  drawBand(plot, function, range);
-  drawOpacity(plot, function, range);
+  if (function.surfaces.empty()) {
+    drawBand(plot, function, range);
+    drawOpacity(plot, function, range);
+  } else {
+    drawSurfaces(plot, function, range);
+  }
   return std::move(plot).take();
 }
 

@@ -21,14 +21,31 @@
 
 namespace kiln {
 
+namespace {
+
+// Between a function of surfaces and a function of points there is no transition.
+void requireAlike(const std::vector<TransferFunction>& keys) {
+  for (const TransferFunction& function : keys) {
+    if (function.surfaces.empty() != keys.front().surfaces.empty())
+      throw Error(
+          ErrorCode::kUsage,
+          "transferFunction.keyframes: expected surfaces in each key or in none; write solid:VALUE for iso:VALUE");
+  }
+}
+
+}  // namespace
+
 TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
                              const Manifest& manifest) {
   const EngineChoice engine = engineOf(picture);
   if (manifest.volume_class == VolumeClass::kLabels)
     requireCapability(engine, &EngineCapabilities::labels, "--mode: a volume of labels needs", "leave --mode out");
   const auto* const name = std::get_if<std::string>(&choice);
-  if (engine.capabilities().composites || name == nullptr || *name != "auto")
-    return resolve(choice, picture.window, manifest);
+  if (engine.capabilities().composites || name == nullptr || *name != "auto") {
+    TransferFunction function = resolve(choice, picture.window, manifest);
+    requireSurfaces(engine, function);
+    return function;
+  }
   return resolve(displayRamp(manifest), picture.window, manifest);
 }
 
@@ -76,6 +93,7 @@ SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manife
     Functions out{&keys, {}};
     for (const auto& key : keys) out.values.push_back(resolvedFor(still, key.value, manifest));
     if (keys.empty()) out.values.push_back(resolvedFor(still, choice, manifest));
+    requireAlike(out.values);
     functions_.push_back(std::move(out));
   };
   if (job.volumes.empty()) add(job.animation.functions, still.transfer_function, *looks_.front());
@@ -120,7 +138,8 @@ std::uint64_t SceneOfJob::functionBytes() const {
   std::uint64_t out = 0;
   for (const Functions& of_volume : functions_) {
     for (const TransferFunction& function : of_volume.values) {
-      out += kOfEntry * (function.points.size() + function.gradient_opacity.size() + function.labels.size());
+      out += kOfEntry * (function.points.size() + function.gradient_opacity.size() + function.labels.size() +
+                         function.surfaces.size());
       for (const LabelStyle& style : function.labels) out += kOfNameByte * style.name.size();
     }
   }

@@ -43,6 +43,7 @@ const ListOf<Light>& lightList();
 const ListOf<ClipPlane>& clipPlaneList();
 const Options<TransferFunction>& transferFunctionOptions();
 const Options<TransferPoint>& pointOptions();
+const Options<IsoSurface>& surfaceOptions();
 const Options<GradientPoint>& gradientPointOptions();
 const Options<LabelStyle>& labelOptions();
 const Options<VolumeOptions>& volumeOptions();

@@ -76,6 +76,7 @@ std::string jobSchemaText() {
   addKeyframes("clipKeyframes", "clipKeyframe", definitions);
   addObject("transferFunction", transferFunctionOptions(), definitions);
   addObject("point", pointOptions(), definitions);
+  addObject("isoSurface", surfaceOptions(), definitions);
   addObject("gradientPoint", gradientPointOptions(), definitions);
   addObject("label", labelOptions(), definitions);
   addObject("light", lightOptions(), definitions);

@@ -49,6 +49,11 @@ void requireSortedGradients(const JobObject& object, const std::vector<GradientP
     object.refuse("gradient", "a gradient not below that of the point before, for points are sorted");
 }
 
+void requireSortedSurfaces(const JobObject& object, const std::vector<IsoSurface>& surfaces) {
+  if (surfaces.size() > 1 && !(surfaces[surfaces.size() - 2].value < surfaces.back().value))
+    object.refuse("value", "a value above that of the surface before, for surfaces are sorted");
+}
+
 // "headlight[:COLOR]", "dir:x,y,z[:COLOR]", "cam:x,y,z[:COLOR]" or "point:x,y,z[:COLOR]".
 nlohmann::json lightOfText(const std::string& text) {
   const std::vector<std::string_view> parts = splitAt(text, ':');
@@ -335,6 +340,18 @@ const Options<GradientPoint>& gradientPointOptions() {
   return kOptions;
 }
 
+const Options<IsoSurface>& surfaceOptions() {
+  constexpr std::string_view kMissing = "a surface has a value";
+  using Row = Option<IsoSurface>;
+  static const Options<IsoSurface> kOptions = {
+      Row("value", {KILN_MEMBER(value), Number{kVoxelValue}, kAlways}, "Value at which the surface lies.", kMissing),
+      Row("color", {KILN_MEMBER(color), ColorValue{kFraction.range, kFraction.name}, kAlways}),
+      Row("opacity", {KILN_MEMBER(opacity), Number{kFraction.range, "", kFraction.name}, kAlways},
+          "Opacity of each crossing of the surface."),
+  };
+  return kOptions;
+}
+
 const Options<LabelStyle>& labelOptions() {
   constexpr auto kLast = static_cast<std::int64_t>(kLargestLabel);
   constexpr std::string_view kMissing = "a label has label and color";
@@ -365,7 +382,14 @@ const Options<TransferFunction>& transferFunctionOptions() {
                                           .limit = {kMostLabelLooks, "labels"},
                                           .expected = "a list of at least one label {label, color, opacity}",
                                           .least = 1};
+  static const ListOf<IsoSurface> kSurfaces{.options = surfaceOptions(),
+                                            .name = "isoSurface",
+                                            .limit = {kMostIsoSurfaces, "surfaces"},
+                                            .expected = "a list of at least one surface {value, color, opacity}",
+                                            .least = 1,
+                                            .check = &requireSortedSurfaces};
   static const auto kHasLabels = [](const TransferFunction& function) { return !function.labels.empty(); };
+  static const auto kHasSurfaces = [](const TransferFunction& function) { return !function.surfaces.empty(); };
   using Row = Option<TransferFunction>;
   static const Options<TransferFunction> kOptions = {
       Row("kiln", formatValue<TransferFunction>(), "Version of the format; decides the default of colorSpace."),
@@ -383,10 +407,12 @@ const Options<TransferFunction>& transferFunctionOptions() {
       Row("labels", {KILN_MEMBER(labels), kLabels, kHasLabels},
           "Styles of the labels of a label volume, instead of points; all other labels are transparent."),
       Row("points",
-          {KILN_MEMBER(points), kPoints, [](const TransferFunction& function) { return !kHasLabels(function); }}),
+          {KILN_MEMBER(points), kPoints, [](const TransferFunction& f) { return !kHasLabels(f) && !kHasSurfaces(f); }}),
+      Row("surfaces", {KILN_MEMBER(surfaces), kSurfaces, kHasSurfaces},
+          "Surfaces at values of the volume, instead of points; nothing else is visible."),
       Row("gradientOpacity",
           {KILN_MEMBER(gradient_opacity), kGradientPoints,
-           [](const TransferFunction& f) { return !kHasLabels(f) && !f.gradient_opacity.empty(); }},
+           [](const TransferFunction& f) { return !kHasLabels(f) && !kHasSurfaces(f) && !f.gradient_opacity.empty(); }},
           "Factor of the opacity by the length of the gradient."),
   };
   return kOptions;

@@ -65,14 +65,15 @@ TransferFunction functionOf(ParaViewMap map, const Manifest& manifest) {
   return {0, sampled(map.colors, *map.opacity)};
 }
 
-void fitInto(const Window& window, std::vector<TransferPoint>& points) {
-  if (points.empty()) return;
-  const ValueRange from{points.front().value, points.back().value};
+template <class Entry>
+void fitInto(const Window& window, std::vector<Entry>& entries) {
+  if (entries.empty()) return;
+  const ValueRange from{entries.front().value, entries.back().value};
   const ValueRange to{window.centre - 0.5 * window.width, window.centre + 0.5 * window.width};
   if (from.lo < from.hi) {
-    stretch(points, from, to);
+    stretch(entries, from, to);
   } else {
-    for (TransferPoint& point : points) point.value = window.centre;
+    for (Entry& entry : entries) entry.value = window.centre;
   }
 }
 
@@ -107,7 +108,10 @@ TransferFunction functionFor(const TransferFunctionChoice& choice, const std::op
     out = std::get<TransferFunction>(choice);
   }
   requireFitting(out, window.has_value(), manifest);
-  if (window) fitInto(*window, out.points);
+  if (window) {
+    fitInto(*window, out.points);
+    fitInto(*window, out.surfaces);
+  }
   return out;
 }
 

@@ -25,7 +25,7 @@ void decodeNumbers(const JobObject& function, std::string_view list, std::vector
   if (items.empty()) return;
   const auto objects = *function.objects(list, list, {items.size(), list});
   for (std::size_t i = 0; i < items.size(); ++i) {
-    if (!objects[i].isText("color")) items[i].color = linearFromSrgb(items[i].color);
+    if (objects[i].has("color") && !objects[i].isText("color")) items[i].color = linearFromSrgb(items[i].color);
   }
 }
 
@@ -49,15 +49,21 @@ void requireOnce(const JobObject& object, const std::vector<LabelStyle>& labels)
 TransferFunction transferFunctionFrom(const JobObject& object) {
   TransferFunction out;
   if (object.has("labels")) {
+    for (const char* key : {"points", "surfaces", "gradientOpacity"}) {
+      if (object.has(key)) object.complain(key, "contradicts labels; a function has points, surfaces or labels");
+    }
+  }
+  if (object.has("surfaces")) {
     for (const char* key : {"points", "gradientOpacity"}) {
-      if (object.has(key)) object.complain(key, "contradicts labels; a function has points or labels");
+      if (object.has(key)) object.complain(key, "contradicts surfaces; a function has points, surfaces or labels");
     }
   }
   readOptions(transferFunctionOptions(), object, out);
-  if (out.labels.empty() && out.points.empty())
+  if (out.labels.empty() && out.surfaces.empty() && out.points.empty())
     object.refuse("points", "a list of at least one point {value, color, opacity}");
   if (hasSrgbNumbers(object)) {
     decodeNumbers(object, "points", out.points);
+    decodeNumbers(object, "surfaces", out.surfaces);
     decodeNumbers(object, "labels", out.labels);
   }
   requireOnce(object, out.labels);

@@ -20,7 +20,7 @@ DepthZones::Depths DepthZones::depthsOf(const Projector& projector, const VoxelB
 
 // Allows two slabs on either side: samples extend in depth, and the outermost bricks own samples beyond their faces.
 bool DepthZones::reaches(const Depths& depths, const SlabZone& zone) {
-  return depths.far >= zone.near - 2 * zone.thickness && depths.near <= zone.far + 2 * zone.thickness;
+  return depths.far >= zone.overlapNear() - 2 * zone.thickness && depths.near <= zone.far + 2 * zone.thickness;
 }
 
 ChooseLevel DepthZones::levelChoice() const {

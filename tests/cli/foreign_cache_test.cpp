@@ -30,7 +30,7 @@ class ForeignCache : public ToolTest {
   }
   std::vector<std::string> drawn(const std::string& volume, const std::string& picture) const {
     return {"render", in(volume), "-o",     in(picture), "--size", "32x32",
-            "--tf",   "iso:90",   "--dims", "64,64,64",  "--type", "u8"};
+            "--tf",   "solid:90", "--dims", "64,64,64",  "--type", "u8"};
   }
 };
 

@@ -33,9 +33,10 @@ class VolumesCli : public ToolTest {
 
 // Known because an option and the job's key are equivalent, and the header stores the job.
 TEST_F(VolumesCli, OptionsAreTheJobsKeys) {
-  done({"render", in("h.kiln"), "-o", in("o.exr"), "--size", "40x36", "--add", in("e.kiln"), "--add-tf", "iso:100",
+  done({"render", in("h.kiln"), "-o", in("o.exr"), "--size", "40x36", "--add", in("e.kiln"), "--add-tf", "solid:100",
         "--tf", "ct-bone", "--region", "0,0,0,40,30,40", "--clip", "1,0,0,90", "--exr-type", "float"});
-  writeJob(R"(, "transferFunction": "ct-bone", "region": [0, 0, 0, 40, 30, 40])", R"(, "transferFunction": "iso:100")",
+  writeJob(R"(, "transferFunction": "ct-bone", "region": [0, 0, 0, 40, 30, 40])",
+           R"(, "transferFunction": "solid:100")",
            R"(, "clip": [{"normal": [1, 0, 0], "offset": 90}], "exr": {"type": "float"})");
   done({"render", in("job.json")});
   const Image by_options = readImage(in("o.exr")), by_job = readImage(in("j.exr"));
@@ -60,7 +61,7 @@ TEST_F(VolumesCli, EachHasItsOwnClippingAndShading) {
     return readImage(in("j.exr")).rgba;
   };
   const std::string gone = R"(, "clip": [{"normal": [0, 0, 1], "offset": -10000}])",
-                    solid = R"(, "transferFunction": "iso:100")";
+                    solid = R"(, "transferFunction": "solid:100")";
   const ZeroPages<float> both = drawn("", solid), alone = drawn("", solid + gone), other = drawn(gone, solid);
   EXPECT_NE(both, alone);
   EXPECT_NE(both, other);
@@ -73,7 +74,7 @@ TEST_F(VolumesCli, EachHasItsOwnClippingAndShading) {
 TEST_F(VolumesCli, FramesAreGoneOnWith) {
   writeJob(
       R"(, "transferFunction": {"keyframes": [{"frame": 1, "function": "ct-skin"}, {"frame": 3, "function": "ct-bone"}]})",
-      R"(, "transferFunction": {"keyframes": [{"frame": 2, "function": "iso:90"}, {"frame": 4, "function": "iso:120"}]})");
+      R"(, "transferFunction": {"keyframes": [{"frame": 2, "function": "solid:90"}, {"frame": 4, "function": "solid:120"}]})");
   const std::vector<std::string> draw = {"render", in("job.json"), "-o", in("f_##.png"), "--resume"};
   done(draw);
   const std::string last = readFile(in("f_04.png")).empty() ? "" : in("f_04.png");

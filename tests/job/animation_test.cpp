@@ -209,5 +209,29 @@ TEST(TransferFunctionFade, LiesBetween) {
   EXPECT_NEAR(faded(none, edges, 0.5).gradientFactor(1), 0.5, 1e-12);
 }
 
+TransferFunction surfaces(std::vector<IsoSurface> of) {
+  TransferFunction out{1, {}};
+  out.surfaces = std::move(of);
+  return out;
+}
+
+TEST(TransferFunctionFade, EquallyManySurfaces_move) {
+  const TransferFunction half = faded(surfaces({{0, {1, 0, 0}, 1}, {10}}), surfaces({{4, {0, 0, 1}, 0.5}, {30}}), 0.5);
+  ASSERT_EQ(half.surfaces.size(), 2u);
+  EXPECT_EQ(half.surfaces[0].value, 2);
+  EXPECT_EQ(half.surfaces[0].opacity, 0.75);
+  EXPECT_NEAR(half.surfaces[0].color.r, 2 / 3.0, 1e-12);
+  EXPECT_EQ(half.surfaces[1].value, 20);
+  EXPECT_EQ(half.surfaces[1].opacity, 1);
+}
+
+TEST(TransferFunctionFade, OtherSurfaces_fade) {
+  const TransferFunction half = faded(surfaces({{0, {1, 0, 0}, 1}, {10}}), surfaces({{0, {1, 0, 0}, 0.5}}), 0.5);
+  ASSERT_EQ(half.surfaces.size(), 2u);
+  EXPECT_EQ(half.surfaces[0].opacity, 0.75);
+  EXPECT_EQ(half.surfaces[1].value, 10);
+  EXPECT_EQ(half.surfaces[1].opacity, 0.5);
+}
+
 }  // namespace
 }  // namespace kiln

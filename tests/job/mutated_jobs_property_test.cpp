@@ -22,7 +22,7 @@ constexpr const char* kJobs[] = {
             "crop": [1, 2, 6, 5]},
   "camera": {"view": "left", "azimuth": 10, "elevation": -5, "zoom": 2, "projection": "orthographic", "height": 30,
              "turntable": {"frames": 9, "degrees": 180, "axis": [0, 1, 1]}},
-  "transferFunction": {"keyframes": [{"frame": 1, "function": "auto"}, {"frame": 9, "function": "iso:100", "ease": "stop"}]},
+  "transferFunction": {"keyframes": [{"frame": 1, "function": "auto"}, {"frame": 9, "function": "solid:100", "ease": "stop"}]},
   "outputs": [{"path": "z_##.exr", "content": "depth"}], "video": {"rate": 25},
   "visibility": {"method": "quadtree", "threshold": 0.9, "area": "sphere", "epsilon": 3, "samples": "tested"},
   "lattice": "voxel", "level": 0, "samples": 4, "memory": "64M", "threads": 1, "tile": 64, "exr": {"type": "float"} })",
@@ -46,7 +46,7 @@ constexpr const char* kJobs[] = {
   "clip": [{"normal": [0, 0, -1], "offset": 10}], "transferFunction": "20:0,90:0.8:orange"})",
     R"({"kiln": 2, "volume": "v.kiln", "image": {"width": 8, "height": 8, "aov": ["value"]}, "mode": "average", "window": [60, 80],
   "camera": {"fov": 40, "view": "top"}, "region": [1, 2, 1, 15, 15, 9], "clip": [{"normal": [0, 0, -1], "offset": 10}]})",
-    R"({"kiln": 2, "volumes": [{"volume": "v.kiln", "transferFunction": "iso:50", "region": [1, 1, 1, 15, 15, 14], "window": [60, 80]},
+    R"({"kiln": 2, "volumes": [{"volume": "v.kiln", "transferFunction": "solid:50", "region": [1, 1, 1, 15, 15, 14], "window": [60, 80]},
    {"volume": "v.kiln", "clip": [{"normal": [0, 1, 1], "offset": -9}], "shading": {"model": "none"},
     "transferFunction": {"keyframes": [{"frame": 1, "function": "auto"}, {"frame": 3, "function": {"kiln": 1, "points": [
       {"value": 20, "color": "teal", "opacity": 0.1}, {"value": 60, "color": [0.5, 1, 0], "opacity": 0.4}]}}]}}],

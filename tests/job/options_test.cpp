@@ -67,6 +67,7 @@ const Pair kPairs[] = {
      {"300:0,500:0.5:#f80"},
      R"("transferFunction": {"points": [{"value": 300, "color": "#f80", "opacity": 0},
                                         {"value": 500, "color": "#f80", "opacity": 0.5}]})"},
+    {"--tf", {"iso:300:0.5:#f80,1200"}, R"("transferFunction": "iso:300:0.5:#f80,1200")"},
     {"--window", {"40,400"}, R"("window": [40, 400])"},
     {"--shading", {"none"}, R"("shading": {"model": "none"})"},
     {"--power", {"3"}, R"("shading": {"power": 3})"},

@@ -89,6 +89,12 @@ void expectEqual(const TransferFunction& a, const TransferFunction& b) {
     EXPECT_EQ(a.gradient_opacity[i].gradient, b.gradient_opacity[i].gradient);
     EXPECT_EQ(a.gradient_opacity[i].factor, b.gradient_opacity[i].factor);
   }
+  ASSERT_EQ(a.surfaces.size(), b.surfaces.size());
+  for (std::size_t i = 0; i < a.surfaces.size(); ++i) {
+    EXPECT_EQ(a.surfaces[i].value, b.surfaces[i].value);
+    EXPECT_EQ(a.surfaces[i].color, b.surfaces[i].color);
+    EXPECT_EQ(a.surfaces[i].opacity, b.surfaces[i].opacity);
+  }
   ASSERT_EQ(a.labels.size(), b.labels.size());
   for (std::size_t i = 0; i < a.labels.size(); ++i) {
     EXPECT_EQ(a.labels[i].label, b.labels[i].label);
@@ -96,6 +102,14 @@ void expectEqual(const TransferFunction& a, const TransferFunction& b) {
     EXPECT_EQ(a.labels[i].color, b.labels[i].color);
     EXPECT_EQ(a.labels[i].opacity, b.labels[i].opacity);
   }
+}
+
+TEST(TransferFunctionJson, SurfacesWithoutColourAndOpacity_haveTheDefaults) {
+  const TransferFunction f = read(R"({"kiln": 2, "surfaces": [{"value": 3}, {"value": 4, "color": [0.5, 1, 0]}]})");
+  ASSERT_EQ(f.surfaces.size(), 2u);
+  EXPECT_EQ(f.surfaces[0].color, IsoSurface().color);
+  EXPECT_EQ(f.surfaces[0].opacity, 1);
+  EXPECT_EQ(f.surfaces[1].color.r, kDecoded);
 }
 
 // Numbers without a short decimal form.
@@ -108,6 +122,9 @@ TEST(TransferFunctionJson, WrittenFunctions_areReadBitForBit) {
   TransferFunction labels;
   labels.labels = {{-2, "", {1 / 3.0, 0, 1}, 0.1}, {3, "a \"liver\"\n\xc3\xa9", {0, 0, 0}, 1}};
   expectEqual(read(transferFunctionText(labels)), labels);
+  TransferFunction surfaces;
+  surfaces.surfaces = {{-1 / 3.0, {1 / 3.0, 0, 1}, 0.1}, {1e300, glm::dvec3(std::sqrt(0.5)), 1}};
+  expectEqual(read(transferFunctionText(surfaces)), surfaces);
   Manifest manifest;
   manifest.range = {-1000 / 3.0, 3000 / 7.0};
   manifest.levels.resize(1);

@@ -199,8 +199,12 @@ TEST_F(TransferFunctionFile, AWindowStretchesWhatIsThere) {
   EXPECT_EQ(gray.points.back().value, 250);
   EXPECT_NEAR(gray.at(50).color.r, 0.5, 1e-12);
   EXPECT_EQ(gray.unit, 1);
-  const TransferFunction iso = resolve(std::string("iso:2000"), Window{300, 2}, manifest_);
-  EXPECT_EQ(iso.points.front().value, 299);
+  const TransferFunction solid = resolve(std::string("solid:2000"), Window{300, 2}, manifest_);
+  EXPECT_EQ(solid.points.front().value, 299);
+  const TransferFunction iso = resolve(std::string("iso:1,2,5"), window, manifest_);
+  EXPECT_EQ(iso.surfaces[1].value, -50);
+  EXPECT_EQ(iso.surfaces[2].value, 250);
+  EXPECT_EQ(resolve(std::string("iso:7"), window, manifest_).surfaces[0].value, 50);
   EXPECT_EQ(resolve(TransferFunction{0, {{7, {1, 1, 1}, 1}}}, window, manifest_).points.front().value, 50);
 }
 

@@ -195,16 +195,42 @@ TEST(Presets, BoneShowsThroughTranslucentSkin) {
   EXPECT_GT(f.at(500).opacity, 0.8);
 }
 
-TEST(Presets, AnIsoSurfaceIsSolidFromItsValueOn) {
+TEST(Presets, ASolidBeginsAtItsValue) {
   const Manifest head = ctHead(0, VoxelType::i16);
-  const TransferFunction f = presetFor("iso:-312.5", head);
+  const TransferFunction f = presetFor("solid:-312.5", head);
   EXPECT_FALSE(f.interesting(-330));
   EXPECT_NEAR(f.at(-312.5).opacity, 0.5 * 0.97, 1e-12);
   EXPECT_EQ(f.at(2000).opacity, 0.97);
-  for (const char* wrong : {"iso:", "iso:bone", "iso:3x", "iso:nan", "iso:1e999"})
+  for (const char* wrong : {"solid:", "solid:bone", "solid:3x", "solid:nan", "solid:1e999", "solid:1,2"})
     EXPECT_THROW(presetFor(wrong, head), Error) << wrong;
+  EXPECT_TRUE(isPreset("solid:3"));
+  EXPECT_FALSE(isPreset("solid"));
+}
+
+TEST(Presets, IsoSurfacesHaveValuesOpacitiesAndColours) {
+  const Manifest head = ctHead(0, VoxelType::i16);
+  const TransferFunction f = presetFor("iso:-312.5:0.25:#f00,300,1200:1:white", head);
+  ASSERT_EQ(f.surfaces.size(), 3u);
+  EXPECT_TRUE(f.points.empty());
+  EXPECT_EQ(f.surfaces[0].value, -312.5);
+  EXPECT_EQ(f.surfaces[0].opacity, 0.25);
+  EXPECT_EQ(f.surfaces[0].color, glm::dvec3(1, 0, 0));
+  EXPECT_EQ(f.surfaces[1].opacity, 1);
+  EXPECT_EQ(f.surfaces[1].color, IsoSurface().color);
+  EXPECT_EQ(f.surfaces[2].color, glm::dvec3(1));
   EXPECT_TRUE(isPreset("iso:3"));
   EXPECT_FALSE(isPreset("iso"));
+}
+
+TEST(Presets, WrongIsoSurfaces_areRefused) {
+  const Manifest head = ctHead(0, VoxelType::i16);
+  for (const char* wrong : {"iso:", "iso:bone", "iso:3x", "iso:nan", "iso:1e999", "iso:3:", "iso:3:2", "iso:3:-1",
+                            "iso:3:1:no", "iso:3:1:red:1", "iso:3,", "iso:3,2", "iso:3,3"})
+    EXPECT_THROW(presetFor(wrong, head), Error) << wrong;
+  std::string many = "iso:0";
+  for (int i = 1; i <= 32; ++i) many += "," + std::to_string(i);
+  EXPECT_THROW(presetFor(many, head), Error);
+  EXPECT_EQ(presetFor(many.substr(0, many.rfind(',')), head).surfaces.size(), 32u);
 }
 
 // 8 bits from air to dense bone: equal positions within the range.

@@ -26,6 +26,17 @@ TEST(TransferFunction, IsLinearBetweenPointsAndHoldsOutside) {
   EXPECT_EQ(f.at(-std::numeric_limits<double>::infinity()).opacity, 0);
 }
 
+// A value is inside a surface from the surface's value on.
+TEST(TransferFunction, SurfacesAreCrossedBetweenOutsideAndInside) {
+  TransferFunction f;
+  f.surfaces = {{5}, {10, glm::dvec3(1), 0}};
+  EXPECT_TRUE(f.surfacesCrossedIn(4, 5));
+  EXPECT_TRUE(f.surfacesCrossedIn(-20, 20));
+  EXPECT_FALSE(f.surfacesCrossedIn(5, 20));
+  EXPECT_FALSE(f.surfacesCrossedIn(0, 4.9));
+  EXPECT_FALSE(f.interesting(5));
+}
+
 TEST(TransferFunction, NanAndNoPointsAreTransparent) {
   EXPECT_EQ(ramp().at(std::nan("")).opacity, 0);
   EXPECT_FALSE(ramp().interesting(std::nan("")));

@@ -15,6 +15,7 @@
 
 #include "engine/pixel/cell_field-inl.h"
 #include "engine/pixel/cell_rays-inl.h"
+#include "engine/pixel/cell_surfaces-inl.h"
 #include "engine/pixel/classify-inl.h"
 #include "engine/pixel/sample_light-inl.h"
 #include "engine/shared/lanes-inl.h"
@@ -37,7 +38,7 @@ class CellCaster {
         tile_(tile),
         opacity_threshold_(opacity_threshold),
         finishes_(context.detailed()),
-        derives_(finishes_ || tile.aovs.any()),
+        derives_(finishes_ || tile.aovs.any() || (l_.surfaces > 0 && tile.deep != nullptr)),
         p_(rays, context.lattice(), in, tile),
         field_(context.lattice(), in, samples),
         s_(samples),
@@ -45,10 +46,13 @@ class CellCaster {
 
   void run() {
     const auto cast = [this](std::size_t count) { castFound(count); };
-    CellRays<decltype(cast)>(p_, r_, in_, tile_, s_, cast).run(field_.shown());
+    const RayParts parts = l_.surfaces > 0 ? RayParts::kPieces : RayParts::kMiddles;
+    CellRays<decltype(cast)>(p_, r_, in_, tile_, s_, parts, cast).run(field_.shown());
   }
 
  private:
+  // Thickness of a surface in a shadow map, which holds no steps. unit: slabs.
+  static constexpr double kShadowLayer = 0.25;
   static constexpr std::size_t kLanes = CellSamples::kLanes, kLit = CellSamples::kLit;
   static constexpr int kPlane = CellInput::kPlane;
 
@@ -59,6 +63,7 @@ class CellCaster {
   }
 
   HWY_NOINLINE void castFound(std::size_t count) {
+    if (l_.surfaces > 0) return castSurfaces(count);
     count_ = count;
     placeAll();
     field_.interpolate(count_);
@@ -69,6 +74,48 @@ class CellCaster {
     else
       blendAll();
     lightAll();
+  }
+
+  HWY_NOINLINE void castSurfaces(std::size_t count) {
+    CellSurfaces<Field>(p_, r_, l_, in_, field_, s_).find(count, [this](std::size_t crossings) {
+      count_ = kept_ = crossings;
+      if (derives_) finishSurfaces();
+      if (in_.sums != nullptr)
+        sumSurfaces();
+      else
+        blendAll();
+      lightAll();
+    });
+  }
+
+  // Finishes crossings: those outside the clip region become transparent. Stores gradients and positions.
+  void finishSurfaces() {
+    const D d;
+    for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
+      const CellPlaces::Where w = p_.whereIs(hn::Load(DI(), s_.kept_code + n));
+      for (int a = 0; a < 3; ++a) hn::StoreU(p_.pointAt(a, w, hn::Load(d, s_.at + n)), d, s_.index_place[a] + n);
+      keepSlopes(n, std::min(kept_ - n, hn::Lanes(d)));
+    }
+    if (context_.look().clip->showsAll()) return;
+    for (std::size_t n = 0; n < kept_; ++n) {
+      if (!context_.look().clip->contains(siteOf(n).index)) s_.opacity[n] = 0;
+    }
+  }
+
+  // Keeps crossings with the optical depths of their opacities.
+  void sumSurfaces() {
+    for (std::size_t n = 0; n < kept_; ++n) s_.opacity[n] = static_cast<float>(extinctionOf(s_.opacity[n], 1));
+    keepAll();
+  }
+
+  // Stores the gradients of a vector of samples, for finishing.
+  void keepSlopes(std::size_t n, std::size_t count) {
+    const D d;
+    field_.findSlopes(n, count);
+    const Vector slope = field_.slopes(0);
+    hn::StoreU(slope.x, d, s_.slope[0] + n);
+    hn::StoreU(slope.y, d, s_.slope[1] + n);
+    hn::StoreU(slope.z, d, s_.slope[2] + n);
   }
 
   // Computes the voxel before each sample, and the position between voxels.
@@ -86,9 +133,7 @@ class CellCaster {
         voxel[a] = hn::ConvertTo(di, inside);
         hn::Store(hn::Sub(inside, hn::ConvertTo(d, voxel[a])), d, s_.fraction[a] + n);
       }
-      const VI row = hn::Add(hn::Mul(voxel[2], hn::Set(di, kPlane)), hn::Mul(voxel[1], hn::Set(di, kPatchStride)));
-      const VI first = hn::Set(di, (kPlane + kPatchStride + 1) * (kPatchMargin - 1));
-      hn::Store(hn::Add(hn::Add(row, voxel[0]), first), di, s_.offset + n);
+      hn::Store(offsetOf(voxel), di, s_.offset + n);
     }
   }
 
@@ -178,11 +223,7 @@ class CellCaster {
   // colours.
   HWY_NOINLINE V finishTau(std::size_t n, std::size_t count, const CellPlaces::Where& w, V tau) {
     const D d;
-    field_.findSlopes(n, count);
-    const Vector slope = field_.slopes(0);
-    hn::StoreU(slope.x, d, s_.slope[0] + n);
-    hn::StoreU(slope.y, d, s_.slope[1] + n);
-    hn::StoreU(slope.z, d, s_.slope[2] + n);
+    keepSlopes(n, count);
     for (int a = 0; a < 3; ++a) hn::StoreU(p_.indexOf(a, w, 0), d, s_.index_place[a] + n);
     if (!finishes_) return tau;
     alignas(64) float taus[kLanes], steps[3][kLanes], slabs[kLanes];
@@ -219,13 +260,14 @@ class CellCaster {
       const std::int32_t pixel = s_.kept_code[n] & CellPlaces::kPixel;
       float& alpha = p_.pixelOf(pixel)[3];
       // The weight is 0 if the pixel is closed. Branches on opacity or closing would be unpredictable.
-      const float before = alpha, opacity = s_.opacity[n], weight = (1 - before) * opacity, after = before + weight;
+      const float before = alpha, opacity = opacityIn(n, before), weight = (1 - before) * opacity,
+                  after = before + weight;
       const bool closes = (after >= opacity_threshold_) & (before != 1.0f);
       alpha = after;
       s_.weight[n] = weight;
       s_.opacity[n] = before;
       if (any_aovs && weight > 0) addAovs(n, pixel, before, weight, opacity, closes);
-      if (tile_.shadows != nullptr && weight > 0) addShadow(s_.kept_code[n], before, closes ? 1 : after);
+      if (tile_.shadows != nullptr && weight > 0) addShadow(n, before, closes ? 1 : after);
       if (!closes) continue;
       s_.closed[closed++] = {pixel, after};
       alpha = 1.0f;
@@ -233,6 +275,14 @@ class CellCaster {
     closed_count_ = closed;
     keepSeen();
     if (tile_.shadows != nullptr) kept_ = 0;  // a light's view has no light
+  }
+
+  // Opacity of a sample in front of which the pixel has an alpha of `before`. In the overlap of two levels a surface
+  // counts unless the finer level has drawn it.
+  HWY_INLINE float opacityIn(std::size_t n, float before) const {
+    if (l_.surfaces == 0 || r_.overlap == 0) return s_.opacity[n];
+    const bool in_overlap = s_.at[n] < -r_.middle - 0.5f;
+    return in_overlap && before >= s_.opacity[n] ? 0.0f : s_.opacity[n];
   }
 
   // Keeps the samples with a weight above zero.
@@ -248,6 +298,7 @@ class CellCaster {
       const Packing packed(kept);
       const auto move = [&](auto tag, auto* of) { hn::StoreU(packed(hn::Load(tag, of + n)), tag, of + seen); };
       move(di, s_.index), move(di, s_.kept_code), move(d, s_.entry), move(d, s_.opacity);
+      if (l_.surfaces > 0) move(d, s_.at);
       for (int a = 0; derives_ && a < 3; ++a) move(d, s_.slope[a]), move(d, s_.index_place[a]);
       hn::StoreU(packed(weight), d, s_.weight + seen);
       seen += hn::CountTrue(d, kept);
@@ -270,11 +321,16 @@ class CellCaster {
     keepSeen();
   }
 
-  void addShadow(std::int32_t code, float before, float after) {
+  void addShadow(std::size_t n, float before, float after) {
     const SlabZone& zone = context_.zone();
+    const std::int32_t code = s_.kept_code[n];
     const CellPlaces::Place at = p_.placeOf(code);
-    const double near = zone.near + at.slab * zone.thickness;
-    const double thickness = (code >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
+    double near = zone.near + at.slab * zone.thickness;
+    double thickness = (code >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
+    if (l_.surfaces > 0) {
+      near = zone.near + static_cast<double>(s_.at[n] + r_.middle + 0.5f) * zone.thickness;
+      thickness *= kShadowLayer;
+    }
     tile_.shadows->add(at.x, at.y, static_cast<float>(near), static_cast<float>(near + thickness), before, after);
   }
 
@@ -287,7 +343,7 @@ class CellCaster {
     layer.closes = closes;
     layer.opacity = opacity;
     layer.middle = site.view.z;
-    layer.thickness = (s_.kept_code[n] >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
+    layer.thickness = l_.surfaces > 0 ? 0 : (s_.kept_code[n] >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
     const glm::vec3 normal = finishedNormal(context_.look(), site);
     for (int a = 0; a < 3; ++a) layer.normal[a] = weight * normal[a];
     addLayer(layer, tile_.aovs, p_.pixelPlace(pixel));
@@ -369,7 +425,8 @@ class CellCaster {
   // Lights a vector of samples, the i-th of its batch on, in any lights.
   HWY_NOINLINE void lightAt(std::size_t n, std::size_t i, std::size_t count, V& red, V& green, V& blue) const {
     const D d;
-    const CellPlaces::Where w = p_.whereIs(hn::LoadU(DI(), s_.kept_code + n));
+    CellPlaces::Where w = p_.whereIs(hn::LoadU(DI(), s_.kept_code + n));
+    if (l_.surfaces > 0) w.t = hn::LoadU(d, s_.at + n);
     const Sight sight = p_.sightOf(w);
     const Vector slope = in_.at_border ? slopeAtBorder(w, field_.slopes(i)) : field_.slopes(i);
     Colors colors{red, green, blue};
@@ -407,8 +464,9 @@ class CellCaster {
         for (float& channel : after) channel /= alpha;
       }
       const CellPlaces::Place at = p_.placeOf(code);
-      tile_.deep->add(at.x, at.y, depthOf(at.slab), depthOf(at.slab + (code >= CellPlaces::kPair ? 2 : 1)), before,
-                      after);
+      float near = depthOf(at.slab), far = depthOf(at.slab + (code >= CellPlaces::kPair ? 2 : 1));
+      if (l_.surfaces > 0) near = far = static_cast<float>(siteOf(n + i).view.z);
+      tile_.deep->add(at.x, at.y, near, far, before, after);
     }
   }
 

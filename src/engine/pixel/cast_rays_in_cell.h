@@ -33,6 +33,7 @@ struct CellInput {
   glm::vec3 lo;                            // voxel before the cell's first voxel. unit: voxels from the anchor
   glm::dvec3 corner, end;                  // begin and end of the cell in index space
   PixelRect rect;                          // pixels of the tile that the cell may touch
+  PixelRect bounds;                        // pixels that the cell may touch in a picture of any size
   bool at_end = false;                     // the cell is at an end of the volume
   bool at_border = false;                  // samples may be less than a voxel inside the volume's border
   bool in_pairs = false;                   // one sample may cover two slabs
@@ -62,6 +63,11 @@ struct CellSamples {
   // Per visible sample: index among the samples found, code, table position, opacity, weight.
   alignas(64) std::int32_t index[kRoom], kept_code[kRoom];
   alignas(64) float entry[kRoom], opacity[kRoom], weight[kRoom];
+  // Per piece of a ray, for surfaces: ends, and values at the ends.
+  alignas(64) float begin[kRoom], end[kRoom], value_begin[kRoom], value_end[kRoom];
+  // Per crossing of a surface: position, the ends of its bracket, the values there less the surface's, and the end that
+  // moved last.
+  alignas(64) float at[kRoom], bracket[2][kRoom], excess[2][kRoom], moved[kRoom];
   // Per visible sample, if samples are finished one by one: gradient and position in index space.
   alignas(64) float slope[3][kRoom], index_place[3][kRoom];
   // Alpha of a vector of pixels.

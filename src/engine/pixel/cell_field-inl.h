@@ -45,7 +45,7 @@ class LinearCellField {
   // Unknown with intervals, which reach beyond the eight voxels around a sample.
   HWY_INLINE std::optional<Spaces> shown() const {
     if (kGaps || l_.integral != nullptr) return std::nullopt;
-    return visibleSpaces(l_, in_.values);
+    return l_.surfaces > 0 ? crossedSpaces(l_, in_.values) : visibleSpaces(l_, in_.values);
   }
 
   // Stores the values before and after each sample along x, for two samples at a time if a vector holds both.

@@ -20,6 +20,15 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
+// Offset of a voxel in a cell's voxels. `voxel` is counted from the voxel before the cell.
+HWY_INLINE VI offsetOf(const VI (&voxel)[3]) {
+  const DI di;
+  constexpr int kPlane = CellInput::kPlane;
+  const VI row = hn::Add(hn::Mul(voxel[2], hn::Set(di, kPlane)), hn::Mul(voxel[1], hn::Set(di, kPatchStride)));
+  const VI first = hn::Set(di, (kPlane + kPatchStride + 1) * (kPatchMargin - 1));
+  return hn::Add(hn::Add(row, voxel[0]), first);
+}
+
 // Code of a sample: bits 0 to 5 and 6 to 11 are the pixel's x and y from the corner of the cell's rectangle, bits from
 // 12 on the slab, bit 30 marks a pair (one sample for two slabs).
 class CellPlaces {
@@ -83,6 +92,17 @@ class CellPlaces {
   HWY_INLINE V indexOf(int axis, const Where& w, float from) const {
     const D d;
     return hn::Add(hn::Sub(linear(r_.place, axis, w), hn::Set(d, from)), hn::Mul(w.t, linear(r_.step, axis, w)));
+  }
+  // Index coordinate of the position `at` on the ray of a sample. Equal bits in all cells, slabs and zones that meet
+  // there. unit: `at` slabs from the middle slab; voxels from the anchor.
+  HWY_INLINE V pointAt(int axis, const Where& w, V at) const {
+    const D d;
+    const V inner = hn::Add(linear(r_.place, axis, w), hn::Mul(at, linear(r_.step, axis, w)));
+    const M begins = hn::Eq(at, hn::Set(d, -r_.middle - 0.5f));
+    const M ends = hn::Eq(at, hn::Set(d, static_cast<float>(r_.end) - r_.middle - 0.5f));
+    if (HWY_LIKELY(hn::AllFalse(d, hn::Or(begins, ends)))) return inner;
+    return hn::IfThenElse(begins, linear(r_.at_begin, axis, w),
+                          hn::IfThenElse(ends, linear(r_.at_end, axis, w), inner));
   }
   HWY_INLINE Sight sightOf(const Where& w) const {
     const D d;

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -25,13 +26,18 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
+// Part of the rays that belongs to a cell:
+// - kMiddles: the slabs whose middles are in the cell, each as one sample;
+// - kPieces: the parts inside the cell of all slabs, for surfaces. Some slabs without a part may be found, too.
+enum class RayParts { kMiddles, kPieces };
+
 // Finds samples and calls cast(count) for the first `count` codes in CellSamples::code. `cast` may close pixels.
 template <class Cast>
 class CellRays {
  public:
   CellRays(const CellPlaces& places, const RaySampling& rays, const CellInput& in, const TilePixels& tile,
-           CellSamples& samples, Cast cast)
-      : p_(places), r_(rays), in_(in), tile_(tile), s_(samples), cast_(cast) {}
+           CellSamples& samples, RayParts parts, Cast cast)
+      : p_(places), r_(rays), in_(in), tile_(tile), s_(samples), pieces_(parts == RayParts::kPieces), cast_(cast) {}
 
   // `shown`: spaces in which samples may be visible; all spaces if empty.
   void run(const std::optional<Spaces>& shown) {
@@ -51,6 +57,8 @@ class CellRays {
   static constexpr float kFar = CellPlaces::kFar;
   // Number of slabs that rays advance before rays of closed pixels are dropped.
   static constexpr int kSlabsAtOnce = 6;
+  // Parts of slabs are found with this margin, as positions are rounded. unit: slabs; voxels.
+  static constexpr float kSlabMargin = 0.02f, kVoxelMargin = 0.01f;
 
   // Computes the box around the spaces in which samples may be visible; false if there are none.
   HWY_INLINE bool findBox(const std::optional<Spaces>& shown) {
@@ -60,7 +68,12 @@ class CellRays {
       return true;
     }
     static_assert(sizeof *shown == sizeof shown_);
-    std::memcpy(shown_.data(), shown->data(), sizeof shown_);
+    if (!pieces_)
+      std::memcpy(shown_.data(), shown->data(), sizeof shown_);
+    else if (longestPiece() > 1 - 3 * kVoxelMargin)
+      shown_.fill(-1);
+    else
+      std::memcpy(shown_.data(), spacesBefore(*shown).data(), sizeof shown_);
     SpaceBox box{};
     if (!boxOf(*shown, box)) return false;
     for (int a = 0; a < 3; ++a) {
@@ -72,6 +85,19 @@ class CellRays {
       if (box.last[a] < kSpaces - 1 && end < in_.end[a]) hi_[a] = r_.faceAt(a, end);
     }
     return true;
+  }
+
+  // Longest extent of a slab along an axis, independent of the tile. unit: voxels.
+  float longestPiece() const {
+    float out = 0;
+    for (const int x : {in_.bounds.x0, in_.bounds.x1}) {
+      for (const int y : {in_.bounds.y0, in_.bounds.y1}) {
+        const glm::vec3 step = r_.step.centre + (static_cast<float>(x) + r_.centre_x) * r_.step.along_x +
+                               (static_cast<float>(y) + r_.centre_y) * r_.step.along_y;
+        for (int a = 0; a < 3; ++a) out = std::max(out, std::abs(step[a]));
+      }
+    }
+    return out;
   }
 
   // Keeps the rays of a vector of row y, from pixel x on, that pass through the box and whose pixels are open.
@@ -90,6 +116,11 @@ class CellRays {
     const V middle = hn::Set(d, r_.middle);
     const V least = hn::Set(d, static_cast<float>(r_.first)), most = hn::Set(d, static_cast<float>(r_.end));
     const auto slab = [&](V at) { return hn::Min(hn::Max(hn::Ceil(hn::Add(at, middle)), least), most); };
+    if (pieces_) {
+      // The first slab contains the entry, the last slab the exit; a slab begins half a slab before its middle.
+      enter = hn::Sub(enter, hn::Set(d, 0.5f + kSlabMargin));
+      leave = hn::Add(leave, hn::Set(d, 0.5f + kSlabMargin + r_.overlap));
+    }
     const V first = slab(enter), end = hn::Sub(slab(leave), middle);
     const int count = std::min(static_cast<int>(hn::Lanes(d)), (in_.rect.x1 - x + stride - 1) / stride);
     M through =
@@ -130,10 +161,13 @@ class CellRays {
       for (int a = 0; a < 3; ++a) {
         place[a] = hn::Sub(CellPlaces::linear(r_.place, a, w), hn::Set(d, in_.lo[a]));
         step[a] = CellPlaces::linear(r_.step, a, w);
+        // Parts of slabs are sought by the lowest of their spaces.
+        if (pieces_) place[a] = hn::Sub(place[a], fused(hn::Set(d, 0.5f), hn::Abs(step[a]), hn::Set(d, kVoxelMargin)));
       }
       // A sample belongs to the part that contains its middle; for a pair, the middle of both slabs.
+      const bool in_part = in_.part != nullptr && !pieces_;
       V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
-      for (int a = 0; a < 3 && in_.part != nullptr; ++a)
+      for (int a = 0; a < 3 && in_part; ++a)
         p_.cut(CellPlaces::linear(r_.place, a, w), step[a], r_.faceAt(a, in_.part->lo[a]),
                r_.faceAt(a, in_.part->hi[a]), enter, leave);
       M going = hn::Lt(t, end);
@@ -157,7 +191,12 @@ class CellRays {
         const VI place_in_word = hn::And(hn::Or(hn::ShiftLeft<3>(voxel[1]), voxel[0]), hn::Set(di, 31));
         const VI bit = hn::And(hn::Shr(shownOf(word), place_in_word), hn::Set(di, 1));
         auto may = hn::And(hn::RebindMask(di, going), hn::Ne(bit, hn::Zero(di)));
-        if (in_.part != nullptr) may = hn::And(may, hn::RebindMask(di, hn::And(hn::Le(enter, at), hn::Lt(at, leave))));
+        if (pieces_ && r_.overlap > 0) {
+          // The first slab begins in front of its own spaces.
+          const VI slab = hn::ShiftRight<kSlabBits>(code);
+          may = hn::Or(may, hn::And(hn::RebindMask(di, going), hn::Eq(slab, hn::Zero(di))));
+        }
+        if (in_part) may = hn::And(may, hn::RebindMask(di, hn::And(hn::Le(enter, at), hn::Lt(at, leave))));
         hn::StoreU(Packing(hn::RebindMask(d, may))(taken), di, s_.code + count_);
         count_ += hn::CountTrue(di, may);
         if (count_ >= CellSamples::kMost) castFound();
@@ -209,6 +248,7 @@ class CellRays {
   const CellInput& in_;
   const TilePixels& tile_;
   CellSamples& s_;
+  const bool pieces_;
   Cast cast_;
   float lo_[3], hi_[3];  // faces of the box of visible spaces (RaySampling::faceAt)
   std::size_t ray_count_ = 0, count_ = 0;

@@ -23,15 +23,20 @@ inline float finishedExtinction(const Appearance& look, float tau, const SampleS
   return look.gradient_opacity.active() ? look.gradient_opacity(tau, site.gradient) : tau;
 }
 
+/// Returns the gradient of the cut face near a sample; null if there is none. Surfaces have no cut faces.
+inline const glm::vec3* cutFaceAt(const Appearance& look, const SampleSite& site) {
+  return look.surfaces ? nullptr : look.clip->cutGradient(site.index);
+}
+
 inline Color finishedColor(const Appearance& look, const Material& material, const SampleSite& site) {
-  const glm::vec3* const face = look.clip->cutGradient(site.index);
+  const glm::vec3* const face = cutFaceAt(look, site);
   return face != nullptr ? look.shader.onCut(material, *face, site.view)
                          : look.shader(material, site.gradient, site.view);
 }
 
 /// Unit normal in view space; 0 if the sample has no direction.
 inline glm::vec3 finishedNormal(const Appearance& look, const SampleSite& site) {
-  const glm::vec3* const face = look.clip->cutGradient(site.index);
+  const glm::vec3* const face = cutFaceAt(look, site);
   return face != nullptr ? look.shader.normalOnCut(*face, site.view) : look.shader.normal(site.gradient, site.view);
 }
 

@@ -78,6 +78,9 @@ class RayCaster {
       in.at_border = in.at_border || box.lo[a] == 0 || in.end[a] > rays_.volume_hi[a] - 1;
     }
     in.rect = seen.rect;
+    in.bounds = seen.cell->rect;
+    // A cut of a surface has no face.
+    if (context_.table().ofSurfaces()) in.at_border = false;
     if (!part_.all()) in.part = &part_;
     in.sums = sums_;
     // Several volumes are composited in single slabs.

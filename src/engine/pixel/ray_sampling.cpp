@@ -19,10 +19,14 @@ RaySampling::RaySampling(const std::vector<SlabZone>& zones, std::size_t i, cons
     const auto from = static_cast<double>(anchor[axis]);
     const glm::dvec4& row = projector.indexRow(axis);
     // A view-space point of the ray is (u depth, v depth, depth) in perspective, otherwise (u, v, depth).
-    const double of_depth = projector.perspective() ? depth : 1, of_step = projector.perspective() ? zone.thickness : 0;
-    place.centre[axis] = static_cast<float>(row.w + row.z * depth - from);
-    place.along_x[axis] = static_cast<float>(row.x * of_depth * per_pixel);
-    place.along_y[axis] = static_cast<float>(row.y * of_depth * per_pixel);
+    const auto setAt = [&](double of, Linear& out) {
+      const double widened = projector.perspective() ? of : 1;
+      out.centre[axis] = static_cast<float>(row.w + row.z * of - from);
+      out.along_x[axis] = static_cast<float>(row.x * widened * per_pixel);
+      out.along_y[axis] = static_cast<float>(row.y * widened * per_pixel);
+    };
+    setAt(depth, place), setAt(zone.near, at_begin), setAt(zone.far, at_end);
+    const double of_step = projector.perspective() ? zone.thickness : 0;
     step.centre[axis] = static_cast<float>(row.z * zone.thickness);
     step.along_x[axis] = static_cast<float>(row.x * of_step * per_pixel);
     step.along_y[axis] = static_cast<float>(row.y * of_step * per_pixel);
@@ -31,6 +35,7 @@ RaySampling::RaySampling(const std::vector<SlabZone>& zones, std::size_t i, cons
   }
   eye = static_cast<float>(-depth / zone.thickness);
   if (projector.perspective()) first = zone.slabFrom(projector.nearDepth());
+  if (zone.behind_finer && first == 0) overlap = SlabZone::kOverlap;
   const auto beside = [&](const SlabZone& other) { return static_cast<float>(0.5 * other.thickness / zone.thickness); };
   before = static_cast<float>(first) - 1 - middle, after = static_cast<float>(end) - middle;
   if (i > 0 && first == 0) before += 0.5f - beside(zones[i - 1]);

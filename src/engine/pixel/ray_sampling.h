@@ -44,7 +44,9 @@ struct RaySampling {
   glm::dvec3 faces_from;
   float eye = 0;  // perspective: slab coordinate of the eye, from the middle slab
   Linear place, step;
+  Linear at_begin, at_end;  // positions where the zone begins and ends, with equal bits in the zones on both sides
   float middle = 0;
+  float overlap = 0;                 // slabs in front of the zone in which surfaces are found, too (SlabZone::kOverlap)
   int first = 0, end = 0;            // slabs beyond the near depth
   float before, after;               // positions of the adjacent slabs in other zones. unit: slabs from the middle slab
   float centre_x = 0, centre_y = 0;  // added to a pixel's number

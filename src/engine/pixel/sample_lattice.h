@@ -25,6 +25,11 @@ struct SampleLattice {
   const float* integral = nullptr;
   float least_interval = 1;
   glm::vec3 layer_height{1};  // distance of adjacent layers of voxels across each axis. unit: world
+  // Values of iso-surfaces, less the table's offset, in ascending order, and the opacity of each; 0: samples are
+  // classified.
+  int surfaces = 0;
+  const float* surface_values = nullptr;
+  const float* surface_opacities = nullptr;
   // Without phong if samples are finished one by one (engine/pixel/finish_sample.h), or if there are `lights`.
   PlainLight light;
   const Shader* lights = nullptr;  // other lights than a white headlight; null: none

@@ -35,6 +35,12 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
     addLabels(function.labels, unit);
     return;
   }
+  if (!function.surfaces.empty()) {
+    // Floats are most precise near zero, and so near the first surface.
+    if (!whole) lo_ = function.surfaces.front().value;
+    addSurfaces(function.surfaces);
+    return;
+  }
   const double steps = whole ? hi - lo : kTableSteps;
   const double step = hi > lo ? (hi - lo) / steps : 1;
   scale_ = static_cast<float>(1 / step);
@@ -80,6 +86,23 @@ void SampleTable::findSameColors() {
   }
 }
 
+void SampleTable::addSurfaces(const std::vector<IsoSurface>& surfaces) {
+  of_surfaces_ = true;
+  for (const IsoSurface& surface : surfaces) {
+    if (!(surface.opacity > 0)) continue;
+    surface_values_.push_back(floatOf(surface.value));
+    surface_opacities_.push_back(static_cast<float>(surface.opacity));
+    const glm::vec3 color(surface.color);
+    entries_.push_back({color.r, color.g, color.b, 0});
+  }
+  last_ = static_cast<float>(std::max<std::size_t>(entries_.size(), 1) - 1);
+  // An extra entry after the last, and a single entry if no surface is visible.
+  const std::size_t count = static_cast<std::size_t>(last_) + 2;
+  entries_.resize(count, entries_.empty() ? Material{} : entries_.back());
+  extinctions_.assign(count, 0.0f);
+  integral_.assign(count, 0.0f);
+}
+
 void SampleTable::addLabels(const std::vector<LabelStyle>& looks, double unit) {
   of_labels_ = true;
   visible_before_ = std::numeric_limits<float>::max();
@@ -107,10 +130,15 @@ bool SampleTable::interesting(const ValueRange& range) const {
     const auto first = std::lower_bound(labels_.begin(), labels_.end(), static_cast<float>(range.lo - lo_));
     return first != labels_.end() && static_cast<double>(*first) <= range.hi - lo_;
   }
+  if (of_surfaces_) {
+    const auto first = std::upper_bound(surface_values_.begin(), surface_values_.end(), floatOf(range.lo));
+    return first != surface_values_.end() && *first <= floatOf(range.hi);
+  }
   return before_[entryAbove(range.hi) + 1] > before_[entryBelow(range.lo)];
 }
 
 bool SampleTable::soft(const ValueRange& range, double length, bool beside_nothing) const {
+  if (of_surfaces_) return false;
   const std::size_t from = entryBelow(range.lo), to = entryAbove(range.hi);
   const double most = kSoftChange / length - (changes_[to] - changes_[from]);
   return most >= (beside_nothing ? static_cast<double>(extinctions_[from]) : 0.0);
@@ -118,6 +146,7 @@ bool SampleTable::soft(const ValueRange& range, double length, bool beside_nothi
 
 // Includes an entry below the range: interpolation may round a value to just outside the range.
 const float* SampleTable::oneColor(const ValueRange& range) const {
+  if (of_surfaces_) return surface_values_.size() == 1 ? &entries_.front().r : nullptr;
   const std::size_t below = entryBelow(range.lo), from = below - (below > 0 ? 1 : 0);
   return same_until_[from] > entryAbove(range.hi) ? &entries_[from].r : nullptr;
 }

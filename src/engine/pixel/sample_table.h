@@ -1,10 +1,12 @@
 // Classification of interpolated values: colour and extinction, linear between the entries of one table over the
 // volume's values. Tests of a range agree exactly with the extinctions of its values. For label volumes the table has
-// two entries for each visible label: extinction 0 and the label's extinction.
+// two entries for each visible label: extinction 0 and the label's extinction. For surfaces it has an entry for each
+// visible surface.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "engine/shared/classifier.h"
@@ -20,6 +22,11 @@ class SampleTable {
 
   /// Returns true for label volumes; `at` must then not be called with values.
   bool ofLabels() const { return of_labels_; }
+  /// Values (less `offset()`) and opacities of the visible surfaces, in ascending order; entry i of the table is the
+  /// i-th surface's. Empty for other functions.
+  const std::vector<float>& surfaceValues() const { return surface_values_; }
+  const std::vector<float>& surfaceOpacities() const { return surface_opacities_; }
+  bool ofSurfaces() const { return of_surfaces_; }
   /// Rank of a label (less `offset()`) among the visible labels, from 0; -1 if invisible. cost: a binary search.
   int rankOf(float label) const {
     const auto first = std::lower_bound(labels_.begin(), labels_.end(), label);
@@ -54,8 +61,8 @@ class SampleTable {
   /// unit: extinction times entries.
   const float* integral() const { return integral_.data(); }
   float leastInterval() const { return least_interval_; }
-  /// Returns true if `at` gives an extinction above zero for some value of the range. Slightly conservative. cost:
-  /// O(1).
+  /// Returns true if `at` gives an extinction above zero for some value of the range, or if the range contains values
+  /// on both sides of a surface. Slightly conservative. cost: O(1), or the number of surfaces.
   bool interesting(const ValueRange& range) const;
   /// Returns true if voxels of edge `length` with values in `range` are soft, nearly uniform, so that fewer samples
   /// show as much. `beside_nothing`: visible material may end within the voxels. requires: not labels. cost: O(1).
@@ -65,8 +72,14 @@ class SampleTable {
 
  private:
   void findSameColors();
+  // As a sample's values are converted: less the offset.
+  float floatOf(double value) const {
+    constexpr double kMost = std::numeric_limits<float>::max();
+    return static_cast<float>(std::clamp(value - lo_, -kMost, kMost));
+  }
   std::size_t entryBelow(double value) const;
   std::size_t entryAbove(double value) const;
+  void addSurfaces(const std::vector<IsoSurface>& surfaces);
   void addLabels(const std::vector<LabelStyle>& looks, double unit);
 
   double lo_ = 0;
@@ -79,6 +92,8 @@ class SampleTable {
   std::vector<std::uint32_t> same_until_;  // last entry up to which all entries have the i-th's colour
   std::vector<double> changes_;            // prefix sums: the larger of the changes of extinction and of light
   bool of_labels_ = false;
+  bool of_surfaces_ = false;
+  std::vector<float> surface_values_, surface_opacities_;
   std::vector<float> labels_, label_opacities_;  // visible labels in ascending order, less the offset
 };
 

@@ -36,7 +36,10 @@ SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, co
   out.extinctions = table.extinctions();
   out.visible_after = table.visibleAfter();
   out.visible_before = table.visibleBefore();
-  if (zone.intervals && !table.ofLabels()) out.integral = table.integral();
+  out.surfaces = static_cast<int>(table.surfaceValues().size());
+  out.surface_values = table.surfaceValues().data();
+  out.surface_opacities = table.surfaceOpacities().data();
+  if (zone.intervals && !table.ofLabels() && !table.ofSurfaces()) out.integral = table.integral();
   out.least_interval = table.leastInterval();
   for (int axis = 0; axis < 3; ++axis)
     out.layer_height[axis] = 1 / glm::length(projector.viewFromIndexGradient()[axis]);
@@ -100,11 +103,12 @@ bool SlabContext::inPairs(const SampledRange& range) const {
 
 PixelRect SlabContext::boundsOf(const VoxelBox& box) const {
   const ViewBox at(projector_, box);
-  if (at.farthest < zone_.near || at.nearest >= zone_.far) return {};
+  const double near = table_.ofSurfaces() ? zone_.overlapNear() : zone_.near;
+  if (at.farthest < near || at.nearest >= zone_.far) return {};
   // Without clipping, a box beside the eye would cover the whole picture.
   const bool deep = projector_.perspective() && at.farthest - at.nearest > kDeep * at.nearest;
   const ViewExtent seen =
-      deep ? at.extentBetween(std::max(zone_.near, 0.5 * projector_.nearDepth()), zone_.far) : at.extent();
+      deep ? at.extentBetween(std::max(near, 0.5 * projector_.nearDepth()), zone_.far) : at.extent();
   // Pixels whose centres are in the box, with a margin for the rounding of sample positions to floats.
   const double wide = std::max(seen.x1 - seen.x0, seen.y1 - seen.y0);
   const double slack = 0.01 + wide * std::ldexp(static_cast<double>(std::max({dims_.x, dims_.y, dims_.z})), -22);

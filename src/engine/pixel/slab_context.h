@@ -23,6 +23,7 @@ struct Appearance {
   const ClipRegion* clip = nullptr;
   float gradient_noise = 0;  // unit: value per voxel
   Interpolation interpolation = Interpolation::kLinear;
+  bool surfaces = false;  // samples are crossings of surfaces
 };
 
 /// A zone of slabs with its level, table and appearance.

@@ -104,6 +104,42 @@ HWY_INLINE Spaces visibleSpaces(const SampleLattice& l, const float* values) {
   return out;
 }
 
+// Returns the spaces with voxels on both sides of a surface at their corners. shape: `values` as loadPatch's.
+HWY_INLINE Spaces crossedSpaces(const SampleLattice& l, const float* values) {
+  const D d;
+  Spaces out{};
+  for (int surface = 0; surface < l.surfaces; ++surface) {
+    const V least = hn::Set(d, l.surface_values[surface]);
+    VoxelBits inside, outside;
+    for (int z = 0; z < kSpaceRows; ++z) {
+      for (int y = 0; y < kSpaceRows; ++y) {
+        const float* const row = values + rowOfVoxels(y, z);
+        std::uint8_t bits[2][8] = {};
+        for (std::size_t x = 0; x < kPatchStride; x += hn::Lanes(d)) {
+          const V value = hn::LoadU(d, row + x);
+          addBits(hn::Ge(value, least), x, bits[0]);
+          addBits(hn::Lt(value, least), x, bits[1]);
+        }
+        std::memcpy(&inside.rows[z][y], bits[0], 2);
+        std::memcpy(&outside.rows[z][y], bits[1], 2);
+      }
+    }
+    const Spaces of_inside = spacesAround(inside), of_outside = spacesAround(outside);
+    for (std::size_t z = 0; z < kSpaces; ++z) out[z] |= of_inside[z] & of_outside[z];
+  }
+  return out;
+}
+
+// Returns the spaces of which a set space is among the eight from the space itself to the next along each axis.
+inline Spaces spacesBefore(const Spaces& spaces) {
+  Spaces out;
+  for (std::size_t z = 0; z < kSpaces; ++z) {
+    const std::uint64_t plane = spaces[z] | (z + 1 < kSpaces ? spaces[z + 1] : 0), rows = plane | plane >> 8;
+    out[z] = rows | (rows >> 1 & 0x7f7f7f7f7f7f7f7f);
+  }
+  return out;
+}
+
 // Returns the spaces next to a voxel of a visible label (LabelVoxels::ranks).
 HWY_INLINE Spaces labelledSpaces(const std::int32_t* ranks) {
   const DI di;

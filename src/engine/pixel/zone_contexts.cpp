@@ -16,7 +16,8 @@ std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels
                              GradientOpacity(look.transfer_function, look.unit, projector),
                              &levels.clipRegion(zone.level),
                              look.gradient_noise,
-                             look.interpolation};
+                             look.interpolation,
+                             !look.transfer_function.surfaces.empty()};
   return std::make_unique<SlabContext>(zone, projector, levels.dims(zone.level), levels.endVoxels(zone.level), table,
                                        of_sample);
 }

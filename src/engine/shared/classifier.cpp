@@ -50,6 +50,7 @@ Material Classifier::evaluate(double value) const {
 bool Classifier::interesting(const ValueRange& range) const {
   if (range.empty()) return false;
   if (!function_.labels.empty()) return function_.labelsShownIn(range.lo, range.hi);
+  if (!function_.surfaces.empty()) return function_.surfacesCrossedIn(range.lo, range.hi);
   const auto first = firstPointAtOrAbove(function_, range.lo) - function_.points.begin();
   const auto last = firstPointAbove(function_, range.hi) - function_.points.begin();
   if (opaque_points_before_[static_cast<std::size_t>(last)] > opaque_points_before_[static_cast<std::size_t>(first)])

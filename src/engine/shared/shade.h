@@ -28,6 +28,8 @@ inline constexpr double kGradientNoise = 1e-5;
 inline float gradientNoiseOf(const Manifest& manifest, const TransferFunction& function) {
   // Gradients of labels are gradients of opacity, whose range is 1.
   if (manifest.volume_class == VolumeClass::kLabels) return static_cast<float>(kGradientNoise);
+  // A surface has a direction wherever its values differ.
+  if (!function.surfaces.empty()) return 0;
   const ValueRange range = classifiedRange(function, manifest.range);
   return range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (range.hi - range.lo));
 }

@@ -99,6 +99,7 @@ std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std
       zone.far = near + width;
       zone.slabs = slabsIn(width, zone.thickness);
       zone.thickness = width / zone.slabs;
+      zone.behind_finer = !out.empty() && out.back().level < zone.level;
       out.push_back(zone);
     }
   }

@@ -25,6 +25,11 @@ struct SlabZone {
   int level = 0;  // pyramid level
   /// A sample stands for all values of a voxel that is smaller than a pixel and hides finer voxels.
   bool intervals = false;
+  /// The zone in front has a finer level. Surfaces of the level are then also found kOverlap slabs in front of the
+  /// zone: the finer level may end in front of its own surface, and a ray would pass between both.
+  bool behind_finer = false;
+  static constexpr int kOverlap = 8;
+  double overlapNear() const { return behind_finer ? near - kOverlap * thickness : near; }
 
   /// First slab of the zone whose centre is at `depth` or beyond, clamped to [0, slabs].
   int slabFrom(double depth) const {

@@ -235,6 +235,9 @@ void requireLabelsKept(const StoreReader& store, const VdbRequest& request) {
 
 void requireBakeable(const VdbRequest& request) {
   if (!request.baked) return;
+  if (!request.baked->surfaces.empty())
+    throw Error(ErrorCode::kUsage, request.out, "--tf",
+                "must not be surfaces, which grids of opacities do not hold; choose solid:VALUE");
   if (!request.baked->gradient_opacity.empty())
     throw Error(ErrorCode::kUsage, request.out, "--tf",
                 "must not depend on gradients, which grids do not hold; remove gradientOpacity from the function");

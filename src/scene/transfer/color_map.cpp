@@ -145,5 +145,8 @@ void stretch(OpacityCurve& opacity, const ValueRange& from, const ValueRange& to
 void stretch(std::vector<TransferPoint>& points, const ValueRange& from, const ValueRange& to) {
   stretchValues(points, from, to);
 }
+void stretch(std::vector<IsoSurface>& surfaces, const ValueRange& from, const ValueRange& to) {
+  stretchValues(surfaces, from, to);
+}
 
 }  // namespace kiln

@@ -53,5 +53,6 @@ std::vector<TransferPoint> sampled(const ColorMap& colors, const OpacityCurve& o
 void stretch(ColorMap& colors, const ValueRange& from, const ValueRange& to);
 void stretch(OpacityCurve& opacity, const ValueRange& from, const ValueRange& to);
 void stretch(std::vector<TransferPoint>& points, const ValueRange& from, const ValueRange& to);
+void stretch(std::vector<IsoSurface>& surfaces, const ValueRange& from, const ValueRange& to);
 
 }  // namespace kiln

@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "scene/transfer/color_map.h"
 #include "scene/transfer/ct_presets.h"
+#include "scene/transfer/iso_surfaces.h"
 #include "scene/transfer/label_styles.h"
 #include "scene/transfer/named_color_maps.h"
 #include "scene/transfer/preset_ranges.h"
@@ -23,8 +24,7 @@ namespace kiln {
 namespace {
 
 // Linear light.
-const glm::dvec3 kFogGrey{0.62, 0.66, 0.72}, kFogWarm{1.0, 0.93, 0.82}, kSolid{0.45, 0.62, 0.80},
-    kIvory{0.80, 0.76, 0.69};
+const glm::dvec3 kFogGrey{0.62, 0.66, 0.72}, kFogWarm{1.0, 0.93, 0.82}, kSolid{0.45, 0.62, 0.80};
 constexpr double kSurfaceOpacity = 0.9;
 
 // unit: world.
@@ -200,17 +200,19 @@ TransferFunction automatic(const Manifest& manifest) {
 }
 
 // Solid from the number `text` on. A ramp of a hundredth of the range suffices for shading without steps.
-TransferFunction isoSurface(std::string_view text, const Manifest& manifest) {
+TransferFunction solidFrom(std::string_view text, const Manifest& manifest) {
   const std::optional<double> number = numberOf<double>(text);
   if (!number || !(std::abs(*number) <= 1e300))
-    throw Error(ErrorCode::kUsage, "'iso:" + std::string(text) + "': expected a number after iso:, such as iso:300");
+    throw Error(ErrorCode::kUsage,
+                "'solid:" + std::string(text) + "': expected a number after solid:, such as solid:300");
   const double value = *number;
   const ValueRange range = usableRange(manifest);
   const double half = std::max(0.005 * (range.hi - range.lo), 1e-9 * std::abs(value));
-  return {0, {{value - half, kIvory, 0}, {value + half, kIvory, 0.97}}};
+  const glm::dvec3 color = IsoSurface().color;
+  return {0, {{value - half, color, 0}, {value + half, color, 0.97}}};
 }
 
-constexpr std::string_view kIso = "iso:";
+constexpr std::string_view kSolidFrom = "solid:";
 
 }  // namespace
 
@@ -268,11 +270,12 @@ const std::vector<std::string>& presetNames() {
 std::string presetList() {
   std::string out;
   for (const std::string& preset : presetNames()) out += (out.empty() ? "" : ", ") + preset;
-  return out + " or iso:VALUE";
+  return out + ", iso:VALUE,... or solid:VALUE";
 }
 
 bool isPreset(std::string_view name) {
-  return name.starts_with(kIso) || std::find(presetNames().begin(), presetNames().end(), name) != presetNames().end();
+  return name.starts_with(kIso) || name.starts_with(kSolidFrom) ||
+         std::find(presetNames().begin(), presetNames().end(), name) != presetNames().end();
 }
 
 TransferFunction presetFor(std::string_view name, const Manifest& manifest) {
@@ -284,7 +287,8 @@ TransferFunction presetFor(std::string_view name, const Manifest& manifest) {
   if (name == "fog") return fog(manifest);
   if (name == "levelset") return levelSet(manifest);
   if (name == "grayscale") return grayscale(manifest);
-  if (name.starts_with(kIso)) return isoSurface(name.substr(kIso.size()), manifest);
+  if (name.starts_with(kIso)) return isoSurfaces(name.substr(kIso.size()));
+  if (name.starts_with(kSolidFrom)) return solidFrom(name.substr(kSolidFrom.size()), manifest);
   if (isPreset(name)) return colored(name, manifest);
   throw Error(ErrorCode::kUsage,
               "'" + std::string(name) + "' is not a transfer function preset; there are " + presetList());

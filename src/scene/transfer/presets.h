@@ -10,12 +10,13 @@
 
 namespace kiln {
 
-/// In the order of a list for users; "iso:VALUE" is available in addition, for any number.
+/// In the order of a list for users; "iso:VALUE,..." and "solid:VALUE" are available in addition, for any
+/// numbers.
 const std::vector<std::string>& presetNames();
-/// Returns the names as a sentence: "auto, ct-skin, … or iso:VALUE".
+/// Returns the names as a sentence: "auto, ct-skin, …, iso:VALUE,... or solid:VALUE".
 std::string presetList();
 
-/// True if the name is in the list, or begins with "iso:".
+/// True if the name is in the list, or begins with "iso:" or "solid:".
 bool isPreset(std::string_view name);
 
 /// Returns a preset mapped to this volume's values.
@@ -23,7 +24,8 @@ bool isPreset(std::string_view name);
 ///   labels; the window and colour that the source declares, with rising opacity; else the surface between empty space
 ///   (the lower Otsu class) and the object.
 /// - ct- presets are in Hounsfield units.
-/// - "iso:VALUE" is solid from VALUE on.
+/// - "iso:VALUE,..." are surfaces at the values (iso_surfaces.h).
+/// - "solid:VALUE" is solid from VALUE on.
 /// - mr- presets are found in the histogram.
 /// - colour maps (grayscale, viridis, …) begin above empty space and rise in opacity.
 /// throws: Error kUsage naming the presets, or the fault in VALUE.

@@ -28,6 +28,15 @@ bool TransferFunction::labelsShownIn(double lo, double hi) const {
   return false;
 }
 
+bool TransferFunction::surfacesCrossedIn(double lo, double hi) const {
+  auto surface =
+      std::upper_bound(surfaces.begin(), surfaces.end(), lo, [](double v, const IsoSurface& s) { return v < s.value; });
+  for (; surface != surfaces.end() && surface->value <= hi; ++surface) {
+    if (surface->opacity > 0) return true;
+  }
+  return false;
+}
+
 Classified TransferFunction::at(double value) const {
   if (!labels.empty()) {
     const auto style = firstFrom(labels, value);

@@ -30,6 +30,14 @@ struct Classified {
   double opacity;
 };
 
+/// A surface through all places at which the interpolated value is `value`. Values of `value` and above are inside.
+struct IsoSurface {
+  double value = 0;
+  glm::dvec3 color{0.80, 0.76, 0.69};  // ivory; linear light, 0..1
+  double opacity = 1;                  // of each crossing of the surface, at any angle, 0..1
+  bool operator==(const IsoSurface&) const = default;
+};
+
 /// Appearance of a label of a label volume.
 struct LabelStyle {
   double label = 0;
@@ -54,17 +62,23 @@ struct TransferFunction {
   /// a label holds where it has more than half of the interpolation weight.
   std::vector<LabelStyle> labels = {};
 
+  /// Instead of points: sorted by value, each value once. Between the surfaces nothing is visible.
+  std::vector<IsoSurface> surfaces = {};
+
   /// Returns the reference length of opacity in a volume with this mean spacing. unit: world.
   double unitIn(double mean_spacing) const { return unit > 0 ? unit : mean_spacing; }
   /// In 0..1.
   double gradientFactor(double gradient) const;
-  /// NaN is transparent, and so are labels without an entry. cost: a binary search.
+  /// NaN is transparent, and so are labels without an entry, and all values of a function of surfaces. cost: a binary
+  /// search.
   Classified at(double value) const;
   /// cost: a binary search.
   bool hasLabel(double label) const;
   /// True if a label in [lo, hi] is not transparent.
   bool labelsShownIn(double lo, double hi) const;
   bool interesting(double value) const { return at(value).opacity > 0; }
+  /// True if values below and values inside some visible surface are in [lo, hi]. cost: a binary search.
+  bool surfacesCrossedIn(double lo, double hi) const;
   bool operator==(const TransferFunction&) const = default;
 };
 

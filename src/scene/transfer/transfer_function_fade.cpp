@@ -38,6 +38,32 @@ TransferPoint mixedPoint(double value, const Classified& a, const Classified& b,
   return {value, glm::clamp(color, 0.0, 1.0), std::clamp(opacity, 0.0, 1.0)};
 }
 
+// Between two functions of equally many surfaces each surface moves. Otherwise surfaces of one function fade out while
+// surfaces of the other function fade in.
+std::vector<IsoSurface> fadedSurfaces(const TransferFunction& a, const TransferFunction& b, double t) {
+  std::vector<IsoSurface> out;
+  if (a.surfaces.size() == b.surfaces.size()) {
+    for (std::size_t i = 0; i < a.surfaces.size(); ++i) {
+      const IsoSurface &from = a.surfaces[i], &to = b.surfaces[i];
+      const TransferPoint mixed =
+          mixedPoint(std::lerp(from.value, to.value, t), {from.color, from.opacity}, {to.color, to.opacity}, t);
+      out.push_back({mixed.value, mixed.color, mixed.opacity});
+    }
+    return out;
+  }
+  const auto lookAt = [](const TransferFunction& function, double value) {
+    for (const IsoSurface& surface : function.surfaces) {
+      if (surface.value == value) return Classified{surface.color, surface.opacity};
+    }
+    return Classified{glm::dvec3(0), 0};
+  };
+  for (const double value : valuesOf(a.surfaces, b.surfaces, [](const IsoSurface& s) { return s.value; })) {
+    const TransferPoint mixed = mixedPoint(value, lookAt(a, value), lookAt(b, value), t);
+    out.push_back({value, mixed.color, mixed.opacity});
+  }
+  return out;
+}
+
 bool same(const Classified& a, const Classified& b) { return a.color == b.color && a.opacity == b.opacity; }
 
 // Fades each label separately; a label of only one function fades in or out.
@@ -60,6 +86,7 @@ TransferFunction faded(const TransferFunction& a, const TransferFunction& b, dou
   TransferFunction out;
   out.unit = a.unit;
   out.labels = fadedLabels(a, b, t);
+  out.surfaces = fadedSurfaces(a, b, t);
   const auto in_a_unit = [&](Classified c) {
     c.opacity = inUnit(c.opacity, b.unit, a.unit);
     return c;

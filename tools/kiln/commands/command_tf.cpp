@@ -81,6 +81,14 @@ std::string hexOf(const glm::dvec3& linear) {
   return fmt::format("#{:02x}{:02x}{:02x}", bytes.of(linear.r), bytes.of(linear.g), bytes.of(linear.b));
 }
 
+void printSurfaces(const TransferFunction& f) {
+  say("{:>14}  {:>8}  {:>7}  {:<24}\n", "value", "opacity", "sRGB", "red, green, blue (linear light)");
+  for (const IsoSurface& s : f.surfaces)
+    say("{:>14.9g}  {:>8.5f}  {}  {:.4f}, {:.4f}, {:.4f}\n", s.value, s.opacity, hexOf(s.color), s.color.r, s.color.g,
+        s.color.b);
+  say("{} surfaces; opacity is per crossing\n", f.surfaces.size());
+}
+
 void print(const TransferFunction& f, const Subject& subject) {
   const Manifest& manifest = subject.values.manifest;
   const std::string unit = manifest.geometry().unit.empty() ? "world unit" : manifest.geometry().unit;
@@ -91,6 +99,7 @@ void print(const TransferFunction& f, const Subject& subject) {
     sayHistogram(subject.values);
     sayWindows(manifest);
   }
+  if (!f.surfaces.empty()) return printSurfaces(f);
   say("opacity      per {:.6g} {}, between points linear, outside of them as at the ends\n", f.unit, unit);
   say("{:>14}  {:>8}  {:>12}  {:>7}  {:<24}\n", "value", "opacity", "extinction", "sRGB",
       "red, green, blue (linear light)");

@@ -1,0 +1,213 @@
+// Crossings of a cell's rays with iso-surfaces. Compiled once for each instruction set; hence no #pragma once.
+// Problem. Each crossing of a ray with a surface must be found once, whatever the cells, and as exactly as the
+// interpolation allows.
+// Method. The borders of slabs and the faces of cells divide a ray into pieces. The field is evaluated at both ends of
+// a piece; a piece whose ends lie on two sides of a surface has one crossing with it, found by the Illinois method.
+// Invariant. A position on a ray has equal bits in all cells, slabs and zones that meet there, and so has its value.
+// The values along a ray are hence one sequence, and all crossings of the sequence are found, each in one piece.
+// Source: Dowell and Jarratt 1971 (Illinois method); Hadwiger et al. 2005 (refinement in a sampling interval).
+// Differs: pieces end at faces of cells. Two crossings of one surface in one piece cancel.
+// Cost: two values for each piece near a surface, kRefinements values for each crossing.
+#if defined(KILN_CELL_SURFACES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_CELL_SURFACES_INL_H
+#undef KILN_CELL_SURFACES_INL_H
+#else
+#define KILN_CELL_SURFACES_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "engine/pixel/cell_places-inl.h"
+#include "engine/shared/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kiln {
+namespace HWY_NAMESPACE {
+namespace {
+
+template <class Field>
+class CellSurfaces {
+ public:
+  CellSurfaces(const CellPlaces& places, const RaySampling& rays, const SampleLattice& lattice, const CellInput& in,
+               Field& field, CellSamples& samples)
+      : p_(places), r_(rays), l_(lattice), in_(in), field_(field), s_(samples) {}
+
+  // Finds the crossings in the slabs of the first `count` codes of CellSamples::code, in the order of the codes. Calls
+  // cast(n) for batches of n crossings, with their CellSamples: index, kept_code, at, offset, fraction, entry, opacity.
+  template <class Cast>
+  void find(std::size_t count, const Cast& cast) {
+    findPieces(count);
+    const std::size_t crossed = keepCrossed(count);
+    std::size_t found = 0;
+    const auto castFound = [&] {
+      if (found > 0) refine(found), cast(found);
+      found = 0;
+    };
+    for (std::size_t n = 0; n < crossed; ++n) {
+      // Surfaces lie between the ends in the order of their values.
+      const int from = rankOf(s_.value_begin[n]), to = rankOf(s_.value_end[n]), step = from < to ? 1 : -1;
+      for (int rank = from; rank != to; rank += step) {
+        if (found == CellSamples::kMost) castFound();
+        addCrossing(n, step > 0 ? rank : rank - 1, found++);
+      }
+    }
+    castFound();
+  }
+
+ private:
+  // Evaluations for a crossing after the two ends of its piece (figures: decisions/surfaces.md).
+  static constexpr int kRefinements = 12;
+
+  // Computes the ends of the slabs' parts inside the cell, and the values there. Slabs without a part have equal ends.
+  HWY_NOINLINE void findPieces(std::size_t count) {
+    const D d;
+    const DI di;
+    const V half = hn::Set(d, 0.5f);
+    for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
+      const CellPlaces::Where w = p_.whereIs(hn::Load(di, s_.code + n));
+      V enter = hn::Sub(w.t, half), leave = hn::Add(w.t, half);
+      const M first = hn::Eq(w.t, hn::Set(d, -r_.middle));
+      enter = hn::Sub(enter, hn::IfThenElseZero(first, hn::Set(d, r_.overlap)));
+      for (int a = 0; a < 3; ++a) {
+        const V place = CellPlaces::linear(r_.place, a, w), step = CellPlaces::linear(r_.step, a, w);
+        p_.cut(place, step, r_.faceAt(a, in_.corner[a]), r_.faceAt(a, in_.end[a]), enter, leave);
+        if (in_.part != nullptr)
+          p_.cut(place, step, r_.faceAt(a, in_.part->lo[a]), r_.faceAt(a, in_.part->hi[a]), enter, leave);
+      }
+      const M some = hn::Lt(enter, leave);
+      enter = hn::IfThenElse(some, enter, w.t), leave = hn::IfThenElse(some, leave, w.t);
+      hn::Store(enter, d, s_.begin + n);
+      hn::Store(leave, d, s_.end + n);
+      placeAt(n, w, enter);
+    }
+    field_.interpolate(count);
+    for (std::size_t n = 0; n < count; n += hn::Lanes(d)) hn::Store(field_.values(n), d, s_.value_begin + n);
+    for (std::size_t n = 0; n < count; n += hn::Lanes(d))
+      placeAt(n, p_.whereIs(hn::Load(di, s_.code + n)), hn::Load(d, s_.end + n));
+    field_.interpolate(count);
+    for (std::size_t n = 0; n < count; n += hn::Lanes(d)) hn::Store(field_.values(n), d, s_.value_end + n);
+  }
+
+  // Keeps the pieces whose ends lie on two sides of some surface. Returns their number.
+  HWY_INLINE std::size_t keepCrossed(std::size_t count) {
+    const D d;
+    const DI di;
+    std::size_t kept = 0;
+    for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
+      const V begin = hn::Load(d, s_.begin + n), end = hn::Load(d, s_.end + n);
+      const V first = hn::Load(d, s_.value_begin + n), last = hn::Load(d, s_.value_end + n);
+      M crossed = hn::Lt(first, first);
+      for (int surface = 0; surface < l_.surfaces; ++surface) {
+        const V value = hn::Set(d, l_.surface_values[surface]);
+        crossed = hn::Or(crossed, hn::Xor(hn::Ge(first, value), hn::Ge(last, value)));
+      }
+      // NaN lies on no side.
+      crossed = hn::And(crossed, hn::And(hn::Eq(first, first), hn::Eq(last, last)));
+      const M there =
+          hn::RebindMask(d, hn::Lt(hn::Iota(di, static_cast<int>(n)), hn::Set(di, static_cast<int>(count))));
+      crossed = hn::And(crossed, hn::And(there, hn::Lt(begin, end)));
+      if (hn::AllFalse(d, crossed)) continue;
+      const Packing packed(crossed);
+      hn::StoreU(packed(hn::Load(di, s_.code + n)), di, s_.code + kept);
+      hn::StoreU(packed(begin), d, s_.begin + kept), hn::StoreU(packed(end), d, s_.end + kept);
+      hn::StoreU(packed(first), d, s_.value_begin + kept), hn::StoreU(packed(last), d, s_.value_end + kept);
+      kept += hn::CountTrue(d, crossed);
+    }
+    return kept;
+  }
+
+  // Number of surfaces that a value is inside of.
+  HWY_INLINE int rankOf(float value) const {
+    int out = 0;
+    while (out < l_.surfaces && value >= l_.surface_values[out]) ++out;
+    return out;
+  }
+
+  HWY_INLINE void addCrossing(std::size_t piece, int surface, std::size_t n) {
+    const float value = l_.surface_values[surface];
+    s_.kept_code[n] = s_.code[piece];
+    s_.entry[n] = static_cast<float>(surface);
+    s_.opacity[n] = l_.surface_opacities[surface];
+    s_.bracket[0][n] = s_.begin[piece], s_.bracket[1][n] = s_.end[piece];
+    s_.excess[0][n] = s_.value_begin[piece] - value, s_.excess[1][n] = s_.value_end[piece] - value;
+    s_.moved[n] = 0;
+  }
+
+  // Moves the crossings from their brackets to the surfaces. `excess`: value less the surface's.
+  HWY_NOINLINE void refine(std::size_t count) {
+    const D d;
+    const DI di;
+    const V zero = hn::Zero(d), half = hn::Set(d, 0.5f);
+    for (int i = 0; i <= kRefinements; ++i) {
+      for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
+        const V a = hn::Load(d, s_.bracket[0] + n), b = hn::Load(d, s_.bracket[1] + n);
+        const V of_a = hn::Load(d, s_.excess[0] + n), of_b = hn::Load(d, s_.excess[1] + n);
+        // Infinite values have no chord.
+        V at = hn::Sub(b, hn::Mul(of_b, hn::Div(hn::Sub(b, a), hn::Sub(of_b, of_a))));
+        at = hn::IfThenElse(hn::And(hn::Ge(at, a), hn::Le(at, b)), at, hn::Mul(half, hn::Add(a, b)));
+        hn::Store(at, d, s_.at + n);
+        placeAt(n, p_.whereIs(hn::Load(di, s_.kept_code + n)), at);
+        hn::Store(hn::Iota(di, static_cast<int>(n)), di, s_.index + n);
+      }
+      if (i == kRefinements) return;
+      field_.interpolate(count);
+      for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
+        const V value = hn::GatherIndex(d, l_.surface_values, surfaceOf(n, count));
+        const V at = hn::Load(d, s_.at + n), excess = hn::Sub(field_.values(n), value);
+        V of_a = hn::Load(d, s_.excess[0] + n), of_b = hn::Load(d, s_.excess[1] + n);
+        const V moved = hn::Load(d, s_.moved + n);
+        // The new end replaces the end on its side. An end that stays twice counts half, so that it moves next.
+        const M first = hn::Not(hn::Xor(hn::Ge(excess, zero), hn::Ge(of_a, zero)));
+        of_b = hn::IfThenElse(hn::And(first, hn::Lt(moved, zero)), hn::Mul(half, of_b), of_b);
+        of_a = hn::IfThenElse(hn::AndNot(first, hn::Gt(moved, zero)), hn::Mul(half, of_a), of_a);
+        hn::Store(hn::IfThenElse(first, at, hn::Load(d, s_.bracket[0] + n)), d, s_.bracket[0] + n);
+        hn::Store(hn::IfThenElse(first, hn::Load(d, s_.bracket[1] + n), at), d, s_.bracket[1] + n);
+        hn::Store(hn::IfThenElse(first, excess, of_a), d, s_.excess[0] + n);
+        hn::Store(hn::IfThenElse(first, of_b, excess), d, s_.excess[1] + n);
+        hn::Store(hn::IfThenElse(first, hn::Set(d, -1.0f), hn::Set(d, 1.0f)), d, s_.moved + n);
+      }
+    }
+  }
+
+  // Indices of the surfaces of a vector of crossings; 0 beyond the last.
+  HWY_INLINE VI surfaceOf(std::size_t n, std::size_t count) const {
+    const D d;
+    const DI di;
+    const M there = hn::RebindMask(d, hn::Lt(hn::Iota(di, static_cast<int>(n)), hn::Set(di, static_cast<int>(count))));
+    return hn::ConvertTo(di, hn::IfThenElseZero(there, hn::Load(d, s_.entry + n)));
+  }
+
+  // Stores the voxel before each position, and the position between voxels. Both are computed from the volume's own
+  // voxels, so that they do not depend on the cell.
+  HWY_INLINE void placeAt(std::size_t n, const CellPlaces::Where& w, V at) {
+    const D d;
+    const DI di;
+    VI voxel[3];
+    for (int a = 0; a < 3; ++a) {
+      const V place = p_.pointAt(a, w, at), whole = hn::Floor(place);
+      hn::Store(hn::Sub(place, whole), d, s_.fraction[a] + n);
+      const VI from_cell = hn::Sub(hn::ConvertTo(di, whole), hn::Set(di, static_cast<std::int32_t>(in_.lo[a])));
+      // Rounding may put a position just outside the cell.
+      voxel[a] = hn::Min(hn::Max(from_cell, hn::Zero(di)), hn::Set(di, kPatchVoxels));
+    }
+    hn::Store(offsetOf(voxel), di, s_.offset + n);
+  }
+
+  const CellPlaces& p_;
+  const RaySampling& r_;
+  const SampleLattice& l_;
+  const CellInput& in_;
+  Field& field_;
+  CellSamples& s_;
+};
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kiln
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,353 @@
+// Iso-surfaces against closed forms and against bisection in double precision. Known:
+// 1. A ball: a ray meets the surface at the roots of a quadratic equation.
+// 2. Any volume: crossings of the reference's own interpolation.
+// 3. A closed surface: each ray crosses it an even number of times.
+// 4. A cut opens a surface and moves nothing.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <glm/vector_relational.hpp>
+#include <limits>
+
+#include "base/error.h"
+#include "base/thread/parallel.h"
+#include "support/reference/drawing.h"
+#include "support/reference/surface_hits.h"
+#include "support/system/expect_error.h"
+#include "support/volumes/procedural.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr Projection kProjections[] = {Projection::kOrthographic, Projection::kPerspective};
+constexpr float kNoHit = std::numeric_limits<float>::infinity();
+
+TransferFunction surfacesAt(std::vector<IsoSurface> surfaces) {
+  TransferFunction out;
+  out.surfaces = std::move(surfaces);
+  return out;
+}
+
+float planeAt(const Image& image, const char* name, int x, int y) {
+  for (const Plane& plane : image.planes)
+    if (plane.name == name) return plane.values[static_cast<std::size_t>(y * image.width + x)];
+  ADD_FAILURE() << "no plane " << name;
+  return 0;
+}
+
+glm::dvec3 normalAt(const Image& image, int x, int y) {
+  return {planeAt(image, "N.X", x, y), planeAt(image, "N.Y", x, y), planeAt(image, "N.Z", x, y)};
+}
+
+double degreesBetween(const glm::dvec3& a, const glm::dvec3& b) {
+  return glm::degrees(2 * std::asin(std::min(1.0, 0.5 * glm::length(a - b))));
+}
+
+FrameRequest requestFor(const DenseVolume& volume, const glm::dvec3& from, Projection projection, int pixels) {
+  FrameRequest out;
+  out.view = resolve(cameraFrom(volume.geometry, from, projection), {pixels, pixels});
+  out.level = 0;
+  out.aovs = {true, true};
+  out.filters_rays = false;
+  return out;
+}
+
+// Distance along the pixel's ray of a depth in the picture. unit: world.
+double alongOf(const View& view, const Ray& ray, double depth) {
+  const glm::dvec4 origin = view.view_from_world * glm::dvec4(ray.origin, 1);
+  const glm::dvec4 direction = view.view_from_world * glm::dvec4(ray.direction, 0);
+  return (depth - origin.z) / direction.z;
+}
+
+struct Ball {
+  glm::dvec3 centre;
+  double radius;
+  // Distance of the ray from the centre, and along the ray to the front of the ball.
+  double nearest(const Ray& ray) const {
+    const glm::dvec3 to = centre - ray.origin;
+    return glm::length(to - glm::dot(to, ray.direction) * ray.direction);
+  }
+  double front(const Ray& ray) const { return glm::dot(centre - ray.origin, ray.direction) - halfChord(ray); }
+  double halfChord(const Ray& ray) const {
+    return std::sqrt(std::max(0.0, radius * radius - nearest(ray) * nearest(ray)));
+  }
+};
+
+struct Largest {
+  double depth = 0, angle = 0;  // unit: voxels, degrees
+  int pixels = 0;
+};
+
+// Compares the pixels of an opaque ball with the closed form: distances of the points in the picture from the surface,
+// and angles to the radius. Near the silhouette the front of the ball is ill-conditioned, but both of these are not.
+Largest departureFrom(const Ball& ball, const FrameRequest& request, const Image& image) {
+  Largest out;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
+      const double beside = ball.radius - ball.nearest(ray);
+      // The silhouette is as exact as the surface.
+      if (std::abs(beside) > 0.02) {
+        EXPECT_EQ(image.pixel(x, y)[3], beside > 0 ? 1.0f : 0.0f) << x << " " << y;
+      }
+      if (beside < 0.02) continue;
+      const double along = alongOf(request.view, ray, planeAt(image, "Z", x, y));
+      EXPECT_NEAR(along, ball.front(ray), beside < 1 ? 2 : 0.05);
+      EXPECT_FLOAT_EQ(planeAt(image, "Z", x, y), planeAt(image, "depth.mean", x, y));
+      const glm::dvec3 radius = ray.origin + along * ray.direction - ball.centre;
+      out.depth = std::max(out.depth, std::abs(glm::length(radius) - ball.radius));
+      out.angle = std::max(out.angle, degreesBetween(normalAt(image, x, y), glm::normalize(radius)));
+      ++out.pixels;
+    }
+  }
+  return out;
+}
+
+TEST(Surfaces, OfABallAreItsSurface) {
+  const Ball ball{{40.3, 39.8, 40.1}, 34};
+  const DenseVolume volume = fill({{81, 80, 82}, VoxelType::f32}, [&](auto i, auto j, auto k) {
+    return 10 * (ball.radius - glm::length(glm::dvec3(i, j, k) - ball.centre));
+  });
+  const auto store = makeStore(volume, "ball", 32);
+  for (const Projection projection : kProjections) {
+    for (const int size : {75, 140, 210}) {
+      FrameRequest request = requestFor(volume, {0.4, -0.8, 0.3}, projection, size);
+      request.transfer_function = surfacesAt({{0}});
+      const Largest off = departureFrom(ball, request, draw(store, request));
+      std::printf("%d pixels: depth %.4f voxels, normal %.3f degrees\n", size, off.depth, off.angle);
+      EXPECT_GT(off.pixels, size * size / 8);
+      EXPECT_LT(off.depth, 0.02);
+      EXPECT_LT(off.angle, 0.5);
+    }
+  }
+}
+
+// Between voxels of R² - r², the Catmull-Rom spline is exact and the B-spline averages over a variance of 1/3 along
+// each axis.
+TEST(Surfaces, OfCubicsAreTheSurfaceOfTheInterpolation) {
+  const glm::dvec3 centre(20.3, 19.8, 20.1);
+  const double radius2 = 256;
+  const DenseVolume volume = fill({{41, 40, 42}, VoxelType::f32}, [&](auto i, auto j, auto k) {
+    const glm::dvec3 r = glm::dvec3(i, j, k) - centre;
+    return radius2 - glm::dot(r, r);
+  });
+  const auto store = makeStore(volume, "ball", 16);
+  for (const Projection projection : kProjections) {
+    for (const Interpolation interpolation : {Interpolation::kCubic, Interpolation::kCatmullRom}) {
+      FrameRequest request = requestFor(volume, {0.4, -0.8, 0.3}, projection, 90);
+      request.transfer_function = surfacesAt({{0}});
+      request.interpolation = interpolation;
+      const Ball ball{centre, std::sqrt(radius2 - (interpolation == Interpolation::kCubic ? 1 : 0))};
+      const Largest off = departureFrom(ball, request, draw(store, request));
+      EXPECT_GT(off.pixels, 1000);
+      EXPECT_LT(off.depth, 0.002);
+      EXPECT_LT(off.angle, 0.05);
+    }
+  }
+}
+
+// Rays that touch a surface may cross it twice or three times within half a voxel; a pair of these crossings is not
+// found.
+TEST(Surfaces, AreWhereBisectionFindsThem) {
+  constexpr int kSize = 200, kEvery = 5;  // rays that are compared
+  std::vector<DenseVolume> volumes;
+  volumes.push_back(cheese({{50, 41, 60}, VoxelType::i16, anisotropicAffine()}, 1, usualRange(VoxelType::i16)));
+  volumes.push_back(cheese({{40, 57, 45}, VoxelType::f32, obliqueAffine()}, 2, usualRange(VoxelType::f32)));
+  for (const DenseVolume& volume : volumes) {
+    const auto store = makeStore(volume, "cheese", 16);
+    const double value = 0.5 * (volume.range().lo + volume.range().hi), edge = volume.geometry.shortestEdge();
+    for (const Interpolation interpolation : {Interpolation::kLinear, Interpolation::kCatmullRom}) {
+      const SurfaceHits truth(volume, interpolation, 0.05);
+      for (const Projection projection : kProjections) {
+        FrameRequest request = requestFor(volume, {0.4, -0.8, 0.3}, projection, kSize);
+        request.transfer_function = surfacesAt({{value}});
+        request.interpolation = interpolation;
+        const Image image = draw(store, request);
+        int hits = 0, touched = 0;
+        Largest off;
+        for (int y = 0; y < kSize; y += kEvery) {
+          for (int x = 0; x < kSize; x += kEvery) {
+            const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
+            const std::vector<SurfaceHit> all = truth.along(ray, value);
+            const float depth = planeAt(image, "Z", x, y);
+            if (all.empty()) {
+              EXPECT_EQ(depth, kNoHit);
+              continue;
+            }
+            ++hits;
+            const double along = alongOf(request.view, ray, depth);
+            const auto departure = [&](const SurfaceHit& hit) { return std::abs(along - hit.along) / edge; };
+            const auto nearest =
+                std::min_element(all.begin(), all.end(),
+                                 [&](const SurfaceHit& a, const SurfaceHit& b) { return departure(a) < departure(b); });
+            if (nearest != all.begin()) {
+              ++touched;
+              EXPECT_LT((all[1].along - all[0].along) / edge, 0.75);
+            }
+            if (depth == kNoHit) continue;
+            off.depth = std::max(off.depth, departure(*nearest));
+            off.angle = std::max(off.angle, degreesBetween(normalAt(image, x, y), nearest->normal));
+          }
+        }
+        std::printf("%d of 1600 rays, %d touch: depth %.5f voxels, normal %.4f degrees\n", hits, touched, off.depth,
+                    off.angle);
+        EXPECT_GT(hits, 200);
+        EXPECT_LT(touched, hits / 40);
+        EXPECT_LT(off.depth, 0.002);
+        EXPECT_LT(off.angle, 0.05);
+      }
+    }
+  }
+}
+
+// The voxels at the faces of the volume are outside the surface, so all rays begin and end outside. A crossing that is
+// lost or found twice, at a border of slabs, cells, bricks or zones, makes the number odd.
+TEST(Surfaces, AreCrossedAnEvenNumberOfTimes) {
+  const DenseVolume rough = noise({{50, 43, 47}, VoxelType::u8}, 3, {0, 255});
+  const DenseVolume volume = fill({{50, 43, 47}, VoxelType::u8}, [&](auto i, auto j, auto k) {
+    const bool at_face = i == 0 || j == 0 || k == 0 || i == 49 || j == 42 || k == 46;
+    return at_face ? 0 : rough.valueAt(i, j, k);
+  });
+  // An opacity for which alpha still tells 40 crossings apart.
+  constexpr double kOpacity = 0.125;
+  const auto store = makeStore(volume, "rough", 16);
+  int most = 0;
+  for (const Projection projection : kProjections) {
+    // A voxel is between a quarter of a pixel and six pixels wide.
+    for (const int size : {20, 64, 333}) {
+      for (const double distance : {0.25, 0.5, 1.0}) {
+        FrameRequest request = requestFor(volume, {0.4, -0.8, 0.3}, projection, size);
+        request.aovs = {};
+        request.opacity_threshold = 1;
+        request.sample_distance = distance;
+        request.transfer_function = surfacesAt({{230, glm::dvec3(1), kOpacity}});
+        const Image image = draw(store, request);
+        int odd = 0;
+        for (std::size_t at = 3; at < image.rgba.size(); at += 4) {
+          const double crossings = std::log1p(-static_cast<double>(image.rgba[at])) / std::log1p(-kOpacity);
+          const auto count = static_cast<int>(std::lround(crossings));
+          EXPECT_NEAR(crossings, count, 0.01);
+          odd += count % 2;
+          most = std::max(most, count);
+        }
+        EXPECT_EQ(odd, 0) << size << " pixels, distance " << distance;
+      }
+    }
+  }
+  EXPECT_GT(most, 6);
+}
+
+// Values rise along x, so rays along x meet the surfaces in order: behind a translucent red surface an opaque green.
+TEST(Surfaces, HaveColorsAndOpacitiesOfTheirOwn) {
+  const DenseVolume volume = ramp({{16, 16, 16}, VoxelType::u8}, 0, 10);
+  const auto store = makeStore(volume, "ramp", 16);
+  for (const bool rising : {true, false}) {
+    FrameRequest request = requestFor(volume, {rising ? -1 : 1, 0, 0}, Projection::kOrthographic, 20);
+    request.shading.phong = false;
+    // Two surfaces in one slab keep their order.
+    request.transfer_function = surfacesAt({{71, {1, 0, 0}, 0.25}, {72, {0, 1, 0}, 1}, {200, {0, 0, 1}, 1}});
+    const Image image = draw(store, request);
+    const float* const middle = image.pixel(10, 10);
+    EXPECT_FLOAT_EQ(middle[0], rising ? 0.25f : 0.0f);
+    EXPECT_FLOAT_EQ(middle[1], rising ? 0.75f : 1.0f);
+    EXPECT_EQ(middle[2], 0);
+    EXPECT_EQ(middle[3], 1);
+    const Ray ray = rayThrough(request.view, {10.5, 10.5});
+    const glm::dvec3 at = ray.origin + alongOf(request.view, ray, planeAt(image, "Z", 10, 10)) * ray.direction;
+    EXPECT_NEAR(at.x, 7.2, 1e-4);
+  }
+}
+
+TEST(Surfaces, AreOpenedByACut) {
+  const Ball ball{{20.3, 19.8, 20.1}, 16};
+  const DenseVolume volume = fill({{41, 40, 42}, VoxelType::f32}, [&](auto i, auto j, auto k) {
+    return ball.radius - glm::length(glm::dvec3(i, j, k) - ball.centre);
+  });
+  const auto store = makeStore(volume, "ball", 16);
+  FrameRequest request = requestFor(volume, {0, -1, 0}, Projection::kPerspective, 80);
+  // Cuts off the half in front.
+  request.clipping.planes = {{{0, 1, 0}, -ball.centre.y}};
+  request.transfer_function = surfacesAt({{0}});
+  const Image image = draw(store, request);
+  int seen = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
+      const double at_plane = (ball.centre.y - ray.origin.y) / ray.direction.y;
+      const bool through = glm::length(ray.origin + at_plane * ray.direction - ball.centre) < ball.radius - 0.1;
+      if (!through) continue;
+      ++seen;
+      const double back = ball.front(ray) + 2 * ball.halfChord(ray);
+      EXPECT_NEAR(alongOf(request.view, ray, planeAt(image, "Z", x, y)), back, 0.1);
+      const glm::dvec3 inward = glm::normalize(ball.centre - (ray.origin + back * ray.direction));
+      EXPECT_LT(degreesBetween(normalAt(image, x, y), inward), 3);
+    }
+  }
+  EXPECT_GT(seen, 500);
+}
+
+// A slope from near the eye to far away, drawn in several levels. Each coarser level blurs the edge, and its surface at
+// a low value lies farther out. Rays do not pass between the surfaces of two levels.
+TEST(Surfaces, HaveNoHolesWhereLevelsMeet) {
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(0.1, -0.15, 1)), foot(64, 64, 50);
+  const DenseVolume volume = fill({{128, 128, 128}, VoxelType::u8}, [&](auto i, auto j, auto k) {
+    return std::clamp(128 - 255 * glm::dot(glm::dvec3(i, j, k) - foot, normal), 0.0, 255.0);
+  });
+  const auto store = makeStore(volume, "slope", 16);
+  Camera camera = cameraFrom(volume.geometry, {0, -1, 0.3}, Projection::kPerspective);
+  camera.eye = {60, -4, 52};
+  camera.target = {64, 100, 45};
+  camera.fov_deg = 80;
+  for (const float opacity : {1.0f, 0.5f}) {
+    int levels = 0, seen = 0, twice = 0;
+    for (const int size : {60, 83, 120}) {
+      FrameRequest request = requestFor(volume, {0, -1, 0}, Projection::kPerspective, size);
+      request.view = resolve(camera, {size, size});
+      request.level.reset();
+      request.opacity_threshold = 1;
+      request.transfer_function = surfacesAt({{20, glm::dvec3(1), opacity}});
+      FrameStatistics statistics;
+      const Image image = draw(store, request, 1ull << 30, &statistics);
+      for (const auto& level : statistics.levels) levels += level.bricks > 0 ? 1 : 0;
+      for (int y = 0; y < size; ++y) {
+        for (int x = 0; x < size; ++x) {
+          const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
+          const double along = glm::dot(foot - ray.origin, normal) / glm::dot(ray.direction, normal);
+          const glm::dvec3 at = ray.origin + along * ray.direction;
+          if (!(along > 0) || glm::any(glm::lessThan(at, glm::dvec3(12))) ||
+              glm::any(glm::greaterThan(at, glm::dvec3(116))))
+            continue;
+          ++seen;
+          const float alpha = image.pixel(x, y)[3];
+          EXPECT_GE(alpha, opacity) << x << " " << y;
+          twice += alpha > opacity ? 1 : 0;
+        }
+      }
+    }
+    std::printf("%d of %d rays cross the surfaces of two levels\n", twice, seen);
+    EXPECT_GE(levels, 5);
+    EXPECT_GT(seen, 3000);
+    EXPECT_LT(twice, seen / 200);
+  }
+}
+
+TEST(Surfaces, AreRefusedByOtherEngines) {
+  const DenseVolume volume = ramp({{16, 16, 16}, VoxelType::u8}, 0, 10);
+  const auto store = makeStore(volume, "ramp", 16);
+  FrameRequest request = requestFor(volume, {1, 0, 0}, Projection::kOrthographic, 20);
+  request.transfer_function = surfacesAt({{71}});
+  request.aovs = {};
+  request.lattice = Lattice::kVoxel;
+  expectError([&] { draw(store, request); }, ErrorCode::kUsage,
+              "--tf: surfaces (iso:VALUE) need --lattice pixel (found --lattice voxel); choose solid:VALUE");
+  request.lattice = Lattice::kPixel;
+  request.mode = Mode::kMip;
+  expectError([&] { draw(store, request); }, ErrorCode::kUsage, "found --mode mip");
+}
+
+}  // namespace
+}  // namespace kiln::test
