@@ -9,6 +9,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vector_relational.hpp>
 #include <limits>
 
@@ -333,6 +334,43 @@ TEST(Surfaces, HaveNoHolesWhereLevelsMeet) {
     EXPECT_GT(seen, 3000);
     EXPECT_LT(twice, seen / 200);
   }
+}
+
+// A ball above a floor in light from straight above. The floor under the ball has ambient light only; far from the
+// shadow the light is that of a picture without shadows, and the ball's lit half has no shadow of its own.
+TEST(Surfaces, CastShadows) {
+  const Ball ball{{32, 32, 40}, 10};
+  const DenseVolume volume = fill({{65, 65, 65}, VoxelType::f32}, [&](auto i, auto j, auto k) {
+    return std::max(8.3 - static_cast<double>(k), ball.radius - glm::length(glm::dvec3(i, j, k) - ball.centre));
+  });
+  const auto store = makeStore(volume, "above", 32);
+  FrameRequest request = requestFor(volume, {0.6, -1, 0.7}, Projection::kPerspective, 120);
+  request.transfer_function = surfacesAt({{0, glm::dvec3(1)}});
+  request.shading.specular = 0;
+  request.shading.lights = {Light{}};
+  request.shading.lights[0].kind = LightKind::kDirectional;
+  const Image lit = draw(store, request);
+  request.shading.shadows = true;
+  const Image shadowed = draw(store, request);
+  int dark = 0, same = 0;
+  for (int y = 0; y < lit.height; ++y) {
+    for (int x = 0; x < lit.width; ++x) {
+      if (lit.pixel(x, y)[3] != 1) continue;
+      const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
+      const glm::dvec3 at = ray.origin + alongOf(request.view, ray, planeAt(lit, "Z", x, y)) * ray.direction;
+      const bool on_floor = at.z < 9;
+      const double from_axis = glm::length(glm::dvec2(at - ball.centre));
+      if (on_floor && from_axis < ball.radius - 2) {
+        EXPECT_NEAR(shadowed.pixel(x, y)[0], request.shading.ambient, 0.01) << x << " " << y;
+        ++dark;
+      } else if (on_floor ? from_axis > ball.radius + 2 : at.z > ball.centre.z + 2) {
+        EXPECT_NEAR(shadowed.pixel(x, y)[0], lit.pixel(x, y)[0], 0.01) << x << " " << y;
+        ++same;
+      }
+    }
+  }
+  EXPECT_GT(dark, 50);
+  EXPECT_GT(same, 1000);
 }
 
 TEST(Surfaces, AreRefusedByOtherEngines) {
