@@ -24,7 +24,7 @@ namespace kiln {
 namespace {
 
 // Between a function of surfaces and a function of points there is no transition.
-void requireAlike(const std::vector<TransferFunction>& keys) {
+void requireSurfacesInAllOrNone(const std::vector<TransferFunction>& keys) {
   for (const TransferFunction& function : keys) {
     if (function.surfaces.empty() != keys.front().surfaces.empty())
       throw Error(
@@ -93,7 +93,7 @@ SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manife
     Functions out{&keys, {}};
     for (const auto& key : keys) out.values.push_back(resolvedFor(still, key.value, manifest));
     if (keys.empty()) out.values.push_back(resolvedFor(still, choice, manifest));
-    requireAlike(out.values);
+    requireSurfacesInAllOrNone(out.values);
     functions_.push_back(std::move(out));
   };
   if (job.volumes.empty()) add(job.animation.functions, still.transfer_function, *looks_.front());

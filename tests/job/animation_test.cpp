@@ -209,14 +209,15 @@ TEST(TransferFunctionFade, LiesBetween) {
   EXPECT_NEAR(faded(none, edges, 0.5).gradientFactor(1), 0.5, 1e-12);
 }
 
-TransferFunction surfaces(std::vector<IsoSurface> of) {
+TransferFunction surfacesOf(std::vector<IsoSurface> of) {
   TransferFunction out{1, {}};
   out.surfaces = std::move(of);
   return out;
 }
 
 TEST(TransferFunctionFade, EquallyManySurfaces_move) {
-  const TransferFunction half = faded(surfaces({{0, {1, 0, 0}, 1}, {10}}), surfaces({{4, {0, 0, 1}, 0.5}, {30}}), 0.5);
+  const TransferFunction half =
+      faded(surfacesOf({{0, {1, 0, 0}, 1}, {10}}), surfacesOf({{4, {0, 0, 1}, 0.5}, {30}}), 0.5);
   ASSERT_EQ(half.surfaces.size(), 2u);
   EXPECT_EQ(half.surfaces[0].value, 2);
   EXPECT_EQ(half.surfaces[0].opacity, 0.75);
@@ -226,7 +227,7 @@ TEST(TransferFunctionFade, EquallyManySurfaces_move) {
 }
 
 TEST(TransferFunctionFade, OtherSurfaces_fade) {
-  const TransferFunction half = faded(surfaces({{0, {1, 0, 0}, 1}, {10}}), surfaces({{0, {1, 0, 0}, 0.5}}), 0.5);
+  const TransferFunction half = faded(surfacesOf({{0, {1, 0, 0}, 1}, {10}}), surfacesOf({{0, {1, 0, 0}, 0.5}}), 0.5);
   ASSERT_EQ(half.surfaces.size(), 2u);
   EXPECT_EQ(half.surfaces[0].opacity, 0.75);
   EXPECT_EQ(half.surfaces[1].value, 10);

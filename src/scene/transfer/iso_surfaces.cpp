@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kLargestValue = 1e300;
 
-std::optional<IsoSurface> surfaceOf(std::string_view text) {
+std::optional<IsoSurface> surfaceText(std::string_view text) {
   const std::vector<std::string_view> parts = splitAt(text, ':');
   if (parts.size() > 3) return std::nullopt;
   IsoSurface out;
@@ -44,7 +44,7 @@ TransferFunction isoSurfaces(std::string_view text) {
   };
   TransferFunction out;
   for (const std::string_view part : splitAt(text, ',')) {
-    const std::optional<IsoSurface> surface = surfaceOf(part);
+    const std::optional<IsoSurface> surface = surfaceText(part);
     if (!surface)
       refuse(
           fmt::format("surfaces VALUE[:OPACITY[:COLOR]] separated by commas after iso:, such as iso:300, OPACITY "
