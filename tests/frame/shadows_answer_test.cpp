@@ -187,15 +187,20 @@ TEST(AmbientOcclusion, OfPlaneAndCornerAreKnown) {
   camera.height = 8;
   FrameRequest request;
   request.view = resolve(camera, {256, 32});  // x from 0 to 64
-  request.transfer_function = {1, {{60, glm::dvec3(1), 0}, {120, glm::dvec3(1), 0.99}}};
   request.shading.ambient = 1, request.shading.diffuse = request.shading.specular = 0;
   request.shading.occlusion = {1, 12, false};
-  const Image image = draw(store, request);
-  const auto at = [&](double x) { return image.pixel(static_cast<int>(4 * x), 16)[0]; };
-  EXPECT_NEAR(at(24), 1, 0.02);
-  EXPECT_LT(at(46), 0.8);
-  EXPECT_GT(at(46), 0.45);
-  for (int x = 30; x < 45; ++x) EXPECT_LE(at(x + 1), at(x) + 0.01) << x;  // darker and darker
+  TransferFunction surface;
+  surface.surfaces = {{100, glm::dvec3(1), 1}};
+  const TransferFunction solid{1, {{60, glm::dvec3(1), 0}, {120, glm::dvec3(1), 0.99}}};
+  for (const TransferFunction& function : {solid, surface}) {
+    request.transfer_function = function;
+    const Image image = draw(store, request);
+    const auto at = [&](double x) { return image.pixel(static_cast<int>(4 * x), 16)[0]; };
+    EXPECT_NEAR(at(24), 1, 0.02);
+    EXPECT_LT(at(46), 0.8);
+    EXPECT_GT(at(46), 0.45);
+    for (int x = 30; x < 45; ++x) EXPECT_LE(at(x + 1), at(x) + 0.01) << x;  // darker and darker
+  }
 }
 
 TEST(AmbientOcclusion, OfStrengthZeroChangesNoBit) {
@@ -206,6 +211,66 @@ TEST(AmbientOcclusion, OfStrengthZeroChangesNoBit) {
   request.shading.occlusion = {0, 10, true};
   EXPECT_TRUE(equalBits(plain, draw(store, request)));
 }
+
+// Correlation of the first channels of pixels that are opaque in both pictures, and the ratio of their means.
+struct Agreement {
+  double correlation = 0, ratio = 0;
+};
+Agreement agreementOf(const Image& a, const Image& b) {
+  double n = 0, sum_a = 0, sum_b = 0, aa = 0, bb = 0, ab = 0;
+  for (int y = 0; y < a.height; ++y) {
+    for (int x = 0; x < a.width; ++x) {
+      if (a.pixel(x, y)[3] < 0.99f || b.pixel(x, y)[3] < 0.99f) continue;
+      const double p = a.pixel(x, y)[0], q = b.pixel(x, y)[0];
+      n += 1, sum_a += p, sum_b += q, aa += p * p, bb += q * q, ab += p * q;
+    }
+  }
+  const double covariance = ab - sum_a * sum_b / n;
+  return {covariance / std::sqrt((aa - sum_a * sum_a / n) * (bb - sum_b * sum_b / n)), sum_a / sum_b};
+}
+
+// Scans against random rays from each sample.
+struct OccludedScan {
+  const char* volume;
+  double correlation;  // at least
+};
+class OcclusionOfScans : public ::testing::TestWithParam<OccludedScan> {};
+TEST_P(OcclusionOfScans, IsNearMonteCarlo) {
+  const QualityVolume* volume = nullptr;
+  for (const QualityVolume& each : qualityVolumes()) {
+    if (each.name == GetParam().volume) volume = &each;
+  }
+  const std::filesystem::path file = std::filesystem::path(KILN_TEST_DATA_DIR) / volume->file;
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no test data: " << file;
+  const DenseVolume dense = readVolume(file);
+  const auto store = makeStore(dense, "scan", 64);
+  FrameRequest request;
+  request.view = resolve(cameraOf(*volume, dense.geometry, Projection::kOrthographic, 0.35, 80), {80, 80});
+  request.level = 0;
+  request.transfer_function = transferFunctionOf(*volume, Material::kSkin);
+  for (auto& point : request.transfer_function.points) point.color = glm::dvec3(1);
+  request.samples = 4;
+  request.shading.ambient = 1, request.shading.diffuse = request.shading.specular = 0;
+  request.shading.occlusion = {1, 0.1 * static_cast<double>(dense.geometry.dims.x) * dense.geometry.meanSpacing(), false};
+  ReferenceSettings settings;
+  settings.rays_per_axis = 2;
+  settings.step_voxels = 0.5;
+  settings.opacity_threshold = request.opacity_threshold;
+  settings.occlusion_rays = 16;
+  settings.occlusion_start = dense.geometry.meanSpacing();
+  const Image truth =
+      referenceImage(dense, request.view, request.transfer_function, request.shading, {0, 0, 0, 0}, settings);
+  const Image image = draw(store, request);
+  const Agreement found = agreementOf(image, truth);
+  std::printf("  %s: correlation %.4f, mean %+.2f %%\n", GetParam().volume, found.correlation, 100 * (found.ratio - 1));
+  writeContactSheet({{image, truth}}, 480, fmt::format("occlusion_{}.png", GetParam().volume));
+  EXPECT_GE(found.correlation, GetParam().correlation);
+  EXPECT_NEAR(found.ratio, 1, 0.03);
+}
+// The lattice of vhm_head has cells of two voxels.
+INSTANTIATE_TEST_SUITE_P(Of, OcclusionOfScans, ::testing::Values(OccludedScan{"engine", 0.95}));
+INSTANTIATE_TEST_SUITE_P(NightlyOf, OcclusionOfScans,
+                         ::testing::Values(OccludedScan{"cthead", 0.95}, OccludedScan{"vhm_head", 0.92}));
 
 // Tiles, threads, budgets, bricks and crops change no bit.
 TEST(Illumination, DependsOnTheSceneAlone) {

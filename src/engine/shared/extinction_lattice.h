@@ -41,6 +41,19 @@ class ExtinctionLattice {
     open = static_cast<std::uint16_t>(std::lround((kClear - open) * std::exp(-optical_depth)));
     open = static_cast<std::uint16_t>(kClear - open);
   }
+  /// Keeps the larger opacity of each cell and of the cell that is the same place in a lattice turned once or twice
+  /// (turned): cell (x, y, z) is (y, z, x) there, or (z, x, y).
+  void keepLarger(const ExtinctionLattice& other, int turns) {
+    for (int z = 0; z < depth_; ++z) {
+      for (int y = 0; y < view_.size.height; ++y) {
+        for (int x = 0; x < view_.size.width; ++x) {
+          std::uint16_t& here = cells_[placeOf(x, y, z)];
+          here = std::max(here, other.cells_[turns == 1 ? other.placeOf(y, z, x) : other.placeOf(z, x, y)]);
+        }
+      }
+    }
+  }
+
   /// Transmittance of a path as long as the edge of a cell; 1 outside. requires: 0 <= x, y, z are cells.
   float transmittance(int x, int y, int z) const {
     return static_cast<float>(kClear - cells_[placeOf(x, y, z)]) * (1.0f / kClear);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 #include <utility>
 
 #include "frame/light/gather_ambient.h"
@@ -131,6 +133,31 @@ LatticePlan latticeOf(const VolumeGeometry& first, const ShownExtent& extent) {
   return {seen.view, seen.depths.near, std::clamp(cells, 1, 2 * kLatticeEdge)};
 }
 
+// Returns the lattice seen along another axis: axes x, y, z become y, z, x.
+LatticePlan turned(const LatticePlan& plan) {
+  const View& from = plan.view;
+  LatticePlan out;
+  out.view = from;
+  out.near = plan.near;
+  out.depth = from.size.width;
+  out.view.size = {from.size.height, plan.depth};
+  glm::dmat4 turn(0.0);
+  turn[1][0] = turn[2][1] = turn[0][2] = turn[3][3] = 1;
+  turn[3][2] = from.centre_px.x / from.focal_px + plan.near;
+  out.view.view_from_world = turn * from.view_from_world;
+  out.view.centre_px = {from.centre_px.y, -plan.near * from.focal_px};
+  const glm::dmat4 back = glm::inverse(out.view.view_from_world);
+  out.view.eye_world = out.view.axis_world = back[3];
+  out.view.forward_world = glm::normalize(glm::dvec3(back[2]));
+  return out;
+}
+
+bool hasSurfaces(const FrameRequest& request) {
+  if (request.volumes.empty()) return !request.transfer_function.surfaces.empty();
+  return std::any_of(request.volumes.begin(), request.volumes.end(),
+                     [](const VolumeRequest& volume) { return !volume.transfer_function.surfaces.empty(); });
+}
+
 double radiusOf(const AmbientOcclusion& occlusion, const ShownExtent& extent) {
   if (occlusion.radius > 0) return occlusion.radius;
   return kOcclusionRadius * static_cast<double>(extent.longest) * extent.voxel;
@@ -223,11 +250,20 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
     if (previous != nullptr && previous->ambient && previous->ambient_radius == out->ambient_radius) {
       out->ambient = previous->ambient;
     } else {
-      const LatticePlan plan = latticeOf(cache.stores().front()->manifest().geometry(), extent);
+      LatticePlan plan = latticeOf(cache.stores().front()->manifest().geometry(), extent);
       ExtinctionLattice lattice(plan.view, plan.near, plan.depth);
       FrameRequest of_lattice = latticeRequest(cache.stores(), request);
       of_lattice.extinction = &lattice;
-      drawOpacities(cache, std::move(of_lattice), silent, statistics);
+      drawOpacities(cache, of_lattice, silent, statistics);
+      // A ray misses surfaces that it runs along. Along one of three axes it does not.
+      for (int turns = 1; turns <= 2 && hasSurfaces(request); ++turns) {
+        plan = turned(plan);
+        ExtinctionLattice other(plan.view, plan.near, plan.depth);
+        of_lattice.view = plan.view;
+        of_lattice.extinction = &other;
+        drawOpacities(cache, of_lattice, silent, statistics);
+        lattice.keepLarger(other, turns);
+      }
       out->ambient = std::make_shared<AmbientGrid>(gatherAmbient(lattice, out->ambient_radius));
     }
   }

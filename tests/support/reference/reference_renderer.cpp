@@ -1,5 +1,6 @@
 #include "reference_renderer.h"
 
+#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -224,6 +225,42 @@ double reachingShare(Scenes scenes, const Shading& shading, const Light& light, 
   return 1 - light.shadow.strength * (1 - std::exp(-depth));
 }
 
+/// Returns the share of ambient light that reaches a point with a normal: the mean of the visibility over directions that
+/// are distributed as the cosine is. Matter at distance d takes away 1 - (d / radius)² of the light that it absorbs.
+double ambientShare(Scenes scenes, const Shading& shading, const glm::dvec3& world, const glm::dvec3& normal) {
+  const ReferenceSettings& settings = scenes.front()->settings;
+  if (settings.occlusion_rays == 0 || shading.occlusion.strength == 0) return 1;
+  const glm::dvec3 beside = std::abs(normal.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 across = glm::normalize(glm::cross(normal, beside)), along = glm::cross(normal, across);
+  std::uint64_t seed = 0;
+  for (int axis = 0; axis < 3; ++axis) seed = hashBits(seed, std::bit_cast<std::uint64_t>(world[axis]));
+  const double radius = shading.occlusion.radius, n = settings.occlusion_rays;
+  double sum = 0;
+  for (int i = 0; i < settings.occlusion_rays; ++i) {
+    // A stratum of the cosine's distribution for each ray.
+    const double u = (i + hashUnit(seed, 2 * static_cast<std::uint64_t>(i))) / n;
+    const double angle = 2 * std::numbers::pi * hashUnit(seed, 2 * static_cast<std::uint64_t>(i) + 1);
+    const glm::dvec3 direction =
+        std::sqrt(u) * (std::cos(angle) * across + std::sin(angle) * along) + std::sqrt(1 - u) * normal;
+    const Ray ray{world + settings.occlusion_start * normal, direction, 0, radius};
+    double open = 1, seen = 1;
+    for (const std::unique_ptr<Scene>& scene : scenes) {
+      march(*scene, ray, [&](const glm::dvec3& index, double length) {
+        const ReferenceLabels::There sample = scene->at(index);
+        if (!(sample.look.opacity > 0)) return true;
+        const glm::dvec3 at = scene->world_from_index * glm::dvec4(index, 1);
+        const double part = glm::distance(at, ray.origin) / radius;
+        const double through = std::exp(-extinctionAt(*scene, sample, index) * length);
+        seen -= open * (1 - through) * std::max(0.0, 1 - part * part);
+        open *= through;
+        return open > 1e-3;
+      });
+    }
+    sum += seen;
+  }
+  return 1 - shading.occlusion.strength * (1 - sum / n);
+}
+
 /// scene/shading.h: colour·(ambient + Σ L·diffuse·n·l) + Σ L·specular·(n·h)^power, n towards the eye.
 glm::dvec3 shaded(Scenes scenes, const Scene& scene, const Shading& shading, const glm::dvec3& color,
                   const glm::dvec3& index, const glm::dvec3& world, const glm::dvec3& to_eye) {
@@ -244,7 +281,7 @@ glm::dvec3 shaded(Scenes scenes, const Scene& scene, const Shading& shading, con
     return color * (shading.ambient * all + shading.diffuse * reaching) / ((shading.ambient + shading.diffuse) * all);
   }
   if (glm::dot(normal, to_eye) < 0) normal = -normal;
-  glm::dvec3 matte(shading.ambient), gloss(0);
+  glm::dvec3 matte(shading.ambient * ambientShare(scenes, shading, world, normal)), gloss(0);
   for (const Light& light : shading.lights) {
     const glm::dvec3 to_light = directionOf(light);
     if (!(glm::dot(normal, to_light) > 0)) continue;

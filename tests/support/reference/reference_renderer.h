@@ -39,6 +39,10 @@ struct ReferenceSettings {
   Interpolation interpolation = Interpolation::kLinear;
   /// Distance from a sample at which layers begin to shadow the sample, in light along its normal. unit: world.
   double shadow_start = 0;
+  /// Random directions for each sample's ambient light; 0: no ambient occlusion.
+  int occlusion_rays = 0;
+  /// Distance from a sample at which matter begins to occlude the sample, across its surface. unit: world.
+  double occlusion_start = 0;
   /// Number of voxels to either side over which opacities of labels are smoothed for their gradients.
   int label_smoothing = 0;
 
