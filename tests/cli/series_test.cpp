@@ -45,7 +45,7 @@ class SeriesCli : public ToolTest {
 
 TEST_F(SeriesCli, GrowingBody_growsInThePictures) {
   for (const int frame : {1, 2, 3}) convert(frame);
-  const ToolResult result = done(drawing("1-3", "a_#.exr", "s_###.kiln", "iso:20"));
+  const ToolResult result = done(drawing("1-3", "a_#.exr", "s_###.kiln", "solid:20"));
   EXPECT_NE(
       result.err.find("one camera and one transfer function for all frames: by the boxes and values of frames 1-3"),
       std::string::npos)

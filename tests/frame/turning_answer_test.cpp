@@ -1,4 +1,4 @@
-// Turning the camera by a tenth of a degree must change the picture as much as the reference's. A larger change is
+// Turning the camera by a tenth of a degree, or zooming by a hundredth, must change the picture as much as the reference's. A larger change is
 // popping or crawling, a smaller change is blur. The arc of 20 degrees crosses a plane of the lattice, where the
 // visiting order flips. Of the 200 steps a seeded few are drawn, always including the crossing.
 #include <fmt/format.h>
@@ -10,6 +10,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
+#include "frame/light/illuminate.h"
 #include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"
@@ -43,6 +44,13 @@ double change(const Image& a, const Image& b) {
   return 255 * std::sqrt(squares / (3.0 * pixels));
 }
 
+// Towards the target, by a hundredth for each tenth of a degree.
+Camera zoomed(Camera camera, double angle_deg) {
+  camera.height *= std::pow(1.01, angle_deg / kStepDeg);
+  camera.eye = camera.target + std::pow(1.01, angle_deg / kStepDeg) * (camera.eye - camera.target);
+  return camera;
+}
+
 struct Turning {
   DenseVolume volume;
   fs::path store;
@@ -50,6 +58,7 @@ struct Turning {
   TransferFunction transfer_function;
   ReferenceSettings reference;
   int pixels, steps;
+  Camera (*moved)(Camera, double angle_deg) = turned;
 };
 
 // Ratio of the change of our picture to the change of the reference's picture.
@@ -64,7 +73,7 @@ Popping poppingOf(const Turning& turning, const FrameRequest& base, const char* 
     FrameRequest request = base;
     request.transfer_function = turning.transfer_function;
     request.opacity_threshold = 0.9999;
-    request.view = resolve(turned(turning.camera, angle_deg), {turning.pixels, turning.pixels});
+    request.view = resolve(turning.moved(turning.camera, angle_deg), {turning.pixels, turning.pixels});
     Progress silent;
     FrameStatistics statistics;
     return std::pair(renderFrame(cache, request, silent, statistics),
@@ -83,7 +92,7 @@ Popping poppingOf(const Turning& turning, const FrameRequest& base, const char* 
     out.largest_ratio = std::max(out.largest_ratio, ours / reference);
   }
   std::printf(
-      "%s: a tenth of a degree changes %.2f/255 rms, the reference's %.2f; ratio %.2f on average, %.2f at most\n", name,
+      "%s: a step changes %.2f/255 rms, the reference's %.2f; ratio %.2f on average, %.2f at most\n", name,
       sum / turning.steps, sum_reference / turning.steps, out.mean_ratio, out.largest_ratio);
   return out;
 }
@@ -116,6 +125,44 @@ TEST_P(Turn, ChangesAsMuchAsItShould) {
   turning.transfer_function.points = {{range.lo + 0.15 * (range.hi - range.lo), color, 0},
                                       {range.lo + 0.3 * (range.hi - range.lo), color, 0.95}};
   check(turning, "procedural head", 1.15);
+}
+
+// The shadows of a standing light stay where they are on the head.
+TEST_P(Turn, OfShadowsChangesAsMuchAsItShould) {
+  const auto [lattice, projection] = GetParam();
+  if (lattice == Lattice::kVoxel) return;
+  Turning turning{
+      head({{48, 48, 36}, VoxelType::i16}, usualRange(VoxelType::i16)), {}, {}, {}, {2, 0.5, 0.9999}, 72, 3};
+  turning.store = makeStore(turning.volume, "head", 32);
+  turning.camera = cameraFrom(turning.volume.geometry, {0, -1, 0.2}, projection);
+  const ValueRange range = turning.volume.range();
+  const glm::dvec3 color(0.93, 0.74, 0.6);
+  turning.transfer_function.points = {{range.lo + 0.15 * (range.hi - range.lo), color, 0},
+                                      {range.lo + 0.3 * (range.hi - range.lo), color, 0.95}};
+  FrameRequest request;
+  request.samples = 4;
+  request.shading.shadows = true;
+  Light standing;
+  standing.kind = LightKind::kDirectional;
+  standing.place = {-0.8, -1, 0.9};
+  request.shading.lights = {standing};
+  request.transfer_function = turning.transfer_function;
+  request.view = resolve(turning.camera, {turning.pixels, turning.pixels});
+  {
+    const StoreReader reader(turning.store);
+    BrickCache cache({&reader}, 1ull << 30, 0);
+    FrameStatistics ignored;
+    FrameRequest lit = request;
+    illuminate(cache, Progress(), lit, ignored);
+    turning.reference.shadow_start = lit.illumination->lights.front().start;
+  }
+  for (Camera (*moved)(Camera, double) : {turned, zoomed}) {
+    turning.moved = moved;
+    const std::string name = fmt::format("shadows, {}, {}", moved == turned ? "turntable" : "zoom", nameOf(projection));
+    const Popping popping = poppingOf(turning, request, name.c_str());
+    EXPECT_LT(popping.mean_ratio, 1.2) << name;
+    EXPECT_GT(popping.mean_ratio, 0.7) << name;
+  }
 }
 
 TEST_P(Turn, NightlyOfARealHead) {

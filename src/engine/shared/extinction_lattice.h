@@ -32,28 +32,22 @@ class ExtinctionLattice {
   /// Edge of a cell. unit: world.
   double edge() const { return 1 / view_.focal_px; }
 
-  /// Adds an optical depth to the cell of pixel (x, y) at a depth of the view; ignores depths outside. thread: one
+  /// Draws the lattice along another of its axes from now on: axes x, y, z of the drawn view are y, z, x of the lattice
+  /// after one turn, and z, x, y after two. A cell keeps the larger of the opacities along all axes.
+  void turn() { ++turns_; }
+
+  /// Adds an optical depth to the cell of pixel (x, y) at a depth of the drawn view; ignores depths outside. thread: one
   /// thread at a time for each pixel.
   void add(int x, int y, double depth, float optical_depth) {
     const double at = std::floor((depth - near_) * view_.focal_px);
-    if (!(at >= 0 && at < depth_)) return;
-    std::uint16_t& open = cells_[placeOf(x, y, static_cast<int>(at))];
-    open = static_cast<std::uint16_t>(std::lround((kClear - open) * std::exp(-optical_depth)));
-    open = static_cast<std::uint16_t>(kClear - open);
+    const int cells[3] = {depth_, view_.size.width, view_.size.height};  // along the drawn view's depth
+    if (!(at >= 0 && at < cells[turns_])) return;
+    const int z = static_cast<int>(at);
+    std::uint16_t& cell = cells_[turns_ == 0 ? placeOf(x, y, z) : turns_ == 1 ? placeOf(z, x, y) : placeOf(y, z, x)];
+    const int open = turns_ == 0 ? kClear - cell : kClear;
+    const auto closed = static_cast<std::uint16_t>(kClear - std::lround(open * std::exp(-optical_depth)));
+    cell = std::max(cell, closed);
   }
-  /// Keeps the larger opacity of each cell and of the cell that is the same place in a lattice turned once or twice
-  /// (turned): cell (x, y, z) is (y, z, x) there, or (z, x, y).
-  void keepLarger(const ExtinctionLattice& other, int turns) {
-    for (int z = 0; z < depth_; ++z) {
-      for (int y = 0; y < view_.size.height; ++y) {
-        for (int x = 0; x < view_.size.width; ++x) {
-          std::uint16_t& here = cells_[placeOf(x, y, z)];
-          here = std::max(here, other.cells_[turns == 1 ? other.placeOf(y, z, x) : other.placeOf(z, x, y)]);
-        }
-      }
-    }
-  }
-
   /// Transmittance of a path as long as the edge of a cell; 1 outside. requires: 0 <= x, y, z are cells.
   float transmittance(int x, int y, int z) const {
     return static_cast<float>(kClear - cells_[placeOf(x, y, z)]) * (1.0f / kClear);
@@ -73,6 +67,7 @@ class ExtinctionLattice {
   View view_;
   double near_;
   int depth_;
+  int turns_ = 0;
   std::vector<std::uint16_t> cells_;  // opacities
 };
 

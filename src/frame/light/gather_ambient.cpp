@@ -257,8 +257,7 @@ AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius) {
 std::uint64_t ambientBytes(const Extent3& cells) {
   const auto fine = static_cast<std::uint64_t>(cells.count());
   const Extent3 grid{cells.x / kCellsOfGrid + 2, cells.y / kCellsOfGrid + 2, cells.z / kCellsOfGrid + 2};
-  // Two lattices of surfaces while they are drawn; a lattice and the transmittances of all levels need less.
-  return 2 * fine * sizeof(std::uint16_t) +
+  return fine * sizeof(std::uint16_t) + fine + fine / 4 +
          static_cast<std::uint64_t>(grid.count()) * sizeof(AmbientCell);
 }
 

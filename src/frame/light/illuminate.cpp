@@ -258,11 +258,9 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
       // A ray misses surfaces that it runs along. Along one of three axes it does not.
       for (int turns = 1; turns <= 2 && hasSurfaces(request); ++turns) {
         plan = turned(plan);
-        ExtinctionLattice other(plan.view, plan.near, plan.depth);
+        lattice.turn();
         of_lattice.view = plan.view;
-        of_lattice.extinction = &other;
         drawOpacities(cache, of_lattice, silent, statistics);
-        lattice.keepLarger(other, turns);
       }
       out->ambient = std::make_shared<AmbientGrid>(gatherAmbient(lattice, out->ambient_radius));
     }
