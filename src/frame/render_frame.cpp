@@ -40,8 +40,8 @@ void requireRequest(const std::vector<const BrickedVolume*>& stores, const Frame
   }
 }
 
-// Not required of the lattice of ambient occlusion: the engine of several volumes adds up the opacities of surfaces, but
-// composites no light of theirs in order.
+// Not required of the lattice of ambient occlusion: the engine of several volumes adds up the opacities of surfaces,
+// but composites no light of theirs in order.
 void requireDrawableSurfaces(const FrameRequest& request) {
   requireSurfaces(request.engine(), request.transfer_function);
   for (const VolumeRequest& volume : request.volumes) requireSurfaces(request.engine(), volume.transfer_function);

@@ -251,7 +251,8 @@ TEST_P(OcclusionOfScans, IsNearMonteCarlo) {
   for (auto& point : request.transfer_function.points) point.color = glm::dvec3(1);
   request.samples = 4;
   request.shading.ambient = 1, request.shading.diffuse = request.shading.specular = 0;
-  request.shading.occlusion = {1, 0.1 * static_cast<double>(dense.geometry.dims.x) * dense.geometry.meanSpacing(), false};
+  request.shading.occlusion = {1, 0.1 * static_cast<double>(dense.geometry.dims.x) * dense.geometry.meanSpacing(),
+                               false};
   ReferenceSettings settings;
   settings.rays_per_axis = 2;
   settings.step_voxels = 0.5;

@@ -1,6 +1,7 @@
-// Turning the camera by a tenth of a degree, or zooming by a hundredth, must change the picture as much as the reference's. A larger change is
-// popping or crawling, a smaller change is blur. The arc of 20 degrees crosses a plane of the lattice, where the
-// visiting order flips. Of the 200 steps a seeded few are drawn, always including the crossing.
+// Turning the camera by a tenth of a degree, or zooming by a hundredth, must change the picture as much as the
+// reference's. A larger change is popping or crawling, a smaller change is blur. The arc of 20 degrees crosses a plane
+// of the lattice, where the visiting order flips. Of the 200 steps a seeded few are drawn, always including the
+// crossing.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -91,9 +92,8 @@ Popping poppingOf(const Turning& turning, const FrameRequest& base, const char* 
     out.mean_ratio += ours / reference / turning.steps;
     out.largest_ratio = std::max(out.largest_ratio, ours / reference);
   }
-  std::printf(
-      "%s: a step changes %.2f/255 rms, the reference's %.2f; ratio %.2f on average, %.2f at most\n", name,
-      sum / turning.steps, sum_reference / turning.steps, out.mean_ratio, out.largest_ratio);
+  std::printf("%s: a step changes %.2f/255 rms, the reference's %.2f; ratio %.2f on average, %.2f at most\n", name,
+              sum / turning.steps, sum_reference / turning.steps, out.mean_ratio, out.largest_ratio);
   return out;
 }
 

@@ -36,8 +36,8 @@ class ExtinctionLattice {
   /// after one turn, and z, x, y after two. A cell keeps the larger of the opacities along all axes.
   void turn() { ++turns_; }
 
-  /// Adds an optical depth to the cell of pixel (x, y) at a depth of the drawn view; ignores depths outside. thread: one
-  /// thread at a time for each pixel.
+  /// Adds an optical depth to the cell of pixel (x, y) at a depth of the drawn view; ignores depths outside. thread:
+  /// one thread at a time for each pixel.
   void add(int x, int y, double depth, float optical_depth) {
     const double at = std::floor((depth - near_) * view_.focal_px);
     const int cells[3] = {depth_, view_.size.width, view_.size.height};  // along the drawn view's depth

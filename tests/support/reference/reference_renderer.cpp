@@ -225,8 +225,9 @@ double reachingShare(Scenes scenes, const Shading& shading, const Light& light, 
   return 1 - light.shadow.strength * (1 - std::exp(-depth));
 }
 
-/// Returns the share of ambient light that reaches a point with a normal: the mean of the visibility over directions that
-/// are distributed as the cosine is. Matter at distance d takes away 1 - (d / radius)² of the light that it absorbs.
+/// Returns the share of ambient light that reaches a point with a normal: the mean of the visibility over directions
+/// that are distributed as the cosine is. Matter at distance d takes away 1 - (d / radius)² of the light that it
+/// absorbs.
 double ambientShare(Scenes scenes, const Shading& shading, const glm::dvec3& world, const glm::dvec3& normal) {
   const ReferenceSettings& settings = scenes.front()->settings;
   if (settings.occlusion_rays == 0 || shading.occlusion.strength == 0) return 1;
