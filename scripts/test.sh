@@ -3,7 +3,7 @@
 #   configure  the build by hand with and without optional packages, as CMake configures it
 #   release    what users build by hand, and in it the program's own tests, tests that draw many or large pictures or draw
 #              with many threads, each change of a failing disk, and Kiln's use as an installed library
-#   dev        the release stage's tests with assertions; nightly, or alone
+#   dev        the release stage's tests with assertions, each file compiled by itself; nightly, or alone
 #   asan       unit, property, format and fault tests under the address and undefined-behaviour sanitizers
 #   tsan       tests of what threads wait for each other in, under the thread sanitizer
 #   chroot     a fresh clone built by README's text in a bare Debian; nightly, or alone
@@ -81,7 +81,10 @@ build_and_start_tests() {
   done
   # Everything that README's command builds, and the benchmarks.
   if [ "$nightly" = ON ] && [ "$preset" = release ]; then targets=(); fi
-  cmake --preset "$preset" "${configure[@]}"
+  # Files that are compiled together do not show which of them lacks an include.
+  local unity=ON
+  if [ "$preset" = dev ]; then unity=OFF; fi
+  cmake --preset "$preset" "${configure[@]}" "-DCMAKE_UNITY_BUILD=$unity"
   cmake --build --preset "$preset" -j "$(nproc)" "${targets[@]}"
   echo "== $preset is built, after $SECONDS s"
   finish_tests

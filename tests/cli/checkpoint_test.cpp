@@ -124,7 +124,7 @@ TEST_F(Checkpoint, APosterLargerThanTheBudgetIsDrawnWithinIt) {
           "--zoom",   "0.15",           "--size",    "2400x2400", "--threads",    "2",
           "--memory", memory,           "--samples", "1",         "--background", "0.1,0.2,0.3"};
       if (kept) arguments.emplace_back("--checkpoint");
-      return runTool(arguments);
+      return runTool(arguments, {.fresh = true});
     };
     EXPECT_EQ(drawn("44M", directory_ / name, false).exit_code, 1) << "the picture fits";
     const ToolResult poster = drawn("44M", directory_ / name, true);

@@ -380,7 +380,7 @@ class BudgetTable : public ::testing::Test {
 
  private:
   static void made(const std::vector<std::string>& arguments) {
-    const ToolResult result = runTool(arguments);
+    const ToolResult result = runTool(arguments, {.fresh = true});
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
 
@@ -391,7 +391,7 @@ class BudgetTable : public ::testing::Test {
     for (std::string& argument : arguments)
       if (argument.starts_with("IN/")) argument = in(argument.substr(3)).string();
     arguments.insert(arguments.end(), {"--memory", std::to_string(budget_mib) + "M"});
-    return runTool(arguments);
+    return runTool(arguments, {.fresh = true});
   }
 
   // Noise does not compress, so files and bricks have their largest size.
@@ -452,7 +452,7 @@ TEST_F(BudgetTable, ATableOfTooManyBricksIsRefused) {
     std::vector<std::string> arguments = input;
     arguments.insert(arguments.end(), {"--memory", "64M"});
     if (dry) arguments.push_back("--dry-run");
-    const ToolResult result = runTool(arguments);
+    const ToolResult result = runTool(arguments, {.fresh = true});
     EXPECT_EQ(result.exit_code, 1);
     EXPECT_LE(static_cast<double>(result.peak_resident_bytes) / (1 << 20), 64 + kOwnMib);
     ASSERT_EQ(result.errorLines().size(), 1u) << result.err;

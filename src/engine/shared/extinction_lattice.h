@@ -45,7 +45,8 @@ class ExtinctionLattice {
     const int z = static_cast<int>(at);
     std::uint16_t& cell = cells_[turns_ == 0 ? placeOf(x, y, z) : turns_ == 1 ? placeOf(z, x, y) : placeOf(y, z, x)];
     const int open = turns_ == 0 ? kClear - cell : kClear;
-    const auto closed = static_cast<std::uint16_t>(kClear - std::lround(open * std::exp(-optical_depth)));
+    const auto closed =
+        static_cast<std::uint16_t>(kClear - std::lround(static_cast<float>(open) * std::exp(-optical_depth)));
     cell = std::max(cell, closed);
   }
   /// Transmittance of a path as long as the edge of a cell; 1 outside. requires: 0 <= x, y, z are cells.

@@ -11,9 +11,14 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
+
+// The program's main function, in tests that link the program.
+__attribute__((weak)) int kilnToolMain(int argc, char** argv);
 
 namespace kiln::test {
 namespace {
@@ -47,13 +52,31 @@ struct Pipe {
   int ends[2] = {-1, -1};
 };
 
+std::ptrdiff_t threadsNow() {
+  const std::filesystem::directory_iterator threads("/proc/self/task");
+  return std::distance(begin(threads), end(threads));
+}
+// Libraries start idle threads of their own (log4cplus, behind OpenVDB), which a forked child does without.
+const std::ptrdiff_t kThreadsAtStart = threadsNow();
+
+// A child with limits, or under mpirun, executes the program, as does a child of a test that has started threads.
+bool callsMain(const ToolOptions& options) {
+  constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
+  const bool limited = options.file_bytes != kNone || options.address_bytes != kNone || options.open_files != kNone;
+  return kilnToolMain != nullptr && !options.fresh && !limited && options.ranks == 0 && threadsNow() <= kThreadsAtStart;
+}
+
 // Only async-signal-safe calls are allowed between fork and exec of a process with threads.
-[[noreturn]] void becomeTool(char* const* arguments, const Pipe& out, const Pipe& err, const ToolOptions& options) {
+void useStreams(const Pipe& out, const Pipe& err, const ToolOptions& options) {
   const int null = ::open("/dev/null", O_RDONLY);
   if (null >= 0) ::dup2(null, STDIN_FILENO);
   ::dup2(out.ends[1], STDOUT_FILENO);
   ::dup2(err.ends[1], STDERR_FILENO);
   if (!options.directory.empty() && ::chdir(options.directory.c_str()) != 0) ::_exit(127);
+}
+
+[[noreturn]] void becomeTool(char* const* arguments, const Pipe& out, const Pipe& err, const ToolOptions& options) {
+  useStreams(out, err, options);
   const auto limitTo = [](auto resource, std::uint64_t most) {
     if (most == std::numeric_limits<std::uint64_t>::max()) return;
     const rlimit limit{static_cast<rlim_t>(most), static_cast<rlim_t>(most)};
@@ -64,6 +87,21 @@ struct Pipe {
   limitTo(RLIMIT_NOFILE, options.open_files);
   ::execvp(arguments[0], arguments);
   ::_exit(127);
+}
+
+// `arguments`: the program's name and arguments, and a null pointer.
+[[noreturn]] void callTool(std::vector<char*>& arguments, const Pipe& out, const Pipe& err,
+                           const ToolOptions& options) {
+  useStreams(out, err, options);
+  // Descriptors that an executed program would not have.
+  for (const Pipe* pipe : {&out, &err}) ::close(pipe->ends[0]), ::close(pipe->ends[1]);
+  for (const std::string& variable : options.environment) {
+    const std::size_t equals = variable.find('=');
+    ::setenv(variable.substr(0, equals).c_str(), variable.substr(equals + 1).c_str(), 1);
+  }
+  const int exit_code = kilnToolMain(static_cast<int>(arguments.size()) - 1, arguments.data());
+  std::fflush(nullptr);
+  ::_exit(exit_code);
 }
 
 // Appends all available bytes. Returns false at the end of the stream.
@@ -102,9 +140,12 @@ std::vector<std::string> ToolResult::errorLines() const {
 }
 
 ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions& options) {
+  const bool calls = callsMain(options);
   std::vector<std::string> words;
-  if (!options.environment.empty()) words.emplace_back("/usr/bin/env");
-  words.insert(words.end(), options.environment.begin(), options.environment.end());
+  if (!calls && !options.environment.empty()) {
+    words.emplace_back("/usr/bin/env");
+    words.insert(words.end(), options.environment.begin(), options.environment.end());
+  }
   for (const std::string& word : launcherOf(options.ranks)) words.push_back(word);
   words.emplace_back(KILN_TOOL);
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -112,8 +153,10 @@ ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions&
   for (std::string& word : words) raw.push_back(word.data());
   raw.push_back(nullptr);
   Pipe out, err(options.terminal_columns);
+  std::fflush(nullptr);  // what a child would write, too
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0 && calls) callTool(raw, out, err, options);
   if (child == 0) becomeTool(raw.data(), out, err, options);
   out.closeWriter();
   err.closeWriter();

@@ -1,4 +1,7 @@
 // Runs the real program as a child process and captures its output.
+// Method. The tests of the program link its main function. A test that has started no threads forks and calls the
+// function: the loader, which takes 50 ms to bind OpenVDB's symbols, has run once. Otherwise the child executes
+// KILN_TOOL.
 #pragma once
 
 #include <cstdint>
@@ -24,13 +27,15 @@ struct ToolOptions {
   std::filesystem::path directory{};
   /// Variables of the environment to set for the child. shape: NAME=VALUE.
   std::vector<std::string> environment{};
+  /// Executes KILN_TOOL, as measuring memory needs: a forked child begins with the memory of the test.
+  bool fresh = false;
   /// Number of ranks under mpirun, on this machine; 0 runs without mpirun. requires: canRunRanks().
   int ranks = 0;
   /// Called every millisecond; once it returns true the child gets SIGINT.
-  std::function<bool()> interrupt_when;
+  std::function<bool()> interrupt_when{};
   /// Called with all output so far whenever the child has printed something; once it returns true the child gets
   /// SIGINT.
-  std::function<bool(const ToolResult&)> interrupt_at;
+  std::function<bool(const ToolResult&)> interrupt_at{};
   /// Columns of the terminal that is the child's stderr; 0: no terminal.
   unsigned short terminal_columns = 0;
 };
@@ -49,7 +54,7 @@ struct ToolResult {
 /// Returns true if Kiln is built with MPI and mpirun is installed.
 bool canRunRanks();
 
-/// Runs KILN_TOOL with `arguments` and waits for its end. throws: std::runtime_error if no child can be started.
+/// Runs the program with `arguments` and waits for its end. throws: std::runtime_error if no child can be started.
 ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions& options = {});
 
 }  // namespace kiln::test
