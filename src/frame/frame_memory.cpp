@@ -27,9 +27,25 @@
 namespace kiln {
 namespace {
 
-// `tile`: the size of the largest tile.
+EngineMemory largestOf(const EngineMemory& a, const EngineMemory& b) {
+  EngineMemory out = a;
+  for (const auto member : {&EngineMemory::thread, &EngineMemory::tile, &EngineMemory::brick, &EngineMemory::pixel,
+                            &EngineMemory::stored_brick})
+    out.*member = std::max(a.*member, b.*member);
+  return out;
+}
+
+// `tile`: the size of the largest tile. The lattice of ambient occlusion is drawn by the engine of several volumes.
 EngineMemory engineMemory(const RenderJob& job, const ImageSize& tile, std::int64_t brick_size) {
-  return passMemory(engineOf(job), job.picture.aovs.normal, tile, brick_size);
+  const EngineChoice engine = engineOf(job);
+  EngineMemory out = passMemory(engine, job.picture.aovs.normal, tile, brick_size);
+  if (job.picture.shading.occlusion.strength > 0 && engine.capabilities().composites) {
+    EngineChoice of_lattice = engine;
+    of_lattice.lattice = Lattice::kPixel;
+    of_lattice.several_volumes = true;
+    out = largestOf(out, passMemory(of_lattice, false, tile, brick_size));
+  }
+  return out;
 }
 
 // RGBA in floats, planes, and the engine's own numbers.

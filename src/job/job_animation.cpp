@@ -49,10 +49,11 @@ void requireAlike(const JobObject& owner, const std::vector<Key<std::vector<T>>>
     bool alike = before.size() == here.size();
     for (std::size_t i = 0; alike && i < here.size(); ++i) alike = matches(before[i], here[i]);
     if (alike) continue;
-    owner.complain("keyframes",
-                   fmt::format("expected as many {} in each key, each of the same kind as in the key before and not in "
-                               "the opposite direction; that at frame {} differs",
-                               things, keys[k].frame));
+    owner.complain(
+        "keyframes",
+        fmt::format("expected as many {} in each key, each of the same kind and shadow as in the key before and "
+                    "not in the opposite direction; that at frame {} differs",
+                    things, keys[k].frame));
   }
 }
 
@@ -144,7 +145,7 @@ void readLights(const JobObject& root, RenderJob& job) {
   const JobObject owner = *root.object("lights");
   job.animation.lights = onlyKeysFrom(owner, lightsKeyOptions());
   requireAlike(owner, job.animation.lights, "lights", [](const Light& a, const Light& b) {
-    return a.kind == b.kind && (!isFar(a.kind) || mayMix(a.place, b.place));
+    return a.kind == b.kind && a.shadow == b.shadow && (!isFar(a.kind) || mayMix(a.place, b.place));
   });
 }
 

@@ -141,7 +141,7 @@ std::vector<BudgetRow> pictureRows() {
       rendered("deep", 24, {"--size", "150x150", "--deep"}),
       rendered("two volumes", 24, {"--size", "150x150", "--samples", "1", "--add", "IN/head.kiln"}),
       rendered(
-          "shadows and ambient occlusion", 32,
+          "shadows and ambient occlusion", 34,
           {"--size", "200x200", "--samples", "1", "--light", "dir:1,1,1", "--shadows", "--ambient-occlusion", "1"}),
       rendered("partial image", 16, {"--size", "200x200", "--part", "1/4"}),
       rendered("sequence", 16, {"--size", "250x250", "--turntable", "3", "--samples", "1"}, "IN/o_#.png"),

@@ -158,6 +158,8 @@ TEST(Animation, WhatNothingLiesBetweenIsRefused) {
         R"("camera": {"turntable": {"frames": 3, "axis": [0, 0, 0]}})", R"("camera": {"matrices": [[1]]})",
         R"("transferFunction": {"keyframes": [{"frame": 1}]})", R"("frames": "3-1")", R"("frames": 3)",
         R"("lights": {"keyframes": [{"frame": 1, "lights": []}, {"frame": 2, "lights": [{"type": "headlight"}]}]})",
+        R"("lights": {"keyframes": [{"frame": 1, "lights": [{"type": "camera", "direction": [0, 1, 1], "shadow": true}]},
+                                    {"frame": 2, "lights": [{"type": "camera", "direction": [0, 1, 1]}]}]})",
         R"("clip": {"keyframes": [{"frame": 1, "planes": [{"normal": [0, 0, 1], "offset": 0}]},
                                   {"frame": 2, "planes": [{"normal": [0, 0, -2], "offset": 0}]}]})"})
     EXPECT_THROW(jobOf(wrong), Error) << wrong;
