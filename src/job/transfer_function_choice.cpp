@@ -82,8 +82,13 @@ void fitInto(const Window& window, std::vector<Entry>& entries) {
 fs::path fileOf(const fs::path& file_and_name) { return parted(file_and_name).file; }
 
 TransferFunction readTransferFunction(const fs::path& file_and_name, const Manifest& manifest) {
-  const FileAndName from = parted(file_and_name);
-  const std::string text = readTextFile(from.file, kLargestFile_bytes);
+  const auto [file, name] = parted(file_and_name);
+  return transferFunctionOfText(readTextFile(file, kLargestFile_bytes), manifest, file, name);
+}
+
+TransferFunction transferFunctionOfText(const std::string& text, const Manifest& manifest, const fs::path& path,
+                                        const std::string& name) {
+  const FileAndName from{path, name};
   if (from.name.empty() && isLabelDescription(text)) return labelDescription(text, from.file);
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first != std::string::npos && std::string_view("{[/\xef").find(text[first]) == std::string_view::npos)

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "scene/transfer/transfer_function.h"
 #include "store/manifest/manifest.h"
@@ -17,6 +18,11 @@ std::filesystem::path fileOf(const std::filesystem::path& file_and_name);
 /// the range and the opacity of the presets that are colour maps. throws: Error naming file, key, what was found and
 /// what was expected: kFormat, kUsage, kUnsupported (a logarithmic scale), kNotFound, kIo.
 TransferFunction readTransferFunction(const std::filesystem::path& file_and_name, const Manifest& manifest);
+
+/// Returns the function of a file's text. `path` and `name`, of one map of several, are for errors and the choice.
+/// throws: as readTransferFunction.
+TransferFunction transferFunctionOfText(const std::string& text, const Manifest& manifest,
+                                        const std::filesystem::path& path, const std::string& name = {});
 
 /// The function for this volume. With a window, its first point lies at the window's begin and its last at the end. The
 /// unit may be 0, the volume's mean spacing. throws: what `presetFor` and `readTransferFunction` throw.
