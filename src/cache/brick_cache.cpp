@@ -198,6 +198,11 @@ std::shared_ptr<const BrickBlock> BrickCache::find(const BrickKey& key) {
   return slot->second.block;
 }
 
+bool BrickCache::holds(const StoredBrick& brick) const {
+  const Lock lock(mutex_);
+  return slots_.contains(brick);
+}
+
 std::shared_ptr<const BrickBlock> BrickCache::skip(const Slot& failed, bool first, Lock& lock) {
   const std::exception_ptr failure = failed.failure;
   if (skip_) ++counts_.skipped;

@@ -70,6 +70,9 @@ class BrickCache {
   /// Returns a brick of the first store if it is in memory, else null. Never waits, reads or throws. thread: as `get`.
   std::shared_ptr<const BrickBlock> find(const BrickKey& key);
 
+  /// Returns whether a brick is in memory or being read. Changes nothing. thread: as `get`.
+  bool holds(const StoredBrick& brick) const;
+
   /// Announces the next requests, in order. Announced bricks are read while room is left beside held and announced
   /// bricks. A new list replaces the old one, except for bricks already being read. A request removes the requested
   /// brick and all bricks before it from the list. An unreadable brick is no error until it is requested. thread: as

@@ -149,6 +149,12 @@ std::pair<std::int64_t, std::int64_t> sliceSize(const VolumeGeometry& level, int
 }
 
 Image renderSlice(const BrickedVolume& store, const SliceRequest& request, Progress& progress) {
+  const auto read = [&](const BrickKey& key) { return std::make_shared<const BrickBlock>(store.read(key)); };
+  return renderSlice(store, request, read, progress);
+}
+
+Image renderSlice(const BrickedVolume& store, const SliceRequest& request, const BrickOf& brick_of,
+                  Progress& progress) {
   if (request.axis < 0 || request.axis > 2) throw Error(ErrorCode::kUsage, "--axis: expected x, y or z");
   store.requireLevel(request.level);
   const VolumeGeometry& volume = store.level(request.level).geometry;
@@ -194,7 +200,8 @@ Image renderSlice(const BrickedVolume& store, const SliceRequest& request, Progr
     brick[layout.down] = i / lattice[layout.right];
     const BrickCoord coord{static_cast<std::int32_t>(brick.x), static_cast<std::int32_t>(brick.y),
                            static_cast<std::int32_t>(brick.z)};
-    drawBrick(store.read({request.level, coord}), layout, columns, rows, index, palette, image);
+    if (const auto block = brick_of({request.level, coord}))
+      drawBrick(*block, layout, columns, rows, index, palette, image);
     progress.advance("drawing", "bricks", static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(bricks));
   }
   return image;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -34,5 +36,10 @@ std::pair<std::int64_t, std::int64_t> sliceSize(const VolumeGeometry& level, int
 /// slice along z has y down, other slices have z up. NaN is transparent. memory: 16 bytes a pixel and one brick.
 /// throws: Error kUsage (axis, level, index, window, colour map), kBudget; as BrickedVolume::read.
 Image renderSlice(const BrickedVolume& store, const SliceRequest& request, Progress& progress);
+
+/// Returns a brick of the volume. A null brick is drawn as nothing.
+using BrickOf = std::function<std::shared_ptr<const BrickBlock>(const BrickKey&)>;
+/// Draws a slice from bricks that the caller has, such as those of a cache.
+Image renderSlice(const BrickedVolume& store, const SliceRequest& request, const BrickOf& brick_of, Progress& progress);
 
 }  // namespace kiln

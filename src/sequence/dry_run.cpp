@@ -20,18 +20,24 @@ namespace kiln {
 DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
   RenderJob job = jobAtFrame(given, framesOf(given).front());
   if (!job.series) job.series = seriesLook(given, {});
-  job.picture.aovs = drawnAovs(job);
-  const ThreadLimit threads(job.speed.threads);
   RenderJob unbounded = job;
   unbounded.speed.memory_bytes = UINT64_MAX;
-  const OpenedVolumes opened(unbounded);
+  DryRun out = dryRun(job, OpenedVolumes(unbounded), beside);
+  const ThreadLimit threads(job.speed.threads);
+  if (writesBehind(given)) out.memory.behind = writeBehindBytes(out.memory, job);
+  return out;
+}
+
+DryRun dryRun(const RenderJob& given, const OpenedVolumes& opened, const MemoryBeside& beside) {
+  RenderJob job = given;
+  job.picture.aovs = drawnAovs(job);
+  const ThreadLimit threads(job.speed.threads);
   const std::vector<const BrickedVolume*>& volumes = opened.all();
   FitReads fit;
   Progress silent;
   const SceneOfJob scenes(job, opened.manifests(), shownBoxesOf(job, volumes, fit, silent));
   DryRun out;
   out.memory = memoryOf(job, volumes, scenes, beside);
-  if (writesBehind(given)) out.memory.behind = writeBehindBytes(out.memory, job);
   out.budget_bytes = job.speed.memory_bytes;
   BrickWalkCounts counts;
   std::vector<StoredBrick> bricks;

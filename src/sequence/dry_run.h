@@ -6,6 +6,7 @@
 #include "frame/frame_memory.h"
 #include "frame/statistics.h"
 #include "job/render_job.h"
+#include "sequence/opened_volumes.h"
 
 namespace kiln {
 
@@ -29,6 +30,9 @@ struct DryRun {
 /// Predicts the job's first frame; `beside` is charged with the image (besideBytes). throws: Error kUsage, kNotFound,
 /// kFormat, kDamaged (manifest and index). Never throws kBudget: the result has the smallest memory that works.
 DryRun dryRun(const RenderJob& job, const MemoryBeside& beside = 0);
+
+/// Predicts the first frame from open volumes. requires: the volumes are the job's first frame's, and `series` is set.
+DryRun dryRun(const RenderJob& job, const OpenedVolumes& volumes, const MemoryBeside& beside = 0);
 
 /// Returns JSON for `--stats`, with the keys of a render's statistics where the meaning is equal.
 std::string dryRunText(const DryRun& run);

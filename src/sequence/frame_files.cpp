@@ -282,6 +282,24 @@ void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const Bricke
   drawn.statistics.output_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
+std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store) {
+  const DrawnView& first = drawn.views.front();
+  ImageMetadata metadata = metadataOf(job, {}, drawn, first.view, store);
+  Image both;
+  if (drawn.views.size() > 1) {
+    both = besideEachOther(first.image, drawn.views.back().image);
+    metadata.views_beside = 2;
+  }
+  const Image& image = drawn.views.size() > 1 ? both : first.image;
+  const Finish finish = finishOf(drawn.scene);
+  if (!finish.none()) {
+    ShownRows rows(image, firstRowOf(drawn.scene.picture), finish);
+    return encodedPng(rows, metadata, job.output.png_bits);
+  }
+  RowsOfImage rows(image);
+  return encodedPng(rows, metadata, job.output.png_bits);
+}
+
 FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const BrickedVolume& store) {
   std::map<std::string, std::string> text;
   try {

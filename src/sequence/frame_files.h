@@ -1,6 +1,7 @@
 // The files of a frame: names, contents, and the hash by which a later run recognises its own files.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -41,6 +42,10 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
 /// (FrameMemory::files). throws: Error kNoSpace, kIo.
 void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const BrickedVolume& store,
                 std::uint64_t writer_bytes);
+
+/// Returns the bytes of the PNG that the job writes for a frame without planes. Changes nothing of the frame. throws:
+/// as encodedPng.
+std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store);
 
 enum class FoundFile { kMissing, kDamaged, kWhole };
 /// Reads a file to its end. Returns true if this job wrote the file. throws: Error kExists if another job wrote the

@@ -233,24 +233,30 @@ FrameStatistics OpenedJob::finish(FramePainter& painter, int frame) const {
 }
 
 DrawnFrame OpenedJob::draw(int frame, Progress& progress) {
+  const auto request_for = [this](const FrameScene& scene) { return requestFor(scene); };
+  return drawFrame(cache_, sceneAt(frame), request_for, frame, progress);
+}
+
+DrawnFrame drawFrame(BrickCache& cache, const FrameScene& scene,
+                     const std::function<FrameRequest(const FrameScene&)>& request_for, int frame, Progress& progress) {
   ProfileScope span(Activity::kFrame);
   if (span.traced()) span.note("frame", static_cast<std::uint64_t>(frame));
   DrawnFrame out;
-  out.scene = sceneAt(frame);
-  FrameScene seen = out.scene;
+  out.scene = scene;
+  FrameScene seen = scene;
   std::vector<FrameRequest> eyes;
-  for (const PictureOptions& picture : eyesOf(out.scene.picture)) {
+  for (const PictureOptions& picture : eyesOf(scene.picture)) {
     seen.picture = picture;
-    eyes.push_back(requestFor(seen));
+    eyes.push_back(request_for(seen));
   }
-  FrameProgress of_frame(frame, stepsOfParts(volumes_.all(), eyes), progress);
+  FrameProgress of_frame(frame, stepsOfParts(cache.stores(), eyes), progress);
   for (const FrameRequest& request : eyes) {
     FrameStatistics statistics;
-    out.views.push_back({renderFrame(cache_, request, of_frame, statistics), request.view});
+    out.views.push_back({renderFrame(cache, request, of_frame, statistics), request.view});
     out.statistics.addView(statistics);
   }
   out.statistics.frame = frame;
-  out.statistics.peak_cache_bytes = cache_.peakBytes();
+  out.statistics.peak_cache_bytes = cache.peakBytes();
   out.statistics.peak_rss_bytes = peakResidentBytes();
   return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -95,6 +96,11 @@ class OpenedJob {
   BrickCache cache_;
   mutable std::shared_ptr<const Illumination> shadows_;  // of the last view
 };
+
+/// Draws a frame whose views' requests come from `request_for`; reported to `progress` as one step. `cache` may serve
+/// several jobs of the same volumes in turn. throws: as renderFrame.
+DrawnFrame drawFrame(BrickCache& cache, const FrameScene& scene,
+                     const std::function<FrameRequest(const FrameScene&)>& request_for, int frame, Progress& progress);
 
 /// Threads of a cache that read ahead: none with one thread, so that statistics repeat exactly.
 unsigned readersOfCache();

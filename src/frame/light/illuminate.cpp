@@ -202,6 +202,27 @@ FrameRequest latticeRequest(const std::vector<const BrickedVolume*>& volumes, co
   return out;
 }
 
+std::shared_ptr<const Illumination> knownIllumination(const FrameRequest& request, const Illumination* earlier) {
+  auto out = std::make_shared<Illumination>();
+  out->scene = sceneOf(request);
+  out->lights.resize(request.shading.lights.size());
+  if (earlier == nullptr || earlier->scene.functions != out->scene.functions ||
+      earlier->scene.clippings != out->scene.clippings)
+    return out;
+  for (std::size_t i = 0; i < std::min(out->lights.size(), earlier->lights.size()); ++i) {
+    const Light& light = request.shading.lights[i];
+    const ShadowedLight& known = earlier->lights[i];
+    if (castsShadows(request.shading, light) && known.light == light &&
+        known.place == standing(light, request.view).place)
+      out->lights[i] = known;
+  }
+  if (request.shading.occlusion.strength > 0) {
+    out->ambient = earlier->ambient;
+    out->ambient_radius = earlier->ambient_radius;
+  }
+  return out;
+}
+
 void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& request, FrameStatistics& statistics) {
   if (request.illumination || !request.engine().capabilities().composites || !isShaded(request.shading)) return;
   const std::vector<Light>& lights = request.shading.lights;
@@ -210,7 +231,10 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
   auto out = std::make_shared<Illumination>();
   out->scene = sceneOf(request);
   const Illumination* previous = request.last_illumination != nullptr ? request.last_illumination->get() : nullptr;
-  if (previous != nullptr && !(previous->scene == out->scene)) previous = nullptr;
+  if (previous != nullptr && !(previous->scene == out->scene)) {
+    previous = nullptr;
+    request.last_illumination->reset();
+  }
   const ShownExtent extent = extentOf(cache.stores(), out->scene.clippings);
   if (extent.corners.empty()) return;
   OnlyCancelled silent(progress);

@@ -30,6 +30,10 @@ std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes
 /// Returns the request whose drawing fills the lattice for ambient occlusion.
 FrameRequest latticeRequest(const std::vector<const BrickedVolume*>& volumes, const FrameRequest& request);
 
+/// Returns the parts of an earlier illumination that are right for a preview, without drawing. A light without a map
+/// casts no shadow. Levels and interpolation may differ. `earlier` may be null.
+std::shared_ptr<const Illumination> knownIllumination(const FrameRequest& request, const Illumination* earlier);
+
 /// Gives the request the shadow maps of its lights and its ambient occlusion, unless the request has them. The parts of
 /// the last illumination that are right are kept. Adds the cost to `statistics`. throws: as renderFrame.
 void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& request, FrameStatistics& statistics);

@@ -82,6 +82,13 @@ void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileO
   out.publish();
 }
 
+std::vector<std::byte> encodedPng(ImageRows& rows, const ImageMetadata& metadata, int bits) {
+  std::vector<std::byte> out;
+  encodePng(rows, bits, {}, metadata.text, patternPlaceOf(metadata),
+            [&](std::span<const std::byte> bytes) { out.insert(out.end(), bytes.begin(), bytes.end()); });
+  return out;
+}
+
 void writeImageViews(std::span<const ImageView> views, const ImageFileOptions& options,
                      const std::filesystem::path& path) {
   ScratchOutput out(path, chosenDisk(options.disk));

@@ -2,6 +2,7 @@
 // all.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <glm/mat4x4.hpp>
@@ -63,6 +64,10 @@ void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFi
 /// rows; disk space of twice the compressed file. throws: also any exception of `rows`.
 void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path);
+
+/// Returns the bytes of the PNG that `writeImage` writes. cost: memory of the compressed file. throws: Error kIo; any
+/// exception of `rows`.
+std::vector<std::byte> encodedPng(ImageRows& rows, const ImageMetadata& metadata, int bits = 8);
 
 /// One view of a scene, such as the picture for one eye.
 struct ImageView {
