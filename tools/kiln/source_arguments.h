@@ -50,6 +50,9 @@ struct SourceArguments {
   std::optional<std::int64_t> time, scale;
   std::uint64_t skip = 0;
   bool allow_irregular = false, luminance = false;
+  /// True if an option is given.
+  bool any() const { return !(*this == SourceArguments()); }
+  bool operator==(const SourceArguments&) const = default;
   /// throws: Error kUsage naming the option.
   SourceOptions resolve() const;
 };

@@ -14,6 +14,7 @@
 #include "foreign_store.h"
 #include "frame/empty_frame.h"
 #include "image/file/image_file.h"
+#include "input_job.h"
 #include "job/frame_list.h"
 #include "job/job_facts.h"
 #include "job/job_names.h"
@@ -42,44 +43,13 @@ namespace {
 
 struct RenderArguments {
   std::string input, stats, progress = "auto";
-  std::vector<std::string> added, added_tfs, labels;
   std::optional<std::string> store_local, share;
   bool quiet = false, verbose = false, strict = false, dry_run = false, resume = false, checkpoint = false;
   int repeat = 1, sheet = 0;
   JobArguments job;
+  AddedVolumes volumes;
   ForeignArguments source;
 };
-
-// Checks that a pair of eyes is complete once the flags are applied.
-void requireStereo(const JobArguments& flags, const std::optional<Stereo>& of_job) {
-  if (!of_job && !flags.has("--stereo") && flags.hasAny({"--interocular", "--convergence"}))
-    throw Error(ErrorCode::kUsage, "--interocular, --convergence: no pair is drawn; add --stereo both, left or right");
-  if (!of_job && flags.has("--stereo") && !flags.has("--interocular"))
-    throw Error(ErrorCode::kUsage, "--stereo: how far the eyes are apart, --interocular, is missing");
-}
-
-void requirePicture(const PictureOptions& picture) {
-  drawnPixels(picture.size, picture.crop);
-  requireEngineOptions(picture);
-}
-
-void requireStillCamera(const JobArguments& flags, const RenderJob& job) {
-  const bool keys = std::holds_alternative<CameraKeyframes>(job.animation.camera);
-  const bool matrices = std::holds_alternative<CameraMatrices>(job.animation.camera);
-  if ((!keys && !matrices) || flags.has("--turntable")) return;
-  for (const char* flag : {"--eye", "--target", "--up", "--view", "--azimuth", "--elevation", "--zoom"}) {
-    if (flags.has(flag))
-      throw Error(ErrorCode::kUsage, fmt::format("{}: the job says by {} where the camera is in each frame; change it "
-                                                 "there, or give --turntable",
-                                                 flag, keys ? "keyframes" : "matrices"));
-  }
-  for (const char* flag : {"--fov", "--height"}) {
-    if (keys && flags.has(flag))
-      throw Error(ErrorCode::kUsage, fmt::format("{}: the job says by keyframes where the camera is in each frame; "
-                                                 "change it there, or give --turntable",
-                                                 flag));
-  }
-}
 
 void findEncoder(const RenderArguments& a, RenderJob& job) {
   VideoOptions& video = job.output.video;
@@ -123,9 +93,6 @@ void applyShare(const std::string& text, RenderJob& job) {
                 "a video needs all frames (found a share); write pictures, frame_####.png, and make the video of them");
 }
 
-// Returns whether INPUT is a volume, and no job.
-bool isVolumeName(const fs::path& input) { return extensionOf(input) != ".json" && !isPictureName(input); }
-
 // Leaves the frames of a sheet.
 void applySheet(const RenderArguments& a, RenderJob& job) {
   if (a.resume || a.checkpoint || a.repeat > 1 || !a.stats.empty())
@@ -134,31 +101,6 @@ void applySheet(const RenderArguments& a, RenderJob& job) {
   job.frames = framesOfSheet(framesOf(job), a.sheet);
   if (!a.job.has("--size") && isVolumeName(a.input)) job.picture.size = kSheetFrameSize;
   requireSheet(job);
-}
-
-// Adds volumes to the job. Options of a volume replace the options of the first volume.
-void applyVolumes(const RenderArguments& a, RenderJob& job) {
-  const std::size_t more = a.added.size() + a.labels.size();
-  if (a.added_tfs.size() > more)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--add-tf: {} given for {} volumes of --add and --labels; the first is of the first",
-                            a.added_tfs.size(), more));
-  if (job.volumes.empty() && more == 0) return;
-  if (job.volumes.empty()) makeFirstOfSeveral(job);
-  VolumeOptions& first = job.volumes.front();
-  if (a.job.has("--tf")) {
-    first.transfer_function = job.picture.transfer_function;
-    first.functions.clear();
-  }
-  if (a.job.has("--window")) first.window = job.picture.window;
-  if (auto region = std::exchange(job.picture.clipping.region, std::nullopt)) first.clipping.region = region;
-  for (std::size_t i = 0; i < more; ++i) {
-    VolumeOptions volume;
-    volume.labels = i >= a.added.size();
-    volume.volume = volume.labels ? a.labels[i - a.added.size()] : a.added[i];
-    if (i < a.added_tfs.size()) volume.transfer_function = transferFunctionNamed(a.added_tfs[i], "--add-tf");
-    job.volumes.push_back(std::move(volume));
-  }
 }
 
 // Returns the temporary files beside the pictures: locks and checkpoints.
@@ -255,23 +197,7 @@ void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
 }
 
 RenderJob jobOf(const RenderArguments& a) {
-  RenderJob job;
-  if (extensionOf(a.input) == ".json") {
-    job = readJob(a.input);
-  } else if (isPictureName(a.input)) {
-    job = jobOfPicture(a.input, parseBytes(a.job.text("--memory").value_or(kDefaultMemory), "--memory"));
-  } else {
-    job.volume = a.input;
-  }
-  requireStillCamera(a.job, job);
-  requireStereo(a.job, job.picture.stereo);
-  if (const auto name = a.job.text("--tf")) transferFunctionNamed(*name, "--tf");
-  a.job.apply(job);
-  if (a.job.hasAny({"--interocular", "--convergence"})) job.animation.stereo.clear();
-  if (a.job.text("--projection") == kProjectionNames[2] && !a.job.has("--size") && isVolumeName(a.input))
-    job.picture.size = kPanoramaSize;
-  requirePicture(job.picture);
-  applyVolumes(a, job);
+  RenderJob job = jobOfInput(a.input, a.job, a.volumes);
   requireOutput(a, job.output);
   if (a.share) applyShare(*a.share, job);
   findEncoder(a, job);
@@ -287,36 +213,6 @@ RenderJob jobOf(const RenderArguments& a) {
   requireOwnFiles(a, job);
   return job;
 }
-
-// Volume files of a job: dimensions and types of the command line belong to INPUT, the folder of stores to all volumes;
-// labels are known per volume.
-class InputOptions {
- public:
-  InputOptions(const RenderArguments& a, const RenderJob& job) : described_(a.source.volume({})) {
-    const fs::path input = job.volumes.empty() ? job.volume : job.volumes.front().volume;
-    names_ = namesIn(job, input);
-    for (const VolumeOptions& volume : job.volumes) {
-      if (volume.labels) labels_.merge(namesIn(job, volume.volume));
-    }
-  }
-  ForeignVolume of(const fs::path& volume) const {
-    return {volume, names_.contains(volume) ? described_.options : SourceOptions(), described_.store_directory};
-  }
-  bool areLabels(const fs::path& volume) const { return labels_.contains(volume); }
-
- private:
-  // The names of a volume in all frames; also of the first frame on the disk, which decides how a series looks.
-  static std::set<fs::path> namesIn(const RenderJob& job, const fs::path& pattern) {
-    std::set<fs::path> out = {pattern};
-    for (const int frame : framesOf(job)) out.insert(pathOfFrame(pattern, frame));
-    if (const std::vector<int> there = framesOnDisk(pattern); !there.empty())
-      out.insert(pathOfFrame(pattern, there.front()));
-    return out;
-  }
-
-  ForeignVolume described_;  // options and folder, without a name
-  std::set<fs::path> names_, labels_;
-};
 
 void requireNoWarnings(std::uint64_t warnings) {
   if (warnings > 0)
@@ -443,14 +339,6 @@ void drawSheet(const RenderArguments& a, const RenderJob& job, const SequenceOpt
   if (a.strict) requireNoWarnings(context.progress.warnings());
 }
 
-// Returns the store. throws: Error kUsage if labels are required and the store holds amounts.
-fs::path requiredClass(const fs::path& store, bool labels) {
-  if (labels && readManifest(store).volume_class != VolumeClass::kLabels)
-    throw Error(ErrorCode::kUsage, store, "--labels",
-                "holds amounts; convert its source with kiln convert --labels, or give it to --add");
-  return store;
-}
-
 void applyProgress(const std::string& kind, TerminalProgress& progress) {
   if (kind == "json" || kind == "none")
     progress.silence();
@@ -482,7 +370,7 @@ void run(const RenderArguments& a, Context& context) {
         "--progress json: tells of frames that become files, not of --dry-run, --repeat and --sheet; --stats has their "
         "numbers");
   if (a.checkpoint) requireCheckpoint(job);
-  const InputOptions input(a, job);
+  const InputOptions input(a.source, job);
   if (a.dry_run) return sayCost(a, job, input, besideBytes(job, options), context.progress);
   const OutputFiles outputs = outputsOf(a, job);
   options.store_for = [&](const fs::path& volume) {
@@ -520,7 +408,7 @@ class RenderCommandLine {
     for (std::size_t i = 0; i < kOptionGroupNames.size(); ++i) {
       group_ = static_cast<OptionGroup>(i);
       a.job.addTo(command, group_);
-      if (group_ == OptionGroup::kShown) addVolumes();
+      if (group_ == OptionGroup::kShown) a.volumes.addTo(command);
       if (group_ == OptionGroup::kCost) addCost();
       if (group_ == OptionGroup::kFrames) addFrames();
       if (group_ == OptionGroup::kRanks) addRanks(context);
@@ -537,16 +425,6 @@ class RenderCommandLine {
     return command_.add_option(name, value, help)->type_name(type)->group(nameOf(group_));
   }
 
-  void addVolumes() {
-    option("--add", "FILE", a_.added,
-           "Also draw this volume, placed by its own affine. Options about values or voxels are INPUT's. Repeatable.")
-        ->allow_extra_args(false);
-    option("--labels", "FILE", a_.labels, "Also draw this volume of labels, with a colour for each label. Repeatable.")
-        ->allow_extra_args(false);
-    option("--add-tf", "TF", a_.added_tfs,
-           "Transfer function of each --add, then of each --labels, in their order (default auto). Repeatable.")
-        ->allow_extra_args(false);
-  }
   void addCost() {
     flag("--dry-run", a_.dry_run, "Print the bricks, the disk reads and the memory of the job; draw nothing.");
     option("--stats", "FILE", a_.stats, "Write counts and times of the rendering as JSON.");
