@@ -45,3 +45,25 @@ if(MPI_FOUND)
     COMPILE_DEFINITIONS KILN_MPI_MODULE="$<TARGET_FILE_NAME:kiln_mpi>")
   list(APPEND kiln_modules kiln_mpi)
 endif()
+
+# The HTTP server of `kiln view`, on Boost.Beast, with the files of its page.
+if(BEAST_FOUND)
+  set(kiln_page ${PROJECT_SOURCE_DIR}/tools/kiln/view/page)
+  set(kiln_page_source ${PROJECT_BINARY_DIR}/kiln_page/page_files.cpp)
+  file(GLOB kiln_page_files CONFIGURE_DEPENDS ${kiln_page}/*.html ${kiln_page}/*.js ${kiln_page}/*.css ${kiln_page}/*.svg)
+  add_custom_command(OUTPUT ${kiln_page_source} DEPENDS ${kiln_page_files} ${PROJECT_SOURCE_DIR}/cmake/embed_page.cmake VERBATIM
+    COMMAND ${CMAKE_COMMAND} -D FOLDER=${kiln_page} -D OUT=${kiln_page_source} -P ${PROJECT_SOURCE_DIR}/cmake/embed_page.cmake)
+  add_library(kiln_view MODULE src/view/http_server.cpp ${kiln_page_source})
+  # Beast compiles half a minute without what a server of one user needs: speed.
+  target_compile_options(kiln_view PRIVATE ${kiln_module_options} -O1)
+  target_compile_definitions(kiln_view PRIVATE BOOST_ASIO_NO_DEPRECATED BOOST_ASIO_DISABLE_CONCEPTS)
+  target_include_directories(kiln_view SYSTEM PRIVATE ${BEAST_INCLUDE_DIR})
+  target_link_libraries(kiln_view PRIVATE kiln)
+  set_target_properties(kiln_view PROPERTIES UNITY_BUILD OFF)
+  if(kiln_below_drawing)
+    set_target_properties(kiln_view PROPERTIES EXCLUDE_FROM_ALL ON)
+  endif()
+  set_source_files_properties(src/view/view_module.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
+    COMPILE_DEFINITIONS KILN_VIEW_MODULE="$<TARGET_FILE_NAME:kiln_view>")
+  list(APPEND kiln_modules kiln_view)
+endif()

@@ -30,6 +30,7 @@ void addSlice(CLI::App& app, Context& context);
 void addGallery(CLI::App& app, Context& context);
 void addTf(CLI::App& app, Context& context);
 void addRender(CLI::App& app, Context& context);
+void addView(CLI::App& app, Context& context);
 void addSplit(CLI::App& app, Context& context);
 void addComposite(CLI::App& app, Context& context);
 void addCompare(CLI::App& app, Context& context);

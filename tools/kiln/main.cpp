@@ -223,6 +223,7 @@ int run(int argc, char** argv) {
   addGallery(app, context);
   addTf(app, context);
   addRender(app, context);
+  addView(app, context);
   addSplit(app, context);
   addComposite(app, context);
   addCompare(app, context);

@@ -18,11 +18,6 @@ namespace {
 std::atomic<bool> interrupted = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler writes it");
 
-void onInterrupt(int signal) {
-  interrupted = true;
-  std::signal(signal, SIG_DFL);
-}
-
 // "1.25 G", "310 k", "12".
 std::string scaled(double amount) {
   if (amount >= 1e9) return fmt::format("{:.2f} G", amount / 1e9);
@@ -39,10 +34,15 @@ std::size_t columnsOfTerminal() {
 
 }  // namespace
 
+void requestStop(int signal) {
+  interrupted = true;
+  std::signal(signal, SIG_DFL);
+}
+
 void installInterruptHandler() {
   // Without SA_RESTART, a signal ends the wait for the reader of a pipe; the library repeats all other calls.
   struct sigaction action {};
-  action.sa_handler = onInterrupt;
+  action.sa_handler = requestStop;
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
 }

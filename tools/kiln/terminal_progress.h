@@ -69,5 +69,7 @@ class TerminalProgress : public Progress {
 
 /// Makes SIGINT and SIGTERM request a stop instead of ending the process. The second signal ends the process.
 void installInterruptHandler();
+/// The handler of such a signal.
+void requestStop(int signal);
 
 }  // namespace kiln::tool

@@ -1,0 +1,15 @@
+# Writes the files of a folder as a source file: cmake -D FOLDER=... -D OUT=... -P embed_page.cmake
+file(GLOB files ${FOLDER}/*.html ${FOLDER}/*.js ${FOLDER}/*.css ${FOLDER}/*.svg)
+set(arrays "")
+set(rows "")
+set(number 0)
+foreach(file ${files})
+  get_filename_component(name ${file} NAME)
+  file(READ ${file} hex HEX)
+  string(REGEX REPLACE "(..)" "0x\\1," bytes "${hex}")
+  string(APPEND arrays "constexpr unsigned char kFile${number}[] = {${bytes}0};\n")
+  string(APPEND rows "      {\"${name}\", std::as_bytes(std::span(kFile${number}, sizeof kFile${number} - 1))},\n")
+  math(EXPR number "${number} + 1")
+endforeach()
+file(WRITE ${OUT} "#include \"view/page_files.h\"\n\nnamespace kiln {\nnamespace {\n\n${arrays}\n}  // namespace\n\n"
+  "std::span<const PageFile> pageFiles() {\n  static const PageFile kFiles[] = {\n${rows}  };\n  return kFiles;\n}\n\n}  // namespace kiln\n")

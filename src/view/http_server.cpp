@@ -1,0 +1,669 @@
+// The module libkiln_view: HTTP by Boost.Beast, blocking, one thread for each connection.
+// Method. Beast parses headers and bodies; this file owns the sockets, because Beast's time limits hold for
+// asynchronous calls only. Each read and write waits in `poll` until the request's deadline.
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/random.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http.hpp>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <list>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "view/page_files.h"
+#include "view/view_server.h"
+
+namespace kiln {
+namespace {
+
+namespace http = boost::beast::http;
+namespace net = boost::asio;
+namespace fs = std::filesystem;
+using boost::system::error_code;
+using Clock = std::chrono::steady_clock;
+using Request = http::request<http::string_body>;
+using Status = http::status;
+
+constexpr std::uint32_t kMostHeaderBytes = 8 << 10;
+constexpr std::uint64_t kMostBodyBytes = 1 << 20;
+// Time for which a connection without a request is kept. unit: seconds.
+constexpr double kIdleSeconds = 60;
+constexpr int kBacklog = 64;
+constexpr std::string_view kServer = "kiln";
+constexpr std::string_view kPolicy =
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+Clock::time_point after(double seconds) {
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+class Descriptor {
+ public:
+  explicit Descriptor(int file = -1) : file_(file) {}
+  ~Descriptor() { reset(); }
+  Descriptor(Descriptor&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    reset();
+    file_ = std::exchange(other.file_, -1);
+    return *this;
+  }
+  int get() const { return file_; }
+  explicit operator bool() const { return file_ >= 0; }
+  void reset() {
+    if (file_ >= 0) ::close(std::exchange(file_, -1));
+  }
+
+ private:
+  int file_;
+};
+
+// A connected socket as a stream of Beast's. Each call waits until the deadline at most.
+class Stream {
+ public:
+  explicit Stream(int file) : file_(file) {}
+  void until(Clock::time_point deadline) { deadline_ = deadline; }
+  bool late() const { return late_; }
+
+  template <class Buffers>
+  std::size_t read_some(const Buffers& buffers, error_code& error) {
+    for (auto part = net::buffer_sequence_begin(buffers); part != net::buffer_sequence_end(buffers); ++part) {
+      const net::mutable_buffer buffer = *part;
+      if (buffer.size() == 0) continue;
+      return moved(POLLIN, error, [&] { return ::recv(file_, buffer.data(), buffer.size(), MSG_DONTWAIT); });
+    }
+    error = {};
+    return 0;
+  }
+  template <class Buffers>
+  std::size_t write_some(const Buffers& buffers, error_code& error) {
+    for (auto part = net::buffer_sequence_begin(buffers); part != net::buffer_sequence_end(buffers); ++part) {
+      const net::const_buffer buffer = *part;
+      if (buffer.size() == 0) continue;
+      return moved(POLLOUT, error,
+                   [&] { return ::send(file_, buffer.data(), buffer.size(), MSG_DONTWAIT | MSG_NOSIGNAL); });
+    }
+    error = {};
+    return 0;
+  }
+
+  // Beast requires the forms that throw.
+  template <class Buffers>
+  std::size_t read_some(const Buffers& buffers) {
+    error_code error;
+    const std::size_t count = read_some(buffers, error);
+    if (error) throw boost::system::system_error(error);
+    return count;
+  }
+  template <class Buffers>
+  std::size_t write_some(const Buffers& buffers) {
+    error_code error;
+    const std::size_t count = write_some(buffers, error);
+    if (error) throw boost::system::system_error(error);
+    return count;
+  }
+
+  // True once the other side has closed. thread: any.
+  bool closed() const {
+    pollfd one{file_, POLLRDHUP, 0};
+    return ::poll(&one, 1, 0) > 0 && (one.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
+  }
+  // Waits for the first byte of a request. Returns false without one.
+  bool waitsForRequest(double seconds) const {
+    pollfd one{file_, POLLIN, 0};
+    return ::poll(&one, 1, static_cast<int>(seconds * 1000)) > 0 && (one.revents & POLLIN) != 0;
+  }
+  // Says that nothing follows, and takes what is under way, so that the other side can read the answer.
+  void end() {
+    constexpr std::size_t kMostDrained = 4 << 20;
+    ::shutdown(file_, SHUT_WR);
+    std::array<char, 16384> rest;
+    until(after(0.5));
+    error_code error;
+    for (std::size_t taken = 0; taken < kMostDrained && !error;) {
+      const std::size_t count = read_some(net::buffer(rest), error);
+      if (count == 0) break;
+      taken += count;
+    }
+  }
+
+ private:
+  // Calls `move` until it moves bytes, fails, or the deadline has passed.
+  template <class Move>
+  std::size_t moved(short event, error_code& error, const Move& move) {
+    for (;;) {
+      const ssize_t count = move();
+      if (count > 0) {
+        error = {};
+        return static_cast<std::size_t>(count);
+      }
+      if (count == 0) {
+        error = net::error::eof;
+        return 0;
+      }
+      if (errno == EINTR) continue;
+      if (errno != EAGAIN && errno != EWOULDBLOCK) {
+        error = {errno, boost::system::system_category()};
+        return 0;
+      }
+      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline_ - Clock::now()).count();
+      pollfd one{file_, event, 0};
+      if (left <= 0 || ::poll(&one, 1, static_cast<int>(std::min<std::int64_t>(left + 1, 60'000))) == 0) {
+        if (Clock::now() < deadline_) continue;
+        late_ = true;
+        error = net::error::timed_out;
+        return 0;
+      }
+    }
+  }
+
+  const int file_;
+  Clock::time_point deadline_{};
+  bool late_ = false;
+};
+
+// Compares in a time that does not depend on the place of a difference.
+bool equalInConstantTime(std::string_view a, std::string_view b) {
+  unsigned different = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < b.size(); ++i)
+    different |=
+        static_cast<unsigned>(static_cast<unsigned char>(b[i]) ^ static_cast<unsigned char>(i < a.size() ? a[i] : 0));
+  return different == 0;
+}
+
+std::string randomToken() {
+  std::array<unsigned char, 16> bytes;
+  for (std::size_t have = 0; have < bytes.size();) {
+    const ssize_t count = ::getrandom(bytes.data() + have, bytes.size() - have, 0);
+    if (count < 0 && errno != EINTR) throw systemError(errno, {}, "drawing a random token");
+    have += static_cast<std::size_t>(std::max<ssize_t>(count, 0));
+  }
+  constexpr std::string_view kLetters = "0123456789abcdef";
+  std::string out;
+  for (const unsigned char byte : bytes) out += {kLetters[byte >> 4], kLetters[byte & 15]};
+  return out;
+}
+
+// The name of "name:port", "[::1]:port" or a name alone.
+std::string_view nameOfHost(std::string_view host) {
+  if (host.starts_with('[')) return host.substr(0, std::min(host.find(']'), host.size() - 1) + 1);
+  return host.substr(0, host.find(':'));
+}
+
+std::string_view viewOf(boost::beast::string_view text) { return {text.data(), text.size()}; }
+
+std::string_view typeOf(std::string_view name) {
+  const std::size_t dot = name.rfind('.');
+  const std::string_view ending = dot == std::string_view::npos ? "" : name.substr(dot + 1);
+  if (ending == "html") return "text/html; charset=utf-8";
+  if (ending == "js") return "text/javascript; charset=utf-8";
+  if (ending == "css") return "text/css; charset=utf-8";
+  if (ending == "svg") return "image/svg+xml";
+  if (ending == "json") return "application/json";
+  return "application/octet-stream";
+}
+
+std::string jsonError(std::string_view sentence) {
+  std::string out = "{\"error\": \"";
+  for (const char c : utf8Of(shown(sentence))) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"}";
+}
+
+// A refusal before the session is asked.
+struct Refusal {
+  Status status;
+  std::string sentence;
+};
+
+Status statusOf(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kUsage:
+    case ErrorCode::kFormat:
+    case ErrorCode::kUnsupported:
+    case ErrorCode::kBudget:
+      return Status::bad_request;
+    case ErrorCode::kNotFound:
+      return Status::not_found;
+    case ErrorCode::kCancelled:
+      return Status::service_unavailable;
+    default:
+      return Status::internal_server_error;
+  }
+}
+
+class Client final : public ViewClient {
+ public:
+  Client(Stream& stream, bool keep_alive, double seconds)
+      : stream_(stream), keep_alive_(keep_alive), seconds_(seconds) {}
+
+  void document(std::string_view type, std::span<const std::byte> bytes) override { whole(Status::ok, type, bytes); }
+  void record(std::string_view json, std::span<const std::byte> payload) override {
+    if (!begun_) {
+      http::response<http::empty_body> head(Status::ok, 11);
+      fill(head, "application/octet-stream");
+      head.chunked(true);
+      // Proxies pass each record on at once.
+      head.set("X-Accel-Buffering", "no");
+      sendHead(head);
+      streams_ = true;
+    }
+    const auto four = [](std::size_t count) {
+      std::array<char, 4> out;
+      for (std::size_t i = 0; i < 4; ++i) out[i] = static_cast<char>(count >> (8 * i) & 255);
+      return out;
+    };
+    const auto json_bytes = four(json.size()), payload_bytes = four(payload.size());
+    const std::array<net::const_buffer, 4> parts{net::buffer(json_bytes), net::buffer(json.data(), json.size()),
+                                                 net::buffer(payload_bytes),
+                                                 net::buffer(payload.data(), payload.size())};
+    send(http::make_chunk(parts));
+  }
+  bool gone() const override { return failed_ || stream_.closed(); }
+
+  bool begun() const { return begun_; }
+  bool failed() const { return failed_; }
+  void whole(Status status, std::string_view type, std::span<const std::byte> bytes) {
+    http::response<http::empty_body> head(status, 11);
+    fill(head, type);
+    head.content_length(bytes.size());
+    sendHead(head);
+    send(net::buffer(bytes.data(), bytes.size()));
+  }
+  void error(Status status, std::string_view sentence) {
+    const std::string text = jsonError(sentence);
+    whole(status, "application/json", std::as_bytes(std::span(text)));
+  }
+  void finish() {
+    if (streams_) send(http::make_chunk_last());
+  }
+
+ private:
+  void fill(http::response<http::empty_body>& head, std::string_view type) const {
+    const auto text = [](std::string_view value) { return boost::beast::string_view(value.data(), value.size()); };
+    head.set(http::field::server, text(kServer));
+    head.set(http::field::content_type, text(type));
+    head.set(http::field::cache_control, "no-store");
+    head.set("Content-Security-Policy", text(kPolicy));
+    head.set("X-Content-Type-Options", "nosniff");
+    head.set("X-Frame-Options", "DENY");
+    head.set("Referrer-Policy", "no-referrer");
+    head.set("Cross-Origin-Resource-Policy", "same-origin");
+    head.set("Cross-Origin-Opener-Policy", "same-origin");
+    head.keep_alive(keep_alive_);
+  }
+  void sendHead(http::response<http::empty_body>& head) {
+    begun_ = true;
+    stream_.until(after(seconds_));
+    http::response_serializer<http::empty_body> serializer(head);
+    error_code error;
+    http::write_header(stream_, serializer, error);
+    require(error);
+  }
+  template <class Buffers>
+  void send(const Buffers& buffers) {
+    stream_.until(after(seconds_));
+    error_code error;
+    net::write(stream_, buffers, error);
+    require(error);
+  }
+  void require(const error_code& error) {
+    if (!error) return;
+    failed_ = true;
+    throw Error(ErrorCode::kCancelled, "nobody reads the answer");
+  }
+
+  Stream& stream_;
+  const bool keep_alive_;
+  const double seconds_;
+  bool begun_ = false, streams_ = false;
+  std::atomic<bool> failed_ = false;
+};
+
+class HttpServer final : public ViewServer {
+ public:
+  HttpServer(ViewService& service, const ViewServerOptions& options)
+      : service_(service), options_(options), token_(randomToken()) {
+    if (options_.socket.empty())
+      listenOnPort();
+    else
+      listenOnSocket();
+  }
+  ~HttpServer() override {
+    endAll();
+    if (socket_inode_ == 0) return;
+    struct stat now {};
+    // Another server may have taken the name.
+    if (::lstat(options_.socket.c_str(), &now) == 0 && now.st_ino == socket_inode_) ::unlink(options_.socket.c_str());
+  }
+
+  std::string address() const override {
+    return options_.socket.empty() ? "http://127.0.0.1:" + std::to_string(port_) + "/#" + token_
+                                   : "http://localhost/#" + token_;
+  }
+  std::uint16_t port() const override { return port_; }
+  const std::string& token() const override { return token_; }
+
+  void run(const std::function<bool()>& stopped) override {
+    constexpr int kAskEvery_ms = 100;
+    while (!stopped()) {
+      pollfd one{listener_.get(), POLLIN, 0};
+      if (::poll(&one, 1, kAskEvery_ms) > 0)
+        take(Descriptor(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC)));
+      reap();
+    }
+    endAll();
+  }
+
+ private:
+  struct Connection {
+    explicit Connection(Descriptor&& given) : file(std::move(given)) {}
+    Descriptor file;
+    std::thread thread;
+    std::atomic<bool> idle = false;  // between two requests
+    std::atomic<bool> done = false;
+  };
+
+  void listenOnPort() {
+    listener_ = Descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    if (!listener_) throw systemError(errno, {}, "making a socket");
+    const int on = 1;
+    ::setsockopt(listener_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    sockaddr_in place{};
+    place.sin_family = AF_INET;
+    place.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    place.sin_port = htons(options_.port);
+    if (::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place) != 0)
+      throw systemError(errno, {}, "--port: listening on 127.0.0.1:" + std::to_string(options_.port));
+    listen();
+    socklen_t size = sizeof place;
+    if (::getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&place), &size) != 0)
+      throw systemError(errno, {}, "asking for the port");
+    port_ = ntohs(place.sin_port);
+  }
+
+  void listenOnSocket() {
+    sockaddr_un place{};
+    place.sun_family = AF_UNIX;
+    const std::string path = options_.socket.string();
+    if (path.size() >= sizeof place.sun_path)
+      throw Error(ErrorCode::kUsage, options_.socket, "--socket",
+                  "is longer than " + std::to_string(sizeof place.sun_path - 1) + " bytes; choose a shorter path");
+    std::copy(path.begin(), path.end(), place.sun_path);
+    const auto* const address = reinterpret_cast<const sockaddr*>(&place);
+    removeLeftSocket(address, sizeof place);
+    listener_ = Descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    if (!listener_) throw systemError(errno, options_.socket, "making a socket");
+    const mode_t before = ::umask(0177);
+    const int bound = ::bind(listener_.get(), address, sizeof place), why = errno;
+    ::umask(before);
+    if (bound != 0) throw systemError(why, options_.socket, "--socket: listening");
+    if (::chmod(path.c_str(), 0600) != 0) throw systemError(errno, options_.socket, "closing it to other users");
+    struct stat made {};
+    if (::lstat(path.c_str(), &made) == 0) socket_inode_ = made.st_ino;
+    listen();
+  }
+
+  // Removes the socket of a server that was killed. throws: Error kExists for another file, or a running server.
+  void removeLeftSocket(const sockaddr* address, socklen_t size) const {
+    struct stat there {};
+    if (::lstat(options_.socket.c_str(), &there) != 0) return;
+    if (!S_ISSOCK(there.st_mode))
+      throw Error(ErrorCode::kExists, options_.socket, "--socket", "is a file already; choose another path");
+    const Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    if (::connect(probe.get(), address, size) == 0 || errno != ECONNREFUSED)
+      throw Error(ErrorCode::kExists, options_.socket, "--socket",
+                  "is the socket of a running program; choose another path");
+    if (::unlink(options_.socket.c_str()) != 0) throw systemError(errno, options_.socket, "removing an old socket");
+  }
+
+  void listen() const {
+    if (::listen(listener_.get(), kBacklog) != 0) throw systemError(errno, options_.socket, "listening");
+  }
+
+  void take(Descriptor file) {
+    if (!file) return;
+    const int on = 1;
+    if (options_.socket.empty()) ::setsockopt(file.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    reap();
+    if (static_cast<int>(connections_.size()) >= options_.connections && !closeIdle()) return refuse(file);
+    Connection& connection = connections_.emplace_back(std::move(file));
+    try {
+      connection.thread = std::thread([this, &connection] { serve(connection); });
+    } catch (const std::system_error&) {
+      refuse(connection.file);
+      connections_.pop_back();
+    }
+  }
+
+  // Answers in one piece without a thread.
+  static void refuse(const Descriptor& file) {
+    static const std::string kBody = jsonError("too many connections at a time; close another page of this server");
+    static const std::string kBusy =
+        "HTTP/1.1 503 Service Unavailable\r\nServer: kiln\r\nContent-Type: application/json\r\nConnection: close\r\n"
+        "Content-Length: " +
+        std::to_string(kBody.size()) + "\r\n\r\n" + kBody;
+    ::send(file.get(), kBusy.data(), kBusy.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
+    ::shutdown(file.get(), SHUT_WR);
+    // What has arrived is taken, or the answer would be lost.
+    std::array<char, 4096> rest;
+    for (int i = 0; i < 16 && ::recv(file.get(), rest.data(), rest.size(), MSG_DONTWAIT) > 0; ++i) {
+    }
+  }
+
+  // Closes a connection that waits for its next request. Returns false if there is none.
+  bool closeIdle() {
+    for (Connection& connection : connections_) {
+      if (!connection.idle || connection.done) continue;
+      ::shutdown(connection.file.get(), SHUT_RDWR);
+      connection.thread.join();
+      connections_.remove_if([&](const Connection& c) { return &c == &connection; });
+      return true;
+    }
+    return false;
+  }
+
+  void reap() {
+    for (auto connection = connections_.begin(); connection != connections_.end();) {
+      if (!connection->done) {
+        ++connection;
+        continue;
+      }
+      connection->thread.join();
+      connection = connections_.erase(connection);
+    }
+  }
+
+  void endAll() {
+    service_.stop();
+    for (Connection& connection : connections_) ::shutdown(connection.file.get(), SHUT_RDWR);
+    for (Connection& connection : connections_) connection.thread.join();
+    connections_.clear();
+  }
+
+  // The thread of a connection.
+  void serve(Connection& connection) noexcept {
+    try {
+      Stream stream(connection.file.get());
+      boost::beast::flat_buffer buffer;
+      bool first = true;
+      for (bool more = true; more; first = false) {
+        if (!first && buffer.size() == 0) {
+          connection.idle = true;
+          const bool asked = stream.waitsForRequest(kIdleSeconds);
+          connection.idle = false;
+          if (!asked) break;
+        }
+        more = serveOne(stream, buffer);
+      }
+      stream.end();
+    } catch (...) {
+      // The client is gone, or memory is short: the connection ends.
+    }
+    connection.done = true;
+  }
+
+  // Returns whether a further request may follow.
+  bool serveOne(Stream& stream, boost::beast::flat_buffer& buffer) {
+    http::request_parser<http::string_body> parser;
+    parser.header_limit(kMostHeaderBytes);
+    parser.body_limit(kMostBodyBytes);
+    stream.until(after(options_.header_s));
+    error_code error;
+    http::read_header(stream, buffer, parser, error);
+    const bool keeps = !error && parser.keep_alive();
+    Client client(stream, keeps, options_.request_s);
+    const auto refused = [&](const Refusal& refusal) {
+      Client last(stream, false, options_.header_s);
+      last.error(refusal.status, refusal.sentence);
+      return false;
+    };
+    if (const auto refusal = refusalOf(error, stream)) return refusal->sentence.empty() ? false : refused(*refusal);
+    if (const auto refusal = refusalOf(parser.get())) return refused(*refusal);
+    stream.until(after(options_.request_s));
+    if (viewOf(parser.get()[http::field::expect]) == "100-continue") {
+      constexpr std::string_view kGoOn = "HTTP/1.1 100 Continue\r\n\r\n";
+      net::write(stream, net::buffer(kGoOn.data(), kGoOn.size()), error);
+    }
+    if (!error && !parser.is_done()) http::read(stream, buffer, parser, error);
+    if (const auto refusal = refusalOf(error, stream)) return refusal->sentence.empty() ? false : refused(*refusal);
+    answer(parser.get(), client);
+    return keeps && !client.failed();
+  }
+
+  // A refusal for an error of reading; one without a sentence is not sent.
+  static std::optional<Refusal> refusalOf(const error_code& error, const Stream& stream) {
+    if (!error) return std::nullopt;
+    if (stream.late()) return Refusal{Status::request_timeout, "the request took too long; send it again"};
+    if (error == http::error::body_limit)
+      return Refusal{Status::payload_too_large, "the request is larger than 1 MiB; send a smaller one"};
+    if (error == http::error::header_limit || error == http::error::buffer_overflow)
+      return Refusal{Status::request_header_fields_too_large, "the header is larger than 8 KiB; send a smaller one"};
+    if (error.category() == make_error_code(http::error::bad_method).category() &&
+        error != http::error::end_of_stream && error != http::error::partial_message)
+      return Refusal{Status::bad_request, "the request is no HTTP: " + error.message()};
+    return Refusal{Status::bad_request, ""};
+  }
+
+  // A refusal for what a header says.
+  std::optional<Refusal> refusalOf(const Request& request) const {
+    if (request.count(http::field::host) != 1 || !isOwn(viewOf(request[http::field::host])))
+      return Refusal{Status::forbidden,
+                     "Host: is not this server's; open the address that kiln view printed, or give "
+                     "--allow-host for a proxy"};
+    if (request.count(http::field::origin) > 0 && !isOwnOrigin(request))
+      return Refusal{Status::forbidden, "Origin: is another page's; open the address that kiln view printed"};
+    const std::string_view target = viewOf(request.target());
+    if (!target.starts_with('/')) return Refusal{Status::bad_request, "the target is no path; begin it with /"};
+    if (!target.starts_with("/api/")) {
+      if (request.method() != http::verb::get) return Refusal{Status::method_not_allowed, "a file is read by GET"};
+      return std::nullopt;
+    }
+    if (!hasToken(request))
+      return Refusal{Status::unauthorized, "the token is missing or wrong; open the address that kiln view printed"};
+    const ViewService::Request kind = service_.kindOf(target.substr(5));
+    if (kind == ViewService::Request::kUnknown) return Refusal{Status::not_found, "there is no such request"};
+    if (request.method() != (kind == ViewService::Request::kPosts ? http::verb::post : http::verb::get))
+      return Refusal{Status::method_not_allowed, kind == ViewService::Request::kPosts ? "use POST" : "use GET"};
+    if (kind == ViewService::Request::kPosts) {
+      const std::string type = lowered(viewOf(request[http::field::content_type]));
+      if (type.substr(0, type.find_first_of("; ")) != "application/json")
+        return Refusal{Status::unsupported_media_type, "Content-Type: expected application/json"};
+    }
+    return std::nullopt;
+  }
+
+  bool isOwn(std::string_view host) const {
+    const std::string name = lowered(nameOfHost(host));
+    // A tunnel has another port than this server: the name alone tells of DNS rebinding.
+    if (name == "127.0.0.1" || name == "localhost" || name == "[::1]") return true;
+    return std::any_of(options_.hosts.begin(), options_.hosts.end(),
+                       [&](const std::string& allowed) { return name == lowered(allowed); });
+  }
+
+  bool isOwnOrigin(const Request& request) const {
+    if (request.count(http::field::origin) != 1) return false;
+    std::string_view origin = viewOf(request[http::field::origin]);
+    for (const std::string_view scheme : {"http://", "https://"}) {
+      if (!origin.starts_with(scheme)) continue;
+      origin.remove_prefix(scheme.size());
+      if (lowered(origin) == lowered(viewOf(request[http::field::host]))) return true;
+      // A proxy may put its own name for the server into Host.
+      const std::string name = lowered(nameOfHost(origin));
+      return std::any_of(options_.hosts.begin(), options_.hosts.end(),
+                         [&](const std::string& allowed) { return name == lowered(allowed); });
+    }
+    return false;
+  }
+
+  bool hasToken(const Request& request) const {
+    if (request.count(http::field::authorization) != 1) return false;
+    const std::string_view given = viewOf(request[http::field::authorization]);
+    constexpr std::string_view kScheme = "bearer ";
+    if (given.size() < kScheme.size() || lowered(given.substr(0, kScheme.size())) != kScheme) return false;
+    return equalInConstantTime(given.substr(kScheme.size()), token_);
+  }
+
+  void answer(const Request& request, Client& client) {
+    std::string_view target = viewOf(request.target());
+    target.remove_prefix(1);
+    try {
+      if (target.starts_with("api/"))
+        service_.answer(target.substr(4), request.body(), client);
+      else
+        file(target.substr(0, target.find('?')), client);
+      client.finish();
+    } catch (const Error& error) {
+      if (client.failed()) return;
+      if (client.begun()) throw;  // The answer cannot be ended well: the connection ends.
+      client.error(statusOf(error.code()), error.what());
+    } catch (const std::exception& error) {
+      if (client.begun()) throw;
+      client.error(Status::internal_server_error, error.what());
+    }
+  }
+
+  static void file(std::string_view name, Client& client) {
+    if (name.empty()) name = "index.html";
+    for (const PageFile& file : pageFiles()) {
+      if (file.name == name) return client.document(typeOf(name), file.bytes);
+    }
+    client.error(Status::not_found, "there is no such file");
+  }
+
+  ViewService& service_;
+  const ViewServerOptions options_;
+  const std::string token_;
+  Descriptor listener_;
+  std::uint16_t port_ = 0;
+  ino_t socket_inode_ = 0;
+  std::list<Connection> connections_;  // of the accepting thread
+};
+
+}  // namespace
+}  // namespace kiln
+
+extern "C" [[gnu::visibility("default")]] kiln::ViewServer* kilnMakeViewServer(kiln::ViewService& service,
+                                                                               const kiln::ViewServerOptions& options) {
+  return new kiln::HttpServer(service, options);
+}

@@ -1,0 +1,144 @@
+#include "view/view_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <variant>
+
+#include "base/error.h"
+#include "job/stated_job.h"
+#include "job/transfer_function_choice.h"
+#include "sequence/sequence_frames.h"
+#include "store/manifest/json_text.h"
+
+namespace kiln {
+namespace {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+// Keys of files, of the machine, and of parts of a render.
+constexpr std::array<std::string_view, 13> kSessionsOwn = {"volume", "output",     "outputs",   "video",  "exr",
+                                                           "png",    "frames",     "part",      "memory", "threads",
+                                                           "trace",  "distribute", "shareReads"};
+
+void inObject(TransferFunctionChoice& choice, const Manifest& manifest) {
+  if (const auto* const file = std::get_if<fs::path>(&choice)) choice = readTransferFunction(*file, manifest);
+}
+
+void inObjects(TransferFunctionChoice& still, std::vector<Key<TransferFunctionChoice>>& keys,
+               const Manifest& manifest) {
+  inObject(still, manifest);
+  for (Key<TransferFunctionChoice>& key : keys) inObject(key.value, manifest);
+}
+
+void requireNoFile(const TransferFunctionChoice& choice) {
+  if (std::holds_alternative<fs::path>(choice))
+    throw Error(ErrorCode::kUsage,
+                "transferFunction: expected a preset, points or an object (found the name of a file); send the "
+                "function itself");
+}
+
+void requireNoFiles(const TransferFunctionChoice& still, const std::vector<Key<TransferFunctionChoice>>& keys) {
+  requireNoFile(still);
+  for (const Key<TransferFunctionChoice>& key : keys) requireNoFile(key.value);
+}
+
+void requireBrowserKeys(const json& job, const RenderJob& session) {
+  if (!job.is_object()) throw Error(ErrorCode::kUsage, "job: expected an object; send the job of api/session, changed");
+  for (const std::string_view key : kSessionsOwn) {
+    if (job.contains(key))
+      throw Error(ErrorCode::kUsage, fmt::format("job.{}: is the session's own; leave it out", key));
+  }
+  const auto list = job.find("volumes");
+  const std::size_t count = list != job.end() && list->is_array() ? list->size() : 0;
+  if ((list != job.end() && !list->is_array()) || count != session.volumes.size())
+    throw Error(ErrorCode::kUsage, fmt::format("job.volumes: expected as many entries as the session has in its list "
+                                               "({}, found {}); change no number of volumes",
+                                               session.volumes.size(), count));
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!(*list)[i].is_object() || (*list)[i].contains("volume"))
+      throw Error(ErrorCode::kUsage, fmt::format("job.volumes[{}]: expected an object without a volume; the session "
+                                                 "knows its files",
+                                                 i));
+  }
+}
+
+// The browser's job with the names of files.
+json withFiles(json job, const ImageSize& size, const RenderJob& session,
+               const std::function<std::string(const fs::path&)>& name) {
+  requireBrowserKeys(job, session);
+  json& image = job["image"];
+  if (!image.is_object() && !image.is_null())
+    throw Error(ErrorCode::kUsage, "job.image: expected an object; leave it out, or send {}");
+  image["width"] = size.width;
+  image["height"] = size.height;
+  if (session.volumes.empty()) job["volume"] = name(session.volume);
+  for (std::size_t i = 0; i < session.volumes.size(); ++i) {
+    job["volumes"][i]["volume"] = name(session.volumes[i].volume);
+    if (session.volumes[i].labels) job["volumes"][i]["labels"] = true;
+  }
+  return job;
+}
+
+}  // namespace
+
+ordered_json jobForBrowser(const RenderJob& session, const std::vector<const Manifest*>& manifests) {
+  RenderJob job = session;
+  if (job.volumes.empty()) inObjects(job.picture.transfer_function, job.animation.functions, *manifests.front());
+  for (std::size_t i = 0; i < job.volumes.size(); ++i)
+    inObjects(job.volumes[i].transfer_function, job.volumes[i].functions, *manifests.at(i));
+  job.picture.aovs = {};
+  ordered_json out = statedJson(job);
+  for (const std::string_view key : kSessionsOwn) out.erase(std::string(key));
+  if (const auto image = out.find("image"); image != out.end()) {
+    image->erase("width");
+    image->erase("height");
+    if (image->empty()) out.erase("image");
+  }
+  return out;
+}
+
+RenderJob jobOfBrowser(const json& job, const ImageSize& size, const RenderJob& session) {
+  // Any name serves: the session's files are put in place of the names that are read.
+  const json whole = withFiles(job, size, session, [](const fs::path&) { return std::string("volume"); });
+  RenderJob out = parseJob(jsonText(whole, -1), "job");
+  requireNoFiles(out.picture.transfer_function, out.animation.functions);
+  for (const VolumeOptions& volume : out.volumes) requireNoFiles(volume.transfer_function, volume.functions);
+  out.volume = session.volume;
+  for (std::size_t i = 0; i < out.volumes.size(); ++i) out.volumes[i].volume = session.volumes[i].volume;
+  out.picture.aovs = {};
+  const VisibilityOptions visibility = out.speed.visibility;
+  out.speed = session.speed;
+  out.speed.visibility = visibility;
+  out.series = session.series;
+  return out;
+}
+
+std::string savedJobText(const json& job, const ImageSize& size, const RenderJob& session, const fs::path& file) {
+  jobOfBrowser(job, size, session);
+  const fs::path folder = fs::absolute(file).lexically_normal().parent_path();
+  const auto name = [&](const fs::path& volume) {
+    const fs::path whole = fs::absolute(volume).lexically_normal();
+    const fs::path inside = whole.lexically_relative(folder);
+    const bool below = !inside.empty() && *inside.begin() != "..";
+    return (below ? inside : whole).generic_string();
+  };
+  const json files = withFiles(job, size, session, name);
+  // The keys that say which volume and picture come first.
+  ordered_json out = {{"kiln", files.value("kiln", json(2))}};
+  for (const char* const key : {"volume", "volumes", "image", "camera", "transferFunction"}) {
+    if (files.contains(key)) out[key] = files[key];
+  }
+  for (const auto& [key, value] : files.items()) {
+    if (!out.contains(key)) out[key] = value;
+  }
+  return jsonText(out, 2) + "\n";
+}
+
+}  // namespace kiln

@@ -1,0 +1,27 @@
+// Jobs that a browser edits: JSON without files. The session adds the files; a job that names one is refused.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "job/render_job.h"
+#include "store/manifest/manifest.h"
+
+namespace kiln {
+
+/// Returns the session's job for the browser. Transfer functions from files become objects. `manifests`: one for each
+/// volume. throws: as readTransferFunction.
+nlohmann::ordered_json jobForBrowser(const RenderJob& session, const std::vector<const Manifest*>& manifests);
+
+/// Returns the job that a browser sent, drawn at `size`, with volumes, speed and series of the session's. throws: Error
+/// kUsage for a key that names a file, is the session's own or unknown, or has a wrong value.
+RenderJob jobOfBrowser(const nlohmann::json& job, const ImageSize& size, const RenderJob& session);
+
+/// Returns the text of a file with the browser's job, for `kiln render`. `session` names the volumes; names inside the
+/// file's folder become relative. throws: as jobOfBrowser.
+std::string savedJobText(const nlohmann::json& job, const ImageSize& size, const RenderJob& session,
+                         const std::filesystem::path& file);
+
+}  // namespace kiln

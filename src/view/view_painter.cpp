@@ -1,0 +1,259 @@
+#include "view/view_painter.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/elapsed.h"
+#include "base/memory/spare_pages.h"
+#include "engine/shown_box.h"
+#include "frame/background.h"
+#include "frame/light/illuminate.h"
+#include "frame/pass/frame_progress.h"
+#include "image/file/image_file.h"
+#include "image/file/jpeg_file.h"
+#include "job/job_facts.h"
+#include "job/stated_job.h"
+#include "sequence/frame_files.h"
+#include "store/brick_index.h"
+
+namespace kiln {
+namespace {
+
+// Time of a preview while the camera moves. unit: seconds.
+constexpr double kMovingSeconds = 0.03;
+// Pixels of the first preview, whose cost is unknown.
+constexpr double kFirstPixels = 256 * 256;
+// Most bytes of brick files that a preview reads.
+constexpr std::uint64_t kLittle = std::uint64_t{16} << 20;
+constexpr int kJpegQuality = 70;
+// Most levels of a pyramid.
+constexpr int kMostCoarser = 24;
+// Copies of a picture beside the drawn one: its file, the file in the client's hands, samples of a JPEG.
+constexpr std::uint64_t kCopiedPixelBytes = 12;
+
+// Reports nothing and passes on the request to stop.
+class Quiet final : public Progress {
+ public:
+  explicit Quiet(const Progress& progress) : progress_(progress) {}
+  bool cancelled() const override { return progress_.cancelled(); }
+
+ private:
+  const Progress& progress_;
+};
+
+std::uint64_t heldBytes(const OpenedVolumes& volumes) {
+  std::uint64_t out = 0;
+  for (const BrickedVolume* const volume : volumes.all()) out += volume->heldBytes();
+  return out;
+}
+
+// All memory but the indices and spare pages is for bricks, until a picture takes its part.
+std::uint64_t bricksBytes(const RenderJob& job, const OpenedVolumes& volumes) {
+  std::uint64_t least = 0;
+  for (const BrickedVolume* const volume : volumes.all()) least = std::max(least, volume->largestReadBytes());
+  FrameMemory memory;
+  memory.index = heldBytes(volumes);
+  memory.brick = least;
+  boundSparePages(sparePagesBytes(memory, job.speed.memory_bytes));
+  return cacheBytes(memory, job.speed.memory_bytes, volumes.first().path());
+}
+
+BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress) {
+  if (!job.picture.skip_damaged) return {};
+  return [&progress](const Error& damage) { progress.warn(std::string("drawn without ") + damage.what()); };
+}
+
+ImageSize scaled(const ImageSize& size, double factor, bool panorama) {
+  const auto side = [&](int full) { return std::clamp(static_cast<int>(std::lround(full * factor)), 1, full); };
+  ImageSize out{side(size.width), side(size.height)};
+  if (panorama) out.width = 2 * out.height;
+  return out;
+}
+
+PixelRect scaled(const PixelRect& crop, const ImageSize& from, const ImageSize& to) {
+  const double x = static_cast<double>(to.width) / from.width, y = static_cast<double>(to.height) / from.height;
+  PixelRect out{static_cast<int>(crop.x0 * x), static_cast<int>(crop.y0 * y), static_cast<int>(std::ceil(crop.x1 * x)),
+                static_cast<int>(std::ceil(crop.y1 * y))};
+  return {out.x0, out.y0, std::min(out.x1, to.width), std::min(out.y1, to.height)};
+}
+
+double pixelsOf(const ImageSize& size) { return static_cast<double>(size.width) * size.height; }
+
+bool isOpaque(const Background& background) { return background.top[3] >= 1 && background.bottom[3] >= 1; }
+
+}  // namespace
+
+ViewPainter::ViewPainter(const RenderJob& job, Progress& progress)
+    : session_(job),
+      volumes_(job),
+      bricks_bytes_(bricksBytes(job, volumes_)),
+      cache_(volumes_.all(), bricks_bytes_, readersOfCache(), skipperOf(job, progress)) {}
+
+std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
+  auto out = std::make_unique<ViewedJob>();
+  out->job = job;
+  requireVolumes(out->job);
+  requireViews(out->job);
+  requireEngineOptions(out->job.picture);
+  drawnPixels(job.picture.size, job.picture.crop);
+  Progress silent;
+  const ShownBoxOf shown_box = shownBoxesOf(out->job, volumes_.all(), fit_, silent);
+  // Moving a camera that fits the picture asks for equal boxes again and again.
+  const ShownBoxOf remembered = [&](std::size_t volume, const std::vector<TransferFunction>& functions,
+                                    const Clipping& clipping) {
+    for (const ShownMemo& memo : shown_) {
+      if (memo.volume == volume && memo.functions == functions && memo.clipping == clipping) return memo.box;
+    }
+    std::erase_if(shown_, [&](const ShownMemo& memo) { return memo.volume == volume; });
+    shown_.push_back({volume, functions, clipping, shown_box(volume, functions, clipping)});
+    return shown_.back().box;
+  };
+  out->scenes = std::make_unique<SceneOfJob>(out->job, volumes_.manifests(), remembered);
+  out->frame = framesOf(out->job).front();
+  out->scene = out->scenes->at(out->frame);
+  nlohmann::ordered_json stated = statedJson(out->job);
+  // With several volumes, the bricks that meet in a tile depend on the camera.
+  if (job.volumes.empty()) stated.erase("camera");
+  std::string text = fmt::format("{} {} {}", stated.dump(), out->scenes->mostSamples(),
+                                 static_cast<int>(out->scene.camera.projection));
+  if (text != planned_) {
+    const auto pixels = static_cast<std::uint64_t>(pixelsOf(job.picture.size));
+    plan_ = memoryOf(out->job, volumes_.all(), *out->scenes, kCopiedPixelBytes * pixels);
+    planned_ = std::move(text);
+  }
+  out->memory = plan_;
+  return out;
+}
+
+void ViewPainter::makeRoom(const ViewedJob& job) {
+  const std::uint64_t left = cacheBytes(job.memory, session_.speed.memory_bytes, volumes_.first().path());
+  if (job.memory.shadows == 0) shadows_.reset();
+  cache_.setAside(bricks_bytes_ - std::min(bricks_bytes_, left));
+}
+
+// Fills `scene` with the preview's.
+FrameRequest ViewPainter::previewOf(const ViewedJob& job, const ImageSize& size, int coarser, FrameScene& scene) const {
+  scene = job.scene;
+  PictureOptions& picture = scene.picture;
+  if (picture.crop) picture.crop = scaled(*picture.crop, picture.size, size);
+  picture.size = size;
+  picture.samples = 1;
+  picture.stereo.reset();
+  picture.lattice = Lattice::kPixel;
+  picture.interpolation = Interpolation::kLinear;
+  const EngineCapabilities& engine =
+      EngineChoice{picture.mode, picture.lattice, !job.job.volumes.empty()}.capabilities();
+  if (engine.sample_distance) picture.sample_distance = kMostSampleDistance;
+  if (engine.coarser_levels) {
+    picture.coarser += coarser;
+    if (picture.level) picture.coarser = coarser, picture.level.reset();
+  }
+  FrameRequest request = requestOf(scene, job.job.speed, job.memory);
+  if (request.engine().capabilities().composites && isShaded(request.shading))
+    request.illumination = knownIllumination(request, shadows_.get());
+  return request;
+}
+
+int ViewPainter::coarserWithin(const ViewedJob& job, const ImageSize& size, std::uint64_t bytes) const {
+  for (int coarser = 0; coarser < kMostCoarser; ++coarser) {
+    FrameScene scene;
+    const FrameRequest request = previewOf(job, size, coarser, scene);
+    BrickWalkCounts counts;
+    std::uint64_t missing = 0;
+    for (const StoredBrick& brick : bricksInView(volumes_.all(), request, counts)) {
+      if (!cache_.holds(brick))
+        missing += volumes_.all()[static_cast<std::size_t>(brick.store)]->index().at(brick.key).file_bytes;
+    }
+    if (missing <= bytes || !request.engine().capabilities().coarser_levels) return coarser;
+  }
+  return kMostCoarser;
+}
+
+int ViewPainter::coarserToReadLittle(const ViewedJob& job) {
+  makeRoom(job);
+  return coarserWithin(job, job.job.picture.size, kLittle);
+}
+
+ViewPicture ViewPainter::draw(const ViewedJob& job, const ImageSize& size, int coarser, bool filtered,
+                              const Progress& progress) {
+  const auto begin = std::chrono::steady_clock::now();
+  FrameScene scene;
+  FrameRequest request = previewOf(job, size, coarser, scene);
+  request.filters_rays = filtered;
+  Quiet quiet(progress);
+  ViewPicture out;
+  const Image image = renderFrame(cache_, request, quiet, out.statistics);
+  const Finish finish = finishOf(scene.picture, scene.transfer_function);
+  const int first_row = drawnPixels(size, scene.picture.crop).y0;
+  std::unique_ptr<ImageRows> rows;
+  if (finish.none())
+    rows = std::make_unique<RowsOfImage>(image);
+  else
+    rows = std::make_unique<ShownRows>(image, first_row, finish);
+  // A JPEG has no alpha.
+  const bool opaque = isOpaque(backgroundOf(scene.picture, scene.transfer_function));
+  out.bytes = opaque ? encodeJpeg(*rows, kJpegQuality) : encodedPng(*rows, {});
+  out.type = opaque ? "image/jpeg" : "image/png";
+  out.width = image.width;
+  out.height = image.height;
+  out.seconds = secondsSince(begin);
+  return out;
+}
+
+ViewPicture ViewPainter::moving(const ViewedJob& job, const Progress& progress) {
+  makeRoom(job);
+  const ImageSize& full = job.job.picture.size;
+  const double pixels = moving_pixel_s_ > 0 ? kMovingSeconds / moving_pixel_s_ : kFirstPixels;
+  const bool panorama = job.scene.camera.projection == Projection::kEquirectangular;
+  const ImageSize size = scaled(full, std::sqrt(std::min(1.0, pixels / pixelsOf(full))), panorama);
+  const int coarser = coarserWithin(job, size, kLittle);
+  ViewPicture out = draw(job, size, coarser, false, progress);
+  // Reading says nothing about the next picture. A picture that took longer counts at once.
+  if (out.statistics.bricks_read == 0) {
+    const double measured = out.seconds / pixelsOf(size);
+    moving_pixel_s_ = moving_pixel_s_ > 0 ? std::max(measured, 0.7 * moving_pixel_s_ + 0.3 * measured) : measured;
+  }
+  return out;
+}
+
+ViewPicture ViewPainter::refined(const ViewedJob& job, int coarser, const Progress& progress) {
+  makeRoom(job);
+  return draw(job, job.job.picture.size, coarser, true, progress);
+}
+
+DrawnFrame ViewPainter::exact(const ViewedJob& job, Progress& progress) {
+  makeRoom(job);
+  const auto request_for = [&](const FrameScene& scene) {
+    FrameRequest request = requestOf(scene, job.job.speed, job.memory);
+    request.last_illumination = &shadows_;
+    return request;
+  };
+  DrawnFrame out = drawFrame(cache_, job.scene, request_for, job.frame, progress);
+  if (out.statistics.bricks_read == 0) exact_pixel_s_ = out.statistics.wall_s / pixelsOf(job.job.picture.size);
+  return out;
+}
+
+ViewPicture ViewPainter::png(const ViewedJob& job, DrawnFrame drawn) {
+  const auto begin = std::chrono::steady_clock::now();
+  ViewPicture out;
+  out.bytes = pngOf(job.job, drawn, volumes_.first());
+  out.type = "image/png";
+  for (const DrawnView& view : drawn.views) out.width += view.image.width;
+  out.height = drawn.views.front().image.height;
+  out.statistics = std::move(drawn.statistics);
+  out.seconds = out.statistics.wall_s + secondsSince(begin);
+  return out;
+}
+
+double ViewPainter::exactSeconds(const ViewedJob& job) const {
+  if (exact_pixel_s_ == 0) return std::numeric_limits<double>::infinity();
+  return exact_pixel_s_ * pixelsOf(job.job.picture.size);
+}
+
+}  // namespace kiln

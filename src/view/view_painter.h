@@ -1,0 +1,93 @@
+// Draws the pictures of a session from one cache: previews that are fast, and the picture that `kiln render` draws.
+// Method. A preview has one ray a pixel, samples one voxel apart, and the shadows that earlier pictures have drawn.
+// While the camera moves, it has as many pixels as the measured cost allows, and levels so coarse that little is read.
+// Invariant. Bricks, index, pictures and shadows together keep to the memory of the session's job.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/progress.h"
+#include "cache/brick_cache.h"
+#include "frame/frame_memory.h"
+#include "job/frame_scene.h"
+#include "sequence/opened_job.h"
+#include "sequence/opened_volumes.h"
+
+namespace kiln {
+
+/// The side of the largest picture. unit: pixels.
+inline constexpr int kLargestViewSide = 4096;
+
+/// A job that is ready to be drawn.
+struct ViewedJob {
+  RenderJob job;
+  std::unique_ptr<SceneOfJob> scenes;
+  int frame = 1;
+  FrameScene scene;  // of the frame
+  FrameMemory memory;
+};
+
+struct ViewPicture {
+  std::vector<std::byte> bytes;
+  std::string type;  // "image/jpeg", "image/png"
+  int width = 0, height = 0;
+  FrameStatistics statistics;
+  double seconds = 0;  // to draw and to encode
+};
+
+/// thread: one caller at a time.
+class ViewPainter {
+ public:
+  /// Opens the volumes of the job, which are stores. `job` outlives the object. throws: as OpenedJob.
+  ViewPainter(const RenderJob& job, Progress& progress);
+
+  const OpenedVolumes& volumes() const { return volumes_; }
+  /// Makes every choice of the job's first frame, or of another. throws: Error kUsage, kBudget; as SceneOfJob.
+  std::unique_ptr<ViewedJob> prepare(const RenderJob& job);
+
+  /// Draws a preview that takes about 30 ms.
+  ViewPicture moving(const ViewedJob& job, const Progress& progress);
+  /// Draws a preview of all pixels, `coarser` levels coarser than the finished picture.
+  ViewPicture refined(const ViewedJob& job, int coarser, const Progress& progress);
+  /// Draws the frame as `kiln render` does.
+  DrawnFrame exact(const ViewedJob& job, Progress& progress);
+  /// Returns the PNG of an exact frame. `began_s` has passed for drawing it.
+  ViewPicture png(const ViewedJob& job, DrawnFrame drawn);
+  /// Returns the levels by which a refined picture must be coarser to read little, 0 if all is in memory.
+  int coarserToReadLittle(const ViewedJob& job);
+  /// Returns the likely time of `exact`; infinite if no picture was drawn yet. unit: seconds.
+  double exactSeconds(const ViewedJob& job) const;
+
+  /// Returns a brick from the cache or the disk; null if it is damaged and the session skips such bricks.
+  std::shared_ptr<const BrickBlock> brick(const StoredBrick& brick) { return cache_.get(brick); }
+  CacheCounts counts() const { return cache_.counts(); }
+
+ private:
+  FrameRequest previewOf(const ViewedJob& job, const ImageSize& size, int coarser, FrameScene& scene) const;
+  ViewPicture draw(const ViewedJob& job, const ImageSize& size, int coarser, bool filtered, const Progress& progress);
+  int coarserWithin(const ViewedJob& job, const ImageSize& size, std::uint64_t bytes) const;
+  void makeRoom(const ViewedJob& job);
+
+  const RenderJob& session_;
+  const OpenedVolumes volumes_;
+  const std::uint64_t bricks_bytes_;  // memory of the cache without any picture
+  BrickCache cache_;
+  FitReads fit_;
+  std::shared_ptr<const Illumination> shadows_;
+  double moving_pixel_s_ = 0, exact_pixel_s_ = 0;  // measured; 0: not yet
+
+  struct ShownMemo {
+    std::size_t volume = 0;
+    std::vector<TransferFunction> functions;
+    Clipping clipping;
+    VolumeGeometry box;
+  };
+  std::vector<ShownMemo> shown_;
+  std::string planned_;  // the job of the last plan of memory, without its camera
+  FrameMemory plan_;
+};
+
+}  // namespace kiln

@@ -1,0 +1,533 @@
+#include "view/view_session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "base/error.h"
+#include "base/file/file.h"
+#include "base/shell_text.h"
+#include "frame/slice.h"
+#include "image/file/image_file.h"
+#include "image/image_rows.h"
+#include "job/job_facts.h"
+#include "job/job_names.h"
+#include "job/stated_job.h"
+#include "job/transfer_function_choice.h"
+#include "scene/transfer/presets.h"
+#include "sequence/dry_run.h"
+#include "sequence/frame_files.h"
+#include "store/codec/brick_block.h"
+#include "store/manifest/json_text.h"
+#include "view/view_job.h"
+#include "view/volume_facts.h"
+
+namespace kiln {
+namespace {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+// Time between two reports of progress, and between two looks whether the client still reads. unit: seconds.
+constexpr double kReportEvery = 0.1, kLookEvery = 0.01;
+// A picture that takes no longer is drawn at once, without previews. unit: seconds.
+constexpr double kAtOnce = 0.06;
+// A frame that arrives so soon after a newer one, on another connection, was overtaken. unit: seconds.
+constexpr double kOvertaken = 0.1;
+
+double nowSeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+ordered_json of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+void sendJson(ViewClient& client, const ordered_json& value) {
+  const std::string text = jsonText(value, -1);
+  client.document("application/json", bytesOf(text));
+}
+
+void sendRecord(ViewClient& client, const ordered_json& value, std::span<const std::byte> payload = {}) {
+  client.record(jsonText(value, -1), payload);
+}
+
+ordered_json cameraJson(const Camera& camera) {
+  ordered_json out = {{"projection", nameIn(kProjectionNames, camera.projection)},
+                      {"eye", of(camera.eye)},
+                      {"target", of(camera.target)},
+                      {"up", of(camera.up)}};
+  if (camera.projection == Projection::kPerspective) out["fov"] = camera.fov_deg;
+  if (camera.projection == Projection::kOrthographic) out["height"] = camera.height;
+  return out;
+}
+
+// Camera and functions of a scene, with every choice made.
+ordered_json resolvedScene(const FrameScene& scene) {
+  ordered_json functions = ordered_json::array();
+  for (const VolumeScene& volume : scene.volumes) functions.push_back(statedJson(volume.transfer_function));
+  if (scene.volumes.empty()) functions.push_back(statedJson(TransferFunctionChoice(scene.transfer_function)));
+  return {{"camera", cameraJson(scene.camera)}, {"transferFunctions", functions}};
+}
+
+ordered_json pictureRecord(std::int64_t seq, const char* stage, const ViewPicture& picture) {
+  const std::vector<LevelStatistics>& levels = picture.statistics.levels;
+  int finest = -1, coarsest = -1;
+  for (int level = 0; level < static_cast<int>(levels.size()); ++level) {
+    if (levels[static_cast<std::size_t>(level)].bricks == 0) continue;
+    if (finest < 0) finest = level;
+    coarsest = level;
+  }
+  return {{"kind", "picture"},
+          {"seq", seq},
+          {"stage", stage},
+          {"type", picture.type},
+          {"width", picture.width},
+          {"height", picture.height},
+          {"level", {std::max(finest, 0), std::max(coarsest, 0)}},
+          {"bricks", picture.statistics.bricks_read},
+          {"bytesRead", picture.statistics.bricks_read_bytes},
+          {"seconds", picture.seconds},
+          {"asRendered", std::string_view(stage) == "final"}};
+}
+
+}  // namespace
+
+// A request's JSON. throws: every member throws Error kUsage naming the key.
+struct ViewSession::Body {
+  json value;
+
+  static Body parse(const std::string& text) {
+    // Copies and texts of a value take stack for each of its depths.
+    constexpr int kDeepest = 32;
+    const auto bounded = [](int depth, json::parse_event_t, json&) {
+      if (depth > kDeepest) throw Error(ErrorCode::kFormat, "the request is nested too deeply; send fewer levels");
+      return true;
+    };
+    Body out{json::parse(text.empty() ? "{}" : text, bounded, false)};
+    if (out.value.is_discarded()) throw Error(ErrorCode::kFormat, "the request is no JSON; send an object");
+    if (!out.value.is_object()) throw Error(ErrorCode::kFormat, "the request is no object; send an object");
+    return out;
+  }
+  const json* find(const char* key) const {
+    const auto found = value.find(key);
+    return found == value.end() || found->is_null() ? nullptr : &*found;
+  }
+  [[noreturn]] static void refuse(const char* key, const std::string& expected) {
+    throw Error(ErrorCode::kUsage, fmt::format("{}: expected {}", key, expected));
+  }
+  static std::optional<std::int64_t> whole(const json& number, std::int64_t least, std::int64_t most) {
+    if (!number.is_number()) return std::nullopt;
+    const double given = number.get<double>();
+    if (!(given >= static_cast<double>(least) && given <= static_cast<double>(most)) || given != std::floor(given))
+      return std::nullopt;
+    return static_cast<std::int64_t>(given);
+  }
+  std::int64_t integer(const char* key, std::int64_t least, std::int64_t most,
+                       std::optional<std::int64_t> otherwise = {}) const {
+    const json* const found = find(key);
+    if (found == nullptr && otherwise) return *otherwise;
+    const auto out = found ? whole(*found, least, most) : std::nullopt;
+    if (!out) refuse(key, fmt::format("a whole number from {} to {}", least, most));
+    return *out;
+  }
+  bool flag(const char* key) const {
+    const json* const found = find(key);
+    if (found == nullptr) return false;
+    if (!found->is_boolean()) refuse(key, "true or false");
+    return found->get<bool>();
+  }
+  std::string text(const char* key) const {
+    const json* const found = find(key);
+    if (found == nullptr || !found->is_string()) refuse(key, "a text");
+    return found->get<std::string>();
+  }
+  std::optional<ImageSize> sizeIfThere(const char* key = "size") const {
+    const json* const found = find(key);
+    if (found == nullptr) return std::nullopt;
+    if (found->is_array() && found->size() == 2) {
+      const auto width = whole((*found)[0], 1, kLargestViewSide), height = whole((*found)[1], 1, kLargestViewSide);
+      if (width && height) return ImageSize{static_cast<int>(*width), static_cast<int>(*height)};
+    }
+    refuse(key, fmt::format("[width, height], each from 1 to {}", kLargestViewSide));
+  }
+  ImageSize size() const {
+    const auto out = sizeIfThere();
+    if (!out) refuse("size", "[width, height]");
+    return *out;
+  }
+  const json& job() const {
+    const json* const found = find("job");
+    if (found == nullptr) refuse("job", "a job");
+    return *found;
+  }
+};
+
+// A frame stops for a newer one, and when nobody reads it.
+class ViewSession::FrameStops final : public Progress {
+ public:
+  FrameStops(const ViewSession& session, std::uint64_t number, std::int64_t seq, ViewClient& client)
+      : session_(session), number_(number), seq_(seq), client_(client) {}
+
+  bool superseded() const { return session_.stopped_ || session_.turns_.superseded(number_); }
+  bool cancelled() const override {
+    if (superseded() || gone_) return true;
+    // Several threads may look at once, which does no harm.
+    if (const double now = nowSeconds(); now >= next_look_s_) {
+      next_look_s_ = now + kLookEvery;
+      gone_ = client_.gone();
+    }
+    return gone_;
+  }
+  void advance(const char*, const char* unit, std::uint64_t done, std::uint64_t total) override {
+    const double now = nowSeconds();
+    if (now < next_report_s_) return;
+    next_report_s_ = now + kReportEvery;
+    sendRecord(client_, {{"kind", "progress"}, {"seq", seq_}, {"done", done}, {"total", total}, {"unit", unit}});
+  }
+
+ private:
+  const ViewSession& session_;
+  const std::uint64_t number_;
+  const std::int64_t seq_;
+  ViewClient& client_;
+  mutable std::atomic<double> next_look_s_ = 0;
+  mutable std::atomic<bool> gone_ = false;
+  double next_report_s_ = nowSeconds() + kReportEvery;
+};
+
+// Other work stops when nobody reads its answer, and is interrupted by frames.
+class ViewSession::OtherStops final : public Progress {
+ public:
+  OtherStops(const ViewSession& session, const ViewClient& client) : session_(session), client_(client) {}
+  bool ends() const { return session_.stopped_ || client_.gone(); }
+  bool cancelled() const override { return session_.turns_.framesWait() || ends(); }
+
+ private:
+  const ViewSession& session_;
+  const ViewClient& client_;
+};
+
+template <class Work>
+auto ViewSession::inTurn(ViewClient& client, const Work& work) {
+  OtherStops stops(*this, client);
+  for (;;) {
+    const DrawingTurns::Turn turn(turns_, false, [&] { return stops.ends(); });
+    if (!turn.given()) throw Error(ErrorCode::kCancelled, "nobody reads the answer");
+    try {
+      return work(stops);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kCancelled || stops.ends()) throw;
+    }
+  }
+}
+
+ViewSession::ViewSession(ViewSource source, Progress& progress)
+    : source_(std::move(source)), threads_(source_.drawn.speed.threads), painter_(source_.drawn, progress) {
+  RenderJob job = source_.drawn;
+  job.picture.aovs = {};
+  job.output = {};
+  painter_.prepare(job);
+}
+
+const ViewSession::Row* ViewSession::rowOf(std::string_view name) {
+  static constexpr std::array kRows = {Row{"session", &ViewSession::sessionFacts, false},
+                                       Row{"frame", &ViewSession::frame},
+                                       Row{"resolve", &ViewSession::resolve},
+                                       Row{"slice", &ViewSession::slice},
+                                       Row{"probe", &ViewSession::probe},
+                                       Row{"thumbnail", &ViewSession::thumbnail},
+                                       Row{"function", &ViewSession::function},
+                                       Row{"command", &ViewSession::command},
+                                       Row{"estimate", &ViewSession::estimate},
+                                       Row{"save", &ViewSession::save},
+                                       Row{"render", &ViewSession::render}};
+  const auto row = std::find_if(kRows.begin(), kRows.end(), [&](const Row& r) { return r.name == name; });
+  return row == kRows.end() ? nullptr : &*row;
+}
+
+ViewService::Request ViewSession::kindOf(std::string_view name) const {
+  const Row* const row = rowOf(name);
+  return row == nullptr ? Request::kUnknown : row->has_body ? Request::kPosts : Request::kReads;
+}
+
+void ViewSession::answer(std::string_view name, const std::string& body, ViewClient& client) {
+  const Row* const row = rowOf(name);
+  if (row == nullptr) throw Error(ErrorCode::kNotFound, fmt::format("there is no request '{}'", name));
+  if (stopped_) throw Error(ErrorCode::kCancelled, "the session has ended");
+  (this->*row->answer)(Body::parse(body), client);
+}
+
+void ViewSession::stop() {
+  stopped_ = true;
+  turns_.wake();
+}
+
+RenderJob ViewSession::jobOf(const Body& body) const {
+  return jobOfBrowser(body.job(), body.sizeIfThere().value_or(source_.drawn.picture.size), source_.drawn);
+}
+
+void ViewSession::sessionFacts(const Body&, ViewClient& client) {
+  const OpenedVolumes& volumes = painter_.volumes();
+  ordered_json out = {
+      {"version", KILN_VERSION},
+      {"title", source_.title},
+      {"jobFile", source_.job_file.empty() ? ordered_json() : ordered_json(source_.job_file.filename().string())},
+      {"job", jobForBrowser(source_.drawn, volumes.manifests())},
+      {"volumes", volumeFacts(volumes)},
+      {"box", worldBox(volumes)},
+      {"presets", presetNames()},
+      {"memory", source_.drawn.speed.memory_bytes},
+      {"threads", ThreadLimit::active()},
+      {"largest", kLargestViewSide}};
+  for (std::size_t i = 0; i < source_.named.volumes.size(); ++i)
+    out["volumes"][i]["name"] = source_.named.volumes[i].volume.filename().string();
+  if (source_.named.volumes.empty()) out["volumes"][0]["name"] = source_.named.volume.filename().string();
+  sendJson(client, out);
+}
+
+// Two connections may change the order of two frames of one page: the older one must not end the newer one.
+bool ViewSession::stale(std::int64_t seq) {
+  const std::lock_guard lock(frames_);
+  const double now = nowSeconds();
+  if (seq < newest_seq_ && now < newest_at_s_ + kOvertaken) return true;
+  newest_seq_ = seq;
+  newest_at_s_ = now;
+  return false;
+}
+
+void ViewSession::frame(const Body& body, ViewClient& client) {
+  constexpr std::int64_t kMostSeq = std::int64_t{1} << 53;
+  const std::int64_t seq = body.integer("seq", 0, kMostSeq, 0);
+  if (stale(seq)) {
+    sendRecord(client, {{"kind", "cancelled"}, {"seq", seq}});
+    return;
+  }
+  FrameStops stops(*this, turns_.arrive(), seq, client);
+  turns_.wake();
+  try {
+    drawStages(body, seq, stops, client);
+    sendRecord(client, {{"kind", "end"}, {"seq", seq}});
+  } catch (const Error& error) {
+    if (client.gone()) throw;
+    if (error.code() == ErrorCode::kCancelled)
+      sendRecord(client, {{"kind", "cancelled"}, {"seq", seq}});
+    else
+      sendRecord(client, {{"kind", "error"}, {"seq", seq}, {"error", error.what()}});
+  }
+}
+
+void ViewSession::drawStages(const Body& body, std::int64_t seq, FrameStops& stops, ViewClient& client) {
+  const auto in_turn = [&](const auto& work) {
+    const DrawingTurns::Turn turn(turns_, true, [&] { return stops.cancelled(); });
+    if (!turn.given()) throw Error(ErrorCode::kCancelled, "a newer frame has come");
+    return work();
+  };
+  const auto send = [&](const char* stage, const ViewPicture& picture) {
+    stops.throwIfCancelled("drawing");
+    sendRecord(client, pictureRecord(seq, stage, picture), picture.bytes);
+  };
+  body.size();
+  const RenderJob job = jobOf(body);
+  const bool moving = body.flag("moving");
+  std::unique_ptr<ViewedJob> viewed;
+  bool at_once = false;
+  int coarser = 0;
+  const std::optional<ViewPicture> preview = in_turn([&]() -> std::optional<ViewPicture> {
+    viewed = painter_.prepare(job);
+    if (!moving) {
+      coarser = painter_.coarserToReadLittle(*viewed);
+      at_once = coarser == 0 && painter_.exactSeconds(*viewed) <= kAtOnce;
+    }
+    if (at_once) return std::nullopt;
+    return painter_.moving(*viewed, stops);
+  });
+  ordered_json resolved = {{"kind", "resolved"}, {"seq", seq}};
+  resolved.update(resolvedScene(viewed->scene));
+  sendRecord(client, resolved);
+  if (preview) send("preview", *preview);
+  if (moving) return;
+  for (; !at_once && coarser >= 0; --coarser)
+    send("refined", in_turn([&] { return painter_.refined(*viewed, coarser, stops); }));
+  send("final", in_turn([&] { return painter_.png(*viewed, painter_.exact(*viewed, stops)); }));
+}
+
+void ViewSession::resolve(const Body& body, ViewClient& client) {
+  const RenderJob job = jobOf(body);
+  sendJson(client, inTurn(client, [&](OtherStops&) { return resolvedScene(painter_.prepare(job)->scene); }));
+}
+
+void ViewSession::slice(const Body& body, ViewClient& client) {
+  const std::vector<const BrickedVolume*>& all = painter_.volumes().all();
+  const auto volume = static_cast<int>(body.integer("volume", 0, static_cast<std::int64_t>(all.size()) - 1, 0));
+  const BrickedVolume& store = *all[static_cast<std::size_t>(volume)];
+  const std::string axis = body.text("axis");
+  constexpr std::string_view kAxes = "xyz";
+  if (axis.size() != 1 || kAxes.find(axis) == std::string_view::npos) Body::refuse("axis", "x, y or z");
+  SliceRequest request;
+  request.axis = static_cast<int>(kAxes.find(axis));
+  const std::int64_t index = body.integer("index", 0, store.manifest().geometry().dims[request.axis] - 1);
+  if (const json* const window = body.find("window")) {
+    if (!window->is_array() || window->size() != 2 || !(*window)[0].is_number() || !(*window)[1].is_number())
+      Body::refuse("window", "[centre, width]");
+    request.window = Window{(*window)[0].get<double>(), (*window)[1].get<double>()};
+  }
+  const std::optional<ImageSize> wanted = body.sizeIfThere();
+  const auto fits = [&](int level) {
+    const auto [width, height] = sliceSize(store.level(level).geometry, request.axis);
+    return width <= kLargestViewSide && height <= kLargestViewSide &&
+           (!wanted || (width < 2 * wanted->width && height < 2 * wanted->height));
+  };
+  const int levels = static_cast<int>(store.manifest().levels.size());
+  while (request.level + 1 < levels && !fits(request.level)) ++request.level;
+  const VolumeGeometry& level = store.level(request.level).geometry;
+  request.index = std::min(index / store.manifest().spanOf(request.level)[request.axis], level.dims[request.axis] - 1);
+  request.memory_bytes = source_.drawn.speed.memory_bytes;
+  const std::vector<std::byte> png = inTurn(client, [&](OtherStops& stops) {
+    const auto brick = [&](const BrickKey& key) { return painter_.brick({key, volume}); };
+    const Image image = renderSlice(store, request, brick, stops);
+    RowsOfImage rows(image);
+    return encodedPng(rows, {});
+  });
+  const auto [width, height] = sliceSize(level, request.axis);
+  const glm::dvec3 spacing = level.spacing();
+  const int right = request.axis == 0 ? 1 : 0, down = request.axis == 2 ? 1 : 2;
+  const double edge = std::min(spacing[right], spacing[down]);
+  sendRecord(client,
+             {{"kind", "slice"},
+              {"axis", axis},
+              {"index", index},
+              {"level", request.level},
+              {"type", "image/png"},
+              {"width", width},
+              {"height", height},
+              {"voxelSize", {edge, edge}}},
+             png);
+  sendRecord(client, {{"kind", "end"}});
+}
+
+void ViewSession::probe(const Body& body, ViewClient& client) {
+  const std::vector<const BrickedVolume*>& all = painter_.volumes().all();
+  const auto volume = static_cast<int>(body.integer("volume", 0, static_cast<std::int64_t>(all.size()) - 1, 0));
+  const BrickedVolume& store = *all[static_cast<std::size_t>(volume)];
+  const VolumeGeometry& geometry = store.manifest().geometry();
+  const json* const given = body.find("voxel");
+  VoxelCoord voxel;
+  if (given == nullptr || !given->is_array() || given->size() != 3) Body::refuse("voxel", "[x, y, z]");
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto place = Body::whole((*given)[static_cast<std::size_t>(axis)], 0, geometry.dims[axis] - 1);
+    if (!place)
+      Body::refuse("voxel", fmt::format("[x, y, z] inside {} x {} x {} voxels", geometry.dims.x, geometry.dims.y,
+                                        geometry.dims.z));
+    voxel[axis] = *place;
+  }
+  const std::int64_t edge = store.manifest().brick_size;
+  const BrickKey key{0,
+                     {static_cast<std::int32_t>(voxel.x / edge), static_cast<std::int32_t>(voxel.y / edge),
+                      static_cast<std::int32_t>(voxel.z / edge)}};
+  double value = std::numeric_limits<double>::quiet_NaN();
+  if (const auto block = inTurn(client, [&](OtherStops&) { return painter_.brick({key, volume}); })) {
+    withVoxelType(block->type, [&]<class T>(std::type_identity<T>) {
+      value = static_cast<double>(block->data<T>()[block->offsetOf(voxel)]);
+    });
+  }
+  sendJson(client, {{"value", std::isfinite(value) ? ordered_json(value) : ordered_json()},
+                    {"label", nullptr},
+                    {"world", of(geometry.worldOf({voxel.x, voxel.y, voxel.z}))}});
+}
+
+void ViewSession::thumbnail(const Body& body, ViewClient& client) {
+  const std::string preset = body.text("preset");
+  if (!isPreset(preset)) Body::refuse("preset", presetList());
+  body.size();
+  RenderJob job = jobOf(body);
+  job.picture.window.reset();
+  job.animation.functions.clear();
+  job.picture.transfer_function = preset;
+  if (!job.volumes.empty()) {
+    job.volumes.front().transfer_function = preset;
+    job.volumes.front().functions.clear();
+    job.volumes.front().window.reset();
+  }
+  job.picture.background.reset();
+  const ViewPicture picture = inTurn(client, [&](OtherStops& stops) {
+    const std::unique_ptr<ViewedJob> viewed = painter_.prepare(job);
+    return painter_.refined(*viewed, painter_.coarserToReadLittle(*viewed), stops);
+  });
+  client.document(picture.type, picture.bytes);
+}
+
+void ViewSession::function(const Body& body, ViewClient& client) {
+  const Manifest& manifest = painter_.volumes().first().manifest();
+  const TransferFunction read = transferFunctionOfText(body.text("text"), manifest, "the dropped file");
+  sendJson(client, {{"transferFunction", statedJson(TransferFunctionChoice(read))}});
+}
+
+void ViewSession::command(const Body& body, ViewClient& client) {
+  const ImageSize size = body.size();
+  jobOfBrowser(body.job(), size, source_.drawn);
+  const fs::path picture = fs::path(source_.job_file).replace_extension(".png");
+  sendJson(client, {{"command", fmt::format("kiln render {} -o {} --size {}x{}", shellText(source_.job_file.string()),
+                                            shellText(picture.string()), size.width, size.height)}});
+}
+
+void ViewSession::estimate(const Body& body, ViewClient& client) {
+  body.size();
+  const RenderJob job = jobOf(body);
+  const auto out = inTurn(client, [&](OtherStops&) -> ordered_json {
+    const DryRun run = dryRun(job, painter_.volumes());
+    const double seconds = painter_.exactSeconds(*painter_.prepare(job));
+    return {{"memory", run.memory.smallest()},
+            {"bricks", run.bricks_in_view},
+            {"bytes", run.file_bytes_in_view},
+            {"seconds", std::isfinite(seconds) ? ordered_json(seconds) : ordered_json()}};
+  });
+  sendJson(client, out);
+}
+
+void ViewSession::save(const Body& body, ViewClient& client) {
+  if (source_.job_file.empty()) throw Error(ErrorCode::kUsage, "this session has no file for its job; give --job");
+  const std::string text = savedJobText(body.job(), body.size(), source_.named, source_.job_file);
+  FileSystem::real().writeAtomic(source_.job_file, text);
+  sendJson(client, {{"path", source_.job_file.string()}, {"bytes", text.size()}});
+}
+
+// Draws all frames of the job into files beside the job's. Frames of the session come between.
+void ViewSession::render(const Body& body, ViewClient& client) {
+  if (source_.job_file.empty()) throw Error(ErrorCode::kUsage, "this session has no file for its job; give --job");
+  body.size();
+  RenderJob job = jobOf(body);
+  const std::vector<int> frames = framesOf(job);
+  const std::string stem = fs::path(source_.job_file).replace_extension("").string();
+  RenderJob to_file = job;
+  to_file.output.path = stem + (frames.size() > 1 ? "_####.png" : ".png");
+  requirePlaces(to_file, frames.front());
+  std::uint64_t bytes = 0, done = 0;
+  try {
+    for (const int frame : frames) {
+      job.frames = {frame};
+      inTurn(client, [&](OtherStops& stops) {
+        const std::unique_ptr<ViewedJob> viewed = painter_.prepare(job);
+        DrawnFrame drawn = painter_.exact(*viewed, stops);
+        writeFrame(to_file, frame, drawn, painter_.volumes().first(), viewed->memory.files);
+      });
+      bytes += fs::file_size(filesOf(to_file, frame).front().path);
+      sendRecord(client, {{"kind", "progress"}, {"done", ++done}, {"total", frames.size()}, {"unit", "frames"}});
+    }
+    sendRecord(client, {{"kind", "written"},
+                        {"path", filesOf(to_file, frames.front()).front().path.string()},
+                        {"frames", frames.size()},
+                        {"bytes", bytes}});
+  } catch (const Error& error) {
+    if (client.gone()) throw;
+    sendRecord(client, {{"kind", "error"}, {"error", error.what()}});
+  }
+}
+
+}  // namespace kiln

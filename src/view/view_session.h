@@ -1,0 +1,78 @@
+// A viewing session: open volumes, one cache, requests by name. It knows jobs and pictures, and no HTTP.
+//
+// The requests are those of the manual page view.md. A frame is answered by a stream: a preview at once, refinements,
+// and the picture that `kiln render` draws of the job, bit for bit. A newer frame ends the older one.
+// Threads. Each request has the thread of its connection; DrawingTurns lets one draw at a time.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <mutex>
+#include <string>
+
+#include "base/thread/parallel.h"
+#include "view/drawing_turns.h"
+#include "view/view_client.h"
+#include "view/view_painter.h"
+
+namespace kiln {
+
+struct ViewSource {
+  RenderJob drawn;                 // its volumes are stores
+  RenderJob named;                 // with the volumes as the user named them, for saved jobs
+  std::filesystem::path job_file;  // the only file that `save` writes
+  std::string title;
+};
+
+class ViewSession final : public ViewService {
+ public:
+  /// Opens the volumes, and checks that the job can be drawn. requires: `progress` outlives the object. throws: as
+  /// OpenedJob.
+  ViewSession(ViewSource source, Progress& progress);
+
+  Request kindOf(std::string_view name) const override;
+  void answer(std::string_view name, const std::string& body, ViewClient& client) override;
+  void stop() override;
+
+ private:
+  struct Body;  // a request's JSON
+  class FrameStops;
+  class OtherStops;
+  using Answer = void (ViewSession::*)(const Body&, ViewClient&);
+  struct Row {
+    std::string_view name;
+    Answer answer;
+    bool has_body = true;
+  };
+  static const Row* rowOf(std::string_view name);
+
+  void sessionFacts(const Body& body, ViewClient& client);
+  void frame(const Body& body, ViewClient& client);
+  void resolve(const Body& body, ViewClient& client);
+  void slice(const Body& body, ViewClient& client);
+  void probe(const Body& body, ViewClient& client);
+  void thumbnail(const Body& body, ViewClient& client);
+  void function(const Body& body, ViewClient& client);
+  void command(const Body& body, ViewClient& client);
+  void estimate(const Body& body, ViewClient& client);
+  void save(const Body& body, ViewClient& client);
+  void render(const Body& body, ViewClient& client);
+
+  void drawStages(const Body& body, std::int64_t seq, FrameStops& stops, ViewClient& client);
+  /// Calls work() in this thread's turn. Work is begun anew after a frame has interrupted it.
+  template <class Work>
+  auto inTurn(ViewClient& client, const Work& work);
+  RenderJob jobOf(const Body& body) const;
+  bool stale(std::int64_t seq);
+
+  const ViewSource source_;
+  const ThreadLimit threads_;
+  ViewPainter painter_;
+  DrawingTurns turns_;
+  std::atomic<bool> stopped_ = false;
+  std::mutex frames_;  // guards the members below
+  std::int64_t newest_seq_ = 0;
+  double newest_at_s_ = -1;
+};
+
+}  // namespace kiln
