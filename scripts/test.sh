@@ -38,7 +38,7 @@ scripts/install_packages.sh build mpi test
 scripts/check_includes.sh
 scripts/check_definitions.sh
 
-configure=(-DKILN_TESTS=ON -DKILN_MPI=ON -DKILN_HDF5=ON -DKILN_OPENJPEG=ON "-DKILN_NIGHTLY=$nightly")
+configure=(-DKILN_TESTS=ON -DKILN_MPI=ON -DKILN_HDF5=ON -DKILN_OPENJPEG=ON -DKILN_VIEW=ON "-DKILN_NIGHTLY=$nightly")
 if [ "$nightly" = ON ]; then
   scripts/install_packages.sh bench
   configure+=(-DKILN_BENCH=ON)

@@ -1,4 +1,4 @@
-// Who draws next: one thread at a time, frames before other work, and the newest frame alone.
+// The order of drawing: one thread at a time, frames before other work, and the newest frame alone.
 // Method. A frame that arrives ends the frame before it, and interrupts other work, which waits and begins again.
 #pragma once
 

@@ -465,7 +465,7 @@ class HttpServer final : public ViewServer {
         std::to_string(kBody.size()) + "\r\n\r\n" + kBody;
     ::send(file.get(), kBusy.data(), kBusy.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
     ::shutdown(file.get(), SHUT_WR);
-    // What has arrived is taken, or the answer would be lost.
+    // Bytes that have arrived are taken, or the answer would be lost.
     std::array<char, 4096> rest;
     for (int i = 0; i < 16 && ::recv(file.get(), rest.data(), rest.size(), MSG_DONTWAIT) > 0; ++i) {
     }

@@ -96,11 +96,6 @@ ordered_json jobForBrowser(const RenderJob& session, const std::vector<const Man
   job.picture.aovs = {};
   ordered_json out = statedJson(job);
   for (const std::string_view key : kSessionsOwn) out.erase(std::string(key));
-  if (const auto image = out.find("image"); image != out.end()) {
-    image->erase("width");
-    image->erase("height");
-    if (image->empty()) out.erase("image");
-  }
   return out;
 }
 

@@ -27,8 +27,10 @@ namespace {
 
 // Time of a preview while the camera moves. unit: seconds.
 constexpr double kMovingSeconds = 0.03;
-// Pixels of the first preview, whose cost is unknown.
-constexpr double kFirstPixels = 256 * 256;
+// Pixels of the first preview, whose cost is unknown; the smallest share of a picture's sides that still shows shapes.
+constexpr double kFirstPixels = 256 * 256, kLeastShare = 0.25;
+// Bounds of the change from one preview to the next: one slow picture makes the next small, and others grow it again.
+constexpr double kLeastChange = 0.6, kMostChange = 1.25;
 // Most bytes of brick files that a preview reads.
 constexpr std::uint64_t kLittle = std::uint64_t{16} << 20;
 constexpr int kJpegQuality = 70;
@@ -207,18 +209,18 @@ ViewPicture ViewPainter::draw(const ViewedJob& job, const ImageSize& size, int c
 }
 
 ViewPicture ViewPainter::moving(const ViewedJob& job, const Progress& progress) {
+  const auto begin = std::chrono::steady_clock::now();
   makeRoom(job);
   const ImageSize& full = job.job.picture.size;
-  const double pixels = moving_pixel_s_ > 0 ? kMovingSeconds / moving_pixel_s_ : kFirstPixels;
+  if (moving_pixels_ == 0) moving_pixels_ = kFirstPixels;
+  moving_pixels_ = std::clamp(moving_pixels_, kLeastShare * kLeastShare * pixelsOf(full), pixelsOf(full));
   const bool panorama = job.scene.camera.projection == Projection::kEquirectangular;
-  const ImageSize size = scaled(full, std::sqrt(std::min(1.0, pixels / pixelsOf(full))), panorama);
-  const int coarser = coarserWithin(job, size, kLittle);
-  ViewPicture out = draw(job, size, coarser, false, progress);
-  // Reading says nothing about the next picture. A picture that took longer counts at once.
-  if (out.statistics.bricks_read == 0) {
-    const double measured = out.seconds / pixelsOf(size);
-    moving_pixel_s_ = moving_pixel_s_ > 0 ? std::max(measured, 0.7 * moving_pixel_s_ + 0.3 * measured) : measured;
-  }
+  const ImageSize size = scaled(full, std::sqrt(moving_pixels_ / pixelsOf(full)), panorama);
+  ViewPicture out = draw(job, size, coarserWithin(job, size, kLittle), false, progress);
+  out.seconds = secondsSince(begin);
+  // The time of reading says nothing about the next picture.
+  if (out.statistics.bricks_read == 0)
+    moving_pixels_ *= std::clamp(kMovingSeconds / out.seconds, kLeastChange, kMostChange);
   return out;
 }
 

@@ -77,7 +77,8 @@ class ViewPainter {
   BrickCache cache_;
   FitReads fit_;
   std::shared_ptr<const Illumination> shadows_;
-  double moving_pixel_s_ = 0, exact_pixel_s_ = 0;  // measured; 0: not yet
+  double moving_pixels_ = 0;  // of the next preview; 0: not known yet
+  double exact_pixel_s_ = 0;  // measured; 0: not yet
 
   struct ShownMemo {
     std::size_t volume = 0;

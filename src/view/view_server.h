@@ -17,10 +17,10 @@
 namespace kiln {
 
 struct ViewServerOptions {
-  std::uint16_t port = 0;        // of 127.0.0.1; 0: any free one
-  std::filesystem::path socket;  // if not empty, a UNIX socket instead of a port
+  std::uint16_t port = 0;          // of 127.0.0.1; 0: any free one
+  std::filesystem::path socket{};  // if not empty, a UNIX socket instead of a port
   /// Further names of this server, behind a proxy.
-  std::vector<std::string> hosts;
+  std::vector<std::string> hosts{};
   double header_s = 10, request_s = 30;  // most time for a request's header, and for a whole request. unit: seconds
   int connections = 8;                   // at a time; further ones are refused at once
 };

@@ -17,8 +17,10 @@
 #include "frame/slice.h"
 #include "image/file/image_file.h"
 #include "image/image_rows.h"
+#include "job/frame_list.h"
 #include "job/job_facts.h"
 #include "job/job_names.h"
+#include "job/job_options.h"
 #include "job/stated_job.h"
 #include "job/transfer_function_choice.h"
 #include "scene/transfer/presets.h"
@@ -74,6 +76,16 @@ ordered_json resolvedScene(const FrameScene& scene) {
   for (const VolumeScene& volume : scene.volumes) functions.push_back(statedJson(volume.transfer_function));
   if (scene.volumes.empty()) functions.push_back(statedJson(TransferFunctionChoice(scene.transfer_function)));
   return {{"camera", cameraJson(scene.camera)}, {"transferFunctions", functions}};
+}
+
+// The values that a look stands for.
+ordered_json lookJson(const char* look) {
+  RenderJob job = parseJob(json{{"kiln", kJobFormat}, {"volume", "volume"}, {"look", look}}.dump(), "look");
+  const Shading& shading = job.picture.shading;
+  const Display& display = job.picture.display;
+  return {{"shading", resolvedJson(shadingOptions(), shading)},
+          {"lights", lightList().write(shading.lights)},
+          {"display", {{"exposure", display.exposure}, {"tone", nameIn(kToneNames, display.tone)}}}};
 }
 
 ordered_json pictureRecord(std::int64_t seq, const char* stage, const ViewPicture& picture) {
@@ -270,7 +282,14 @@ void ViewSession::stop() {
 }
 
 RenderJob ViewSession::jobOf(const Body& body) const {
-  return jobOfBrowser(body.job(), body.sizeIfThere().value_or(source_.drawn.picture.size), source_.drawn);
+  RenderJob out = jobOfBrowser(body.job(), body.sizeIfThere().value_or(source_.drawn.picture.size), source_.drawn);
+  if (body.find("frame") != nullptr) out.frames = {static_cast<int>(body.integer("frame", 0, kLastFrame))};
+  return out;
+}
+
+std::size_t ViewSession::volumeOf(const Body& body) const {
+  const auto last = static_cast<std::int64_t>(painter_.volumes().all().size()) - 1;
+  return static_cast<std::size_t>(body.integer("volume", 0, last, 0));
 }
 
 void ViewSession::sessionFacts(const Body&, ViewClient& client) {
@@ -283,6 +302,7 @@ void ViewSession::sessionFacts(const Body&, ViewClient& client) {
       {"volumes", volumeFacts(volumes)},
       {"box", worldBox(volumes)},
       {"presets", presetNames()},
+      {"looks", {{"plain", lookJson("plain")}, {"studio", lookJson("studio")}}},
       {"memory", source_.drawn.speed.memory_bytes},
       {"threads", ThreadLimit::active()},
       {"largest", kLargestViewSide}};
@@ -305,6 +325,9 @@ bool ViewSession::stale(std::int64_t seq) {
 void ViewSession::frame(const Body& body, ViewClient& client) {
   constexpr std::int64_t kMostSeq = std::int64_t{1} << 53;
   const std::int64_t seq = body.integer("seq", 0, kMostSeq, 0);
+  body.size();
+  const RenderJob job = jobOf(body);
+  const bool moving = body.flag("moving");
   if (stale(seq)) {
     sendRecord(client, {{"kind", "cancelled"}, {"seq", seq}});
     return;
@@ -312,7 +335,7 @@ void ViewSession::frame(const Body& body, ViewClient& client) {
   FrameStops stops(*this, turns_.arrive(), seq, client);
   turns_.wake();
   try {
-    drawStages(body, seq, stops, client);
+    drawStages(job, moving, seq, stops, client);
     sendRecord(client, {{"kind", "end"}, {"seq", seq}});
   } catch (const Error& error) {
     if (client.gone()) throw;
@@ -323,7 +346,8 @@ void ViewSession::frame(const Body& body, ViewClient& client) {
   }
 }
 
-void ViewSession::drawStages(const Body& body, std::int64_t seq, FrameStops& stops, ViewClient& client) {
+void ViewSession::drawStages(const RenderJob& job, bool moving, std::int64_t seq, FrameStops& stops,
+                             ViewClient& client) {
   const auto in_turn = [&](const auto& work) {
     const DrawingTurns::Turn turn(turns_, true, [&] { return stops.cancelled(); });
     if (!turn.given()) throw Error(ErrorCode::kCancelled, "a newer frame has come");
@@ -333,9 +357,6 @@ void ViewSession::drawStages(const Body& body, std::int64_t seq, FrameStops& sto
     stops.throwIfCancelled("drawing");
     sendRecord(client, pictureRecord(seq, stage, picture), picture.bytes);
   };
-  body.size();
-  const RenderJob job = jobOf(body);
-  const bool moving = body.flag("moving");
   std::unique_ptr<ViewedJob> viewed;
   bool at_once = false;
   int coarser = 0;
@@ -364,9 +385,8 @@ void ViewSession::resolve(const Body& body, ViewClient& client) {
 }
 
 void ViewSession::slice(const Body& body, ViewClient& client) {
-  const std::vector<const BrickedVolume*>& all = painter_.volumes().all();
-  const auto volume = static_cast<int>(body.integer("volume", 0, static_cast<std::int64_t>(all.size()) - 1, 0));
-  const BrickedVolume& store = *all[static_cast<std::size_t>(volume)];
+  const std::size_t volume = volumeOf(body);
+  const BrickedVolume& store = *painter_.volumes().all()[volume];
   const std::string axis = body.text("axis");
   constexpr std::string_view kAxes = "xyz";
   if (axis.size() != 1 || kAxes.find(axis) == std::string_view::npos) Body::refuse("axis", "x, y or z");
@@ -390,7 +410,7 @@ void ViewSession::slice(const Body& body, ViewClient& client) {
   request.index = std::min(index / store.manifest().spanOf(request.level)[request.axis], level.dims[request.axis] - 1);
   request.memory_bytes = source_.drawn.speed.memory_bytes;
   const std::vector<std::byte> png = inTurn(client, [&](OtherStops& stops) {
-    const auto brick = [&](const BrickKey& key) { return painter_.brick({key, volume}); };
+    const auto brick = [&](const BrickKey& key) { return painter_.brick({key, static_cast<int>(volume)}); };
     const Image image = renderSlice(store, request, brick, stops);
     RowsOfImage rows(image);
     return encodedPng(rows, {});
@@ -413,9 +433,8 @@ void ViewSession::slice(const Body& body, ViewClient& client) {
 }
 
 void ViewSession::probe(const Body& body, ViewClient& client) {
-  const std::vector<const BrickedVolume*>& all = painter_.volumes().all();
-  const auto volume = static_cast<int>(body.integer("volume", 0, static_cast<std::int64_t>(all.size()) - 1, 0));
-  const BrickedVolume& store = *all[static_cast<std::size_t>(volume)];
+  const std::size_t volume = volumeOf(body);
+  const BrickedVolume& store = *painter_.volumes().all()[volume];
   const VolumeGeometry& geometry = store.manifest().geometry();
   const json* const given = body.find("voxel");
   VoxelCoord voxel;
@@ -432,7 +451,7 @@ void ViewSession::probe(const Body& body, ViewClient& client) {
                      {static_cast<std::int32_t>(voxel.x / edge), static_cast<std::int32_t>(voxel.y / edge),
                       static_cast<std::int32_t>(voxel.z / edge)}};
   double value = std::numeric_limits<double>::quiet_NaN();
-  if (const auto block = inTurn(client, [&](OtherStops&) { return painter_.brick({key, volume}); })) {
+  if (const auto block = inTurn(client, [&](OtherStops&) { return painter_.brick({key, static_cast<int>(volume)}); })) {
     withVoxelType(block->type, [&]<class T>(std::type_identity<T>) {
       value = static_cast<double>(block->data<T>()[block->offsetOf(voxel)]);
     });
@@ -451,9 +470,10 @@ void ViewSession::thumbnail(const Body& body, ViewClient& client) {
   job.animation.functions.clear();
   job.picture.transfer_function = preset;
   if (!job.volumes.empty()) {
-    job.volumes.front().transfer_function = preset;
-    job.volumes.front().functions.clear();
-    job.volumes.front().window.reset();
+    VolumeOptions& volume = job.volumes[volumeOf(body)];
+    volume.transfer_function = preset;
+    volume.functions.clear();
+    volume.window.reset();
   }
   job.picture.background.reset();
   const ViewPicture picture = inTurn(client, [&](OtherStops& stops) {
@@ -464,7 +484,7 @@ void ViewSession::thumbnail(const Body& body, ViewClient& client) {
 }
 
 void ViewSession::function(const Body& body, ViewClient& client) {
-  const Manifest& manifest = painter_.volumes().first().manifest();
+  const Manifest& manifest = painter_.volumes().all()[volumeOf(body)]->manifest();
   const TransferFunction read = transferFunctionOfText(body.text("text"), manifest, "the dropped file");
   sendJson(client, {{"transferFunction", statedJson(TransferFunctionChoice(read))}});
 }

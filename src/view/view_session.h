@@ -58,11 +58,12 @@ class ViewSession final : public ViewService {
   void save(const Body& body, ViewClient& client);
   void render(const Body& body, ViewClient& client);
 
-  void drawStages(const Body& body, std::int64_t seq, FrameStops& stops, ViewClient& client);
+  void drawStages(const RenderJob& job, bool moving, std::int64_t seq, FrameStops& stops, ViewClient& client);
   /// Calls work() in this thread's turn. Work is begun anew after a frame has interrupted it.
   template <class Work>
   auto inTurn(ViewClient& client, const Work& work);
   RenderJob jobOf(const Body& body) const;
+  std::size_t volumeOf(const Body& body) const;
   bool stale(std::int64_t seq);
 
   const ViewSource source_;

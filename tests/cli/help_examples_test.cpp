@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 const std::vector<std::string>& commands() {
   static const std::vector<std::string> names = {"convert", "render",  "info",  "verify", "export",
                                                  "slice",   "gallery", "tf",    "split",  "composite",
-                                                 "compare", "schema",  "bench", "manual"};
+                                                 "compare", "schema",  "bench", "manual", "view"};
   return names;
 }
 
@@ -37,6 +37,14 @@ std::string examplesOf(const std::string& command) {
   const std::string help = runTool({command, "--help"}).out;
   const std::size_t at = help.find("\nEXAMPLES\n");
   return at == std::string::npos ? "" : help.substr(at + std::string("\nEXAMPLES\n").size());
+}
+
+// The viewer runs until a signal ends it.
+std::string viewed() {
+  std::string out;
+  for (const std::string& line : linesOf(examplesOf("view")))
+    if (!line.empty()) out += "timeout --preserve-status -s INT 2 " + line.substr(line.find("kiln")) + "\n";
+  return out;
 }
 
 TEST(HelpExamples, EveryCommand_hasSome) {
@@ -64,7 +72,7 @@ TEST(HelpExamples, Lines_endWithoutError) {
       work / "suite.json",
       R"({"kiln_suite": 1, "title": "Head", "cases": [{"name": "head", "volume": "head.kiln", "sizes": [[32, 32]]}]})");
   std::string script;
-  for (const std::string& command : commands()) script += examplesOf(command);
+  for (const std::string& command : commands()) script += command == "view" ? viewed() : examplesOf(command);
   runScript(directory, script);
   EXPECT_TRUE(fs::exists(work / "turn.png"));
   EXPECT_TRUE(fs::exists(work / "share/man/man1/kiln-render.1"));

@@ -26,7 +26,7 @@ void openBrowser(const std::string& address) {
   if (::posix_spawn_file_actions_init(&files) != 0) return;
   for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     ::posix_spawn_file_actions_addopen(&files, file, "/dev/null", O_RDWR, 0);
-  // Nobody waits for the browser: the system does.
+  // The system takes the exit code of the browser.
   std::signal(SIGCHLD, SIG_IGN);
   pid_t child = 0;
   ::posix_spawn(&child, program.c_str(), &files, nullptr, arguments, environ);

@@ -1,0 +1,137 @@
+// Known: the final picture is the file that `kiln render` makes of the saved job; signals end the viewer with exit code
+// 0; wrong options are refused in one line.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "base/file/file.h"
+#include "support/system/http_client.h"
+#include "support/system/run_script.h"
+#include "support/system/text_of.h"
+#include "support/system/tool_test.h"
+
+namespace kiln::test {
+namespace {
+
+using nlohmann::json;
+
+class ViewCli : public ToolTest {
+ protected:
+  ViewCli() : ToolTest("view_") {}
+  void SetUp() override { done({"convert", "phantom:head:48x48x48", in("h.kiln"), "--brick-size", "16"}); }
+};
+
+// A running viewer, for tests that call it while it runs.
+struct Viewer {
+  std::uint16_t port = 0;
+  std::string token;
+
+  // Reads "http://127.0.0.1:PORT/#TOKEN".
+  static std::optional<Viewer> of(const std::string& out) {
+    const std::string before = "http://127.0.0.1:";
+    const std::size_t at = out.find(before), mark = out.find("/#"), end = out.find('\n');
+    if (at == std::string::npos || mark == std::string::npos || end == std::string::npos) return std::nullopt;
+    return Viewer{static_cast<std::uint16_t>(std::stoi(out.substr(at + before.size()))),
+                  out.substr(mark + 2, end - mark - 2)};
+  }
+  std::string answerTo(const std::string& name, const json& body) const {
+    HttpClient client(port);
+    const std::string text = body.dump();
+    client.send("POST /api/" + name + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " +
+                token + "\r\nContent-Type: application/json\r\nContent-Length: " + std::to_string(text.size()) +
+                "\r\n\r\n" + text);
+    return client.receive(60);
+  }
+};
+
+// Returns the payload of the record with the stage in a chunked answer.
+std::string payloadOf(const std::string& answer, const std::string& stage) {
+  std::string body;
+  for (std::size_t at = answer.find("\r\n\r\n") + 4; at < answer.size();) {
+    const std::size_t line = answer.find("\r\n", at), size = std::stoul(answer.substr(at, line - at), nullptr, 16);
+    body += answer.substr(line + 2, size);
+    at = line + 2 + size + 2;
+  }
+  const auto four = [&](std::size_t at) {
+    std::size_t out = 0;
+    for (std::size_t i = 4; i-- > 0;) out = out << 8 | static_cast<unsigned char>(body.at(at + i));
+    return out;
+  };
+  for (std::size_t at = 0; at < body.size();) {
+    const std::size_t json_bytes = four(at), payload_bytes = four(at + 4 + json_bytes);
+    const json record = json::parse(body.substr(at + 4, json_bytes));
+    if (record.value("stage", "") == stage) return body.substr(at + 8 + json_bytes, payload_bytes);
+    at += 8 + json_bytes + payload_bytes;
+  }
+  return {};
+}
+
+TEST_F(ViewCli, TheFinalPicture_isTheFileOfTheSavedJob) {
+  const json body = {
+      {"seq", 1},
+      {"size", {80, 60}},
+      {"job", {{"kiln", 2}, {"transferFunction", "ct-skin"}, {"look", "studio"}, {"camera", {{"view", "left"}}}}}};
+  std::string final;
+  bool asked = false;
+  ToolOptions options;
+  options.directory = directory_;
+  options.interrupt_at = [&](const ToolResult& so_far) {
+    const auto viewer = Viewer::of(so_far.out);
+    if (!viewer || asked) return asked;
+    asked = true;
+    final = payloadOf(viewer->answerTo("frame", body), "final");
+    EXPECT_EQ(statusOf(viewer->answerTo("save", body)), 200);
+    return true;
+  };
+  const ToolResult ended = done({"view", "h.kiln", "--tf", "ct-bone", "--no-browser"}, options);
+  EXPECT_FALSE(ended.timed_out);
+  EXPECT_EQ(ended.err.find("warning"), std::string::npos) << ended.err;
+  done({"render", "h.view.json", "-o", "x.png"}, {.directory = directory_});
+  EXPECT_GT(final.size(), 1000u);
+  EXPECT_EQ(final, textOf(readFile(directory_ / "x.png")));
+}
+
+TEST_F(ViewCli, Signals_endTheViewer) {
+  runScript(directory_, R"sh(
+await() { for i in $(seq 200); do if [ -S "$1" ]; then return 0; fi; sleep 0.05; done; return 1; }
+for signal in TERM INT HUP; do
+  kiln view ../h.kiln --socket one.sock & one=$!
+  kiln view ../h.kiln --socket two.sock --tf iso:300 & two=$!
+  await one.sock
+  await two.sock
+  [ "$(stat -c %a one.sock)" = 600 ]
+  kill -$signal $one $two
+  wait $one
+  wait $two
+  [ ! -e one.sock ] && [ ! -e two.sock ]
+done
+# The socket of a viewer that was killed is replaced.
+kiln view ../h.kiln --socket one.sock & one=$!
+await one.sock
+kill -KILL $one
+wait $one || true
+[ -S one.sock ]
+kiln view ../h.kiln --socket one.sock > out.txt & one=$!
+for i in $(seq 200); do if grep -q ssh out.txt; then break; fi; sleep 0.05; done
+grep -q 'http://localhost:8000/#' out.txt
+kill -TERM $one
+wait $one
+[ ! -e one.sock ]
+)sh");
+}
+
+TEST_F(ViewCli, WrongOptions_areRefused) {
+  writeText(in("file"), "here");
+  refused({"view", in("h.kiln"), "--socket", in("file")}, 1, "is a file already");
+  refused({"view", in("h.kiln"), "--socket", in("s"), "--port", "8000"}, 2, "--socket: contradicts --port");
+  refused({"view", in("h.kiln"), "--job", in("look.txt")}, 2, "must end in .json");
+  refused({"view", in("h.kiln"), "--job", in("h.kiln/look.json")}, 2, "--job");
+  refused({"view", in("none.kiln")}, 1, "none.kiln");
+  refused({"view", in("h.kiln"), "--trace", in("t.json")}, 2, "--trace");
+  refused({"view", in("h.kiln"), "--memory", "1M"}, 1, "--memory");
+  refused({"view", in("h.kiln"), "--port", "70000"}, 2, "--port");
+  EXPECT_EQ(readFile(in("file")).size(), 4u);
+}
+
+}  // namespace
+}  // namespace kiln::test

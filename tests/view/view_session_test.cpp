@@ -1,0 +1,364 @@
+// Known: the final picture is the file that a batch render of the saved job writes; a newer frame ends the older one; a
+// request with a path is refused.
+#include "view/view_session.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <future>
+#include <thread>
+
+#include "base/file/file.h"
+#include "image/file/image_file.h"
+#include "image/file/png_file.h"
+#include "job/render_job.h"
+#include "sequence/render_job_run.h"
+#include "support/system/expect_error.h"
+#include "support/volumes/procedural.h"
+#include "support/volumes/test_store.h"
+#include "view/recorded_client.h"
+
+namespace kiln::test {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr const char* kFunction =
+    R"({"unit": 2, "points": [{"value": 40, "color": "#c08060", "opacity": 0}, {"value": 160, "color": "white", "opacity": 0.8}]})";
+
+// A shell: a surface with something behind it.
+DenseVolume shell(int edge) {
+  return fill({.dims = {edge, edge, edge}, .type = VoxelType::u8, .world_from_index = anisotropicAffine()},
+              [edge](std::int64_t x, std::int64_t y, std::int64_t z) {
+                const glm::dvec3 p = (glm::dvec3(x, y, z) + 0.5) / static_cast<double>(edge) * 2.0 - 1.0;
+                const double r = glm::length(p);
+                return r < 0.5 ? 90 : r < 0.85 ? 200 - 80 * p.x : 0;
+              });
+}
+
+class ViewSessionTest : public ::testing::Test {
+ protected:
+  ViewSessionTest()
+      : directory_(
+            freshDirectory(std::string("view_") + ::testing::UnitTest::GetInstance()->current_test_info()->name())),
+        store_(makeStore(shell(48), "view_store", 16)) {}
+
+  ViewSource source(std::uint64_t memory = std::uint64_t{256} << 20) const {
+    ViewSource out;
+    out.drawn.volume = store_;
+    out.drawn.speed.memory_bytes = memory;
+    out.named = out.drawn;
+    out.job_file = directory_ / "look.view.json";
+    out.title = "shell";
+    return out;
+  }
+
+  static json bodyOf(const json& job, int width = 96, int height = 64, bool moving = false, int seq = 1) {
+    return {{"seq", seq}, {"size", {width, height}}, {"moving", moving}, {"job", job}};
+  }
+  static json jobWith(const json& keys) {
+    json out = {{"kiln", 2}, {"transferFunction", json::parse(kFunction)}};
+    if (!keys.is_null()) out.update(keys);
+    return out;
+  }
+
+  // The PNG of a batch render of the session's saved job.
+  std::vector<std::byte> rendered() const {
+    RenderJob job = readJob(directory_ / "look.view.json");
+    job.output.path = directory_ / "batch.png";
+    Progress silent;
+    runRenderJob(job, 1, silent);
+    return readFile(job.output.path);
+  }
+
+  Progress silent_;
+  const fs::path directory_, store_;
+};
+
+// The final picture, byte for byte, for jobs that leave a frame by different ways.
+TEST_F(ViewSessionTest, FinalPicture_isTheFileOfABatchRender) {
+  ViewSession session(source(), silent_);
+  const std::vector<json> jobs = {
+      {},
+      {{"camera", {{"view", "left"}, {"zoom", 1.5}}}, {"image", {{"background", "navy"}}}},
+      {{"look", "studio"}, {"display", {{"exposure", 0.5}}}},
+      {{"samples", 4}, {"interpolation", "cubic"}, {"region", {0, 0, 0, 48, 30, 48}}},
+      {{"mode", "mip"}, {"transferFunction", "auto"}},
+      {{"lattice", "voxel"}, {"level", 0}},
+      {{"stereo", {{"eye", "both"}, {"interocular", 4}}}},
+      {{"camera", {{"turntable", {{"frames", 1}}}}},
+       {"lights", {{{"type", "directional"}, {"direction", {1, -1, 1}}, {"shadow", true}}}}},
+      {{"worldRegion", {0, 0, 0, 20, 30, 50}}, {"clip", {{{"normal", {1, 0, 0}}, {"offset", -4}}}}},
+  };
+  for (const json& keys : jobs) {
+    const json job = jobWith(keys);
+    RecordedClient frame, save;
+    session.answer("frame", bodyOf(job).dump(), frame);
+    session.answer("save", bodyOf(job).dump(), save);
+    const RecordedClient::Record* const final = frame.stage("final");
+    ASSERT_NE(final, nullptr) << job << (frame.records.empty() ? json() : frame.records.back().json);
+    EXPECT_TRUE(final->json.at("asRendered")) << job;
+    EXPECT_EQ(final->payload, rendered()) << job;
+  }
+}
+
+TEST_F(ViewSessionTest, APreviewComesFirst_andHasTheShapeOfThePicture) {
+  ViewSession session(source(), silent_);
+  RecordedClient client;
+  session.answer("frame", bodyOf(jobWith({})).dump(), client);
+  EXPECT_EQ(client.kinds(), (std::vector<std::string>{"resolved", "preview", "refined", "final", "end"}));
+  const RecordedClient::Record &preview = *client.stage("preview"), &final = *client.stage("final");
+  EXPECT_EQ(final.json.at("width"), 96);
+  const Image small = decodePng(preview.payload, {}), large = decodePng(final.payload, {});
+  const auto covered = [](const Image& image) {
+    double sum = 0;
+    for (std::size_t i = 3; i < image.rgba.size(); i += 4) sum += image.rgba[i];
+    return sum / (image.width * image.height);
+  };
+  EXPECT_GT(covered(large), 0.05);
+  EXPECT_NEAR(covered(small), covered(large), 0.05);
+  // Without alpha, a preview is a JPEG.
+  RecordedClient opaque;
+  session.answer("frame", bodyOf(jobWith({{"image", {{"background", "white"}}}}), 96, 64, true).dump(), opaque);
+  EXPECT_EQ(opaque.kinds(), (std::vector<std::string>{"resolved", "preview", "end"}));
+  EXPECT_EQ(opaque.stage("preview")->json.at("type"), "image/jpeg");
+  EXPECT_EQ(opaque.stage("preview")->payload.at(0), std::byte{0xff});
+  EXPECT_EQ(opaque.stage("preview")->payload.at(1), std::byte{0xd8});
+}
+
+TEST_F(ViewSessionTest, ResolvedCamera_drawsThePictureAgain) {
+  ViewSession session(source(), silent_);
+  RecordedClient first, second, resolve;
+  session.answer("frame", bodyOf(jobWith({{"camera", {{"view", "left"}}}})).dump(), first);
+  json camera = first.records.front().json.at("camera");
+  session.answer("resolve", bodyOf(jobWith({{"camera", {{"view", "left"}}}})).dump(), resolve);
+  EXPECT_EQ(resolve.json().at("camera"), camera);
+  EXPECT_EQ(resolve.json().at("transferFunctions").at(0).at("unit"), 2);
+  session.answer("frame", bodyOf(jobWith({{"camera", camera}})).dump(), second);
+  EXPECT_EQ(decodePng(first.stage("final")->payload, {}).rgba, decodePng(second.stage("final")->payload, {}).rgba);
+}
+
+// The first frame blocks in its client until the second has arrived.
+TEST_F(ViewSessionTest, ANewerFrame_endsTheOlder) {
+  ViewSession session(source(), silent_);
+  RecordedClient older, newer;
+  std::promise<void> begun, go_on;
+  std::once_flag once;
+  older.on_record = [&](const RecordedClient::Record&) {
+    std::call_once(once, [&] {
+      begun.set_value();
+      go_on.get_future().wait();
+    });
+  };
+  std::thread thread([&] { session.answer("frame", bodyOf(jobWith({}), 96, 64, false, 1).dump(), older); });
+  begun.get_future().wait();
+  newer.on_record = [&](const RecordedClient::Record& record) {
+    if (record.json.at("kind") == "resolved") go_on.set_value();
+  };
+  session.answer("frame", bodyOf(jobWith({}), 96, 64, false, 2).dump(), newer);
+  thread.join();
+  EXPECT_EQ(older.kinds().back(), "cancelled");
+  EXPECT_EQ(older.stage("final"), nullptr);
+  EXPECT_EQ(newer.kinds().back(), "end");
+  // A frame that another connection has overtaken draws nothing.
+  RecordedClient late;
+  session.answer("frame", bodyOf(jobWith({}), 96, 64, true, 1).dump(), late);
+  EXPECT_EQ(late.kinds(), std::vector<std::string>{"cancelled"});
+}
+
+TEST_F(ViewSessionTest, AClientThatLeaves_stopsTheDrawing) {
+  ViewSession session(source(), silent_);
+  RecordedClient client;
+  std::atomic<int> looks = 0;
+  client.leaves = [&] { return ++looks > 2; };
+  const json slow = jobWith({{"samples", 16}, {"sampleDistance", 0.25}});
+  expectError([&] { session.answer("frame", bodyOf(slow, 1024, 1024).dump(), client); }, ErrorCode::kCancelled, "");
+  EXPECT_EQ(client.stage("final"), nullptr);
+}
+
+TEST_F(ViewSessionTest, JobsWithPaths_areRefused) {
+  ViewSession session(source(), silent_);
+  const std::string body = bodyOf(jobWith({})).dump();
+  for (const char* key :
+       {"volume", "output", "outputs", "video", "exr", "frames", "part", "trace", "memory", "threads"}) {
+    RecordedClient client;
+    expectError([&] { session.answer("frame", bodyOf(jobWith({{key, "1"}})).dump(), client); }, ErrorCode::kUsage, key);
+    EXPECT_TRUE(client.records.empty());
+  }
+  const std::vector<json> wrong = {
+      jobWith({{"transferFunction", "./look.json"}}),
+      jobWith({{"transferFunction", "/etc/passwd"}}),
+      jobWith({{"transferFunction", {{"keyframes", {{{"frame", 1}, {"function", "a.json"}}}}}}}),
+      jobWith({{"volumes", {{{"volume", "other.kiln"}}}}}),
+      jobWith({{"image", "large"}}),
+      json::array(),
+      "job",
+  };
+  for (const json& job : wrong) {
+    for (const char* name : {"frame", "save", "command", "estimate", "resolve", "render"}) {
+      RecordedClient client;
+      expectError([&] { session.answer(name, bodyOf(job).dump(), client); }, ErrorCode::kUsage, "");
+    }
+  }
+  EXPECT_FALSE(fs::exists(directory_ / "look.view.json"));
+  for (const char* text : {"", "[]", "{", "\"a\"", "{\"size\": [0, 1]}"}) {
+    RecordedClient client;
+    EXPECT_THROW(session.answer("frame", text, client), Error) << text;
+  }
+  RecordedClient deep;
+  expectError([&] { session.answer("frame", std::string(500'000, '['), deep); }, ErrorCode::kFormat, "nested");
+  RecordedClient large;
+  expectError([&] { session.answer("frame", bodyOf(jobWith({}), 4097, 1).dump(), large); }, ErrorCode::kUsage, "size");
+}
+
+TEST_F(ViewSessionTest, Facts_areTheVolumes) {
+  ViewSource given = source();
+  given.drawn.picture.camera.side = Side::kLeft;
+  given.drawn.picture.transfer_function = std::string("ct-bone");
+  ViewSession session(given, silent_);
+  RecordedClient client;
+  session.answer("session", "", client);
+  const json facts = client.json();
+  EXPECT_EQ(facts.at("job"), (json{{"kiln", 2}, {"camera", {{"view", "left"}}}, {"transferFunction", "ct-bone"}}));
+  const json& volume = facts.at("volumes").at(0);
+  EXPECT_EQ(volume.at("voxels"), (json{48, 48, 48}));
+  EXPECT_EQ(volume.at("type"), "u8");
+  EXPECT_EQ(volume.at("affine").at(2).at(2), 2.1);
+  EXPECT_EQ(volume.at("histogram").at("counts").size(), 256u);
+  std::uint64_t voxels = 0;
+  for (const json& count : volume.at("histogram").at("counts")) voxels += count.get<std::uint64_t>();
+  EXPECT_EQ(voxels, 48u * 48u * 48u);
+  EXPECT_EQ(facts.at("looks").at("studio").at("display").at("tone"), "soft");
+  EXPECT_EQ(facts.at("looks").at("plain").at("shading").at("ambient"), 0.2);
+  EXPECT_EQ(facts.at("jobFile"), "look.view.json");
+  EXPECT_EQ(facts.at("box").at("min").at(0), -3.35);
+  EXPECT_EQ(facts.dump().find(directory_.string()), std::string::npos) << "a path is told";
+}
+
+TEST_F(ViewSessionTest, SlicesAndProbes_areTheVoxels) {
+  ViewSession session(source(), silent_);
+  const DenseVolume volume = shell(48);
+  RecordedClient probe;
+  session.answer("probe", R"({"volume": 0, "voxel": [20, 24, 17]})", probe);
+  EXPECT_EQ(probe.json().at("value"), volume.at<std::uint8_t>(20, 24, 17));
+  EXPECT_NEAR(probe.json().at("world").at(1).get<double>(), 5 + 24 * 0.9, 1e-9);
+  RecordedClient slice;
+  session.answer("slice", R"({"volume": 0, "axis": "z", "index": 17, "window": [127.5, 255]})", slice);
+  const json& record = slice.records.at(0).json;
+  EXPECT_EQ(record.at("level"), 0);
+  const Image image = decodePng(slice.records.at(0).payload, {});
+  EXPECT_EQ(image.width, record.at("width"));
+  EXPECT_GT(image.pixel(image.width / 2, image.height / 2)[0], 0.05f);
+  EXPECT_EQ(image.pixel(0, 0)[0], 0.0f);
+  RecordedClient coarse;
+  session.answer("slice", R"({"axis": "x", "index": 40, "size": [20, 20]})", coarse);
+  EXPECT_GT(coarse.records.at(0).json.at("level"), 0);
+  for (const char* wrong : {R"({"axis": "w", "index": 1})", R"({"axis": "z", "index": 48})", R"({"axis": "z"})",
+                            R"({"axis": "z", "index": 1, "volume": 1})", R"({"axis": "z", "index": 1.5})"}) {
+    RecordedClient client;
+    EXPECT_THROW(session.answer("slice", wrong, client), Error) << wrong;
+  }
+  for (const char* wrong : {R"({"voxel": [48, 0, 0]})", R"({"voxel": [1, 2]})", R"({})", R"({"voxel": "1"})"}) {
+    RecordedClient client;
+    EXPECT_THROW(session.answer("probe", wrong, client), Error) << wrong;
+  }
+}
+
+TEST_F(ViewSessionTest, SavedJobs_nameTheVolumeOnly) {
+  ViewSession session(source(), silent_);
+  RecordedClient client, command;
+  session.answer("save", bodyOf(jobWith({{"camera", {{"view", "top"}}}}), 320, 200).dump(), client);
+  EXPECT_EQ(client.json().at("path"), (directory_ / "look.view.json").string());
+  const RenderJob job = readJob(directory_ / "look.view.json");
+  EXPECT_EQ(job.volume, store_);
+  EXPECT_EQ(job.picture.size.width, 320);
+  EXPECT_EQ(job.picture.camera.side, Side::kTop);
+  EXPECT_TRUE(job.output.path.empty());
+  session.answer("command", bodyOf(jobWith({}), 320, 200).dump(), command);
+  EXPECT_NE(command.json().at("command").get<std::string>().find("kiln render "), std::string::npos);
+}
+
+TEST_F(ViewSessionTest, RenderedFrames_areNumbered) {
+  ViewSession session(source(), silent_);
+  RecordedClient client, save;
+  const json body = bodyOf(jobWith({{"camera", {{"turntable", {{"frames", 3}}}}}}), 40, 30);
+  session.answer("render", body.dump(), client);
+  EXPECT_EQ(client.kinds().back(), "written") << client.records.back().json;
+  for (const char* name : {"look.view_0001.png", "look.view_0002.png", "look.view_0003.png"})
+    EXPECT_TRUE(fs::exists(directory_ / name)) << name;
+  session.answer("save", body.dump(), save);
+  RenderJob job = readJob(directory_ / "look.view.json");
+  job.frames = {2};
+  job.output.path = directory_ / "batch.png";
+  runRenderJob(job, 1, silent_);
+  EXPECT_EQ(readImage(directory_ / "look.view_0002.png").rgba, readImage(directory_ / "batch.png").rgba);
+  json second = body;
+  second["frame"] = 2;
+  RecordedClient frame;
+  session.answer("frame", second.dump(), frame);
+  EXPECT_EQ(frame.stage("final")->payload, readFile(directory_ / "batch.png"));
+}
+
+TEST_F(ViewSessionTest, SmallMemory_isKept_orRefused) {
+  ViewSession session(source(std::uint64_t{24} << 20), silent_);
+  RecordedClient small, large;
+  session.answer("frame", bodyOf(jobWith({})).dump(), small);
+  EXPECT_NE(small.stage("final"), nullptr);
+  session.answer("frame", bodyOf(jobWith({{"samples", 16}}), 2048, 2048).dump(), large);
+  EXPECT_EQ(large.kinds(), std::vector<std::string>{"error"});
+  EXPECT_NE(large.records.back().json.at("error").get<std::string>().find("--memory"), std::string::npos);
+}
+
+TEST_F(ViewSessionTest, DroppedFunctionsAndThumbnails) {
+  ViewSession session(source(), silent_);
+  RecordedClient function, picture, estimate;
+  const std::string dropped = R"([{"Name": "two", "RGBPoints": [0, 1, 0, 0, 1, 0, 0, 1], "ColorSpace": "RGB"}])";
+  session.answer("function", json{{"text", dropped}}.dump(), function);
+  EXPECT_GE(function.json().at("transferFunction").at("points").size(), 2u);
+  EXPECT_THROW(session.answer("function", R"({"text": "no function"})", function), Error);
+  session.answer("thumbnail", json{{"preset", "viridis"}, {"size", {48, 48}}, {"job", jobWith({})}}.dump(), picture);
+  EXPECT_EQ(decodePng(picture.document_bytes, {}).width, 48);
+  EXPECT_THROW(
+      session.answer("thumbnail", json{{"preset", "a.json"}, {"size", {8, 8}}, {"job", jobWith({})}}.dump(), picture),
+      Error);
+  session.answer("estimate", bodyOf(jobWith({})).dump(), estimate);
+  EXPECT_GT(estimate.json().at("bricks"), 0);
+  EXPECT_GT(estimate.json().at("memory"), 0);
+}
+
+TEST_F(ViewSessionTest, StoppedSessions_drawNoMore) {
+  ViewSession session(source(), silent_);
+  session.stop();
+  RecordedClient client;
+  expectError([&] { session.answer("frame", bodyOf(jobWith({})).dump(), client); }, ErrorCode::kCancelled, "ended");
+}
+
+// Two volumes, of which the browser's list says nothing but how they look.
+TEST_F(ViewSessionTest, SeveralVolumes_areDrawnAsInBatch) {
+  const fs::path other =
+      makeStore(slab({.dims = {40, 40, 40}, .type = VoxelType::u8}, 0, 10, 20, 150), "view_other", 16);
+  ViewSource given = source();
+  for (RenderJob* const job : {&given.drawn, &given.named}) {
+    job->volumes.resize(2);
+    job->volumes[0].volume = store_;
+    job->volumes[1].volume = other;
+  }
+  ViewSession session(given, silent_);
+  const json job = {{"kiln", 2},
+                    {"volumes", {{{"transferFunction", json::parse(kFunction)}}, {{"transferFunction", "iso:100"}}}}};
+  RecordedClient frame, save, wrong;
+  session.answer("frame", bodyOf(job).dump(), frame);
+  session.answer("save", bodyOf(job).dump(), save);
+  ASSERT_NE(frame.stage("final"), nullptr) << frame.records.back().json;
+  EXPECT_EQ(frame.records.front().json.at("transferFunctions").size(), 2u);
+  EXPECT_EQ(frame.stage("final")->payload, rendered());
+  expectError(
+      [&] {
+        session.answer("frame", bodyOf({{"kiln", 2}, {"volumes", {json::object()}}}).dump(), wrong);
+      },
+      ErrorCode::kUsage, "volumes");
+}
+
+}  // namespace
+}  // namespace kiln::test
