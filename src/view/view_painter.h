@@ -48,6 +48,8 @@ class ViewPainter {
   /// Makes every choice of the job's first frame, or of another. throws: Error kUsage, kBudget; as SceneOfJob.
   std::unique_ptr<ViewedJob> prepare(const RenderJob& job);
 
+  /// Leaves the memory of the job's pictures free. throws: Error kBudget.
+  void makeRoom(const ViewedJob& job);
   /// Draws a preview that takes about 30 ms.
   ViewPicture moving(const ViewedJob& job, const Progress& progress);
   /// Draws a preview of all pixels, `coarser` levels coarser than the finished picture.
@@ -69,7 +71,6 @@ class ViewPainter {
   FrameRequest previewOf(const ViewedJob& job, const ImageSize& size, int coarser, FrameScene& scene) const;
   ViewPicture draw(const ViewedJob& job, const ImageSize& size, int coarser, bool filtered, const Progress& progress);
   int coarserWithin(const ViewedJob& job, const ImageSize& size, std::uint64_t bytes) const;
-  void makeRoom(const ViewedJob& job);
 
   const RenderJob& session_;
   const OpenedVolumes volumes_;

@@ -45,6 +45,9 @@ constexpr double kAtOnce = 0.06;
 // A frame that arrives so soon after a newer one, on another connection, was overtaken. unit: seconds.
 constexpr double kOvertaken = 0.1;
 
+// Height of the smallest picture for which a session has memory. unit: pixels.
+constexpr int kLeastSide = 256;
+
 double nowSeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -245,7 +248,11 @@ ViewSession::ViewSession(ViewSource source, Progress& progress)
   RenderJob job = source_.drawn;
   job.picture.aovs = {};
   job.output = {};
-  painter_.prepare(job);
+  // A session whose memory holds no small picture would show nothing but errors.
+  const bool panorama = job.picture.camera.projection == Projection::kEquirectangular;
+  job.picture.size = {panorama ? 2 * kLeastSide : kLeastSide, kLeastSide};
+  job.picture.crop.reset();
+  painter_.makeRoom(*painter_.prepare(job));
 }
 
 const ViewSession::Row* ViewSession::rowOf(std::string_view name) {
