@@ -18,6 +18,7 @@
 #include "image/file/image_file.h"
 #include "image/image_rows.h"
 #include "job/frame_list.h"
+#include "job/job_command.h"
 #include "job/job_facts.h"
 #include "job/job_names.h"
 #include "job/job_options.h"
@@ -498,10 +499,19 @@ void ViewSession::function(const Body& body, ViewClient& client) {
 
 void ViewSession::command(const Body& body, ViewClient& client) {
   const ImageSize size = body.size();
-  jobOfBrowser(body.job(), size, source_.drawn);
-  const fs::path picture = fs::path(source_.job_file).replace_extension(".png");
-  sendJson(client, {{"command", fmt::format("kiln render {} -o {} --size {}x{}", shellText(source_.job_file.string()),
-                                            shellText(picture.string()), size.width, size.height)}});
+  const RenderJob job = jobOf(body);
+  const bool animated = moves(job);
+  const fs::path stem =
+      source_.job_file.empty() ? fs::path(source_.title) : fs::path(source_.job_file).replace_extension("");
+  std::string text = "kiln render ";
+  if (const auto options = optionsOf(job)) {
+    text += shellText(source_.named.volume.string());
+    for (const std::string& option : *options) text += " " + shellText(option);
+  } else {
+    text += shellText(source_.job_file.string());
+  }
+  text += fmt::format(" -o {}", shellText(stem.string() + (animated ? "_####.png" : ".png")));
+  sendJson(client, {{"command", text + fmt::format(" --size {}x{}", size.width, size.height)}});
 }
 
 void ViewSession::estimate(const Body& body, ViewClient& client) {

@@ -346,7 +346,7 @@ TEST_F(ViewSessionTest, SeveralVolumes_areDrawnAsInBatch) {
   }
   ViewSession session(given, silent_);
   const json job = {{"kiln", 2},
-                    {"volumes", {{{"transferFunction", json::parse(kFunction)}}, {{"transferFunction", "iso:100"}}}}};
+                    {"volumes", {{{"transferFunction", json::parse(kFunction)}}, {{"transferFunction", "solid:100"}}}}};
   RecordedClient frame, save, wrong;
   session.answer("frame", bodyOf(job).dump(), frame);
   session.answer("save", bodyOf(job).dump(), save);

@@ -134,10 +134,11 @@ class Gathering {
 
   const Extent3& dims() const { return dims_; }
 
-  std::vector<AmbientCell> run() const {
+  std::vector<AmbientCell> run(const Progress& progress) const {
     const std::vector<std::uint8_t> marked = marks();
     std::vector<AmbientCell> out(marked.size());
     parallelFor(static_cast<std::size_t>(dims_.z * dims_.y), [&](std::size_t line) {
+      progress.throwIfCancelled("gathering ambient occlusion");
       const auto z = static_cast<std::int64_t>(line) / dims_.y, y = static_cast<std::int64_t>(line) % dims_.y;
       for (std::int64_t x = 0; x < dims_.x; ++x) {
         const std::size_t place = placeOf(x, y, z);
@@ -243,7 +244,7 @@ class Gathering {
 
 }  // namespace
 
-AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius) {
+AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius, const Progress& progress) {
   const Gathering gathering(lattice, radius);
   const View& view = lattice.view();
   // Pixels and slabs of the lattice to cells of the grid.
@@ -251,7 +252,7 @@ AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius) {
   for (int axis = 0; axis < 3; ++axis) grid_from_view[axis][axis] = view.focal_px / kCellsOfGrid;
   grid_from_view[3] =
       glm::dvec4(view.centre_px / double{kCellsOfGrid}, -lattice.near() * view.focal_px / kCellsOfGrid, 1);
-  return AmbientGrid(gathering.dims(), grid_from_view * view.view_from_world, gathering.run());
+  return AmbientGrid(gathering.dims(), grid_from_view * view.view_from_world, gathering.run(progress));
 }
 
 std::uint64_t ambientBytes(const Extent3& cells) {

@@ -8,13 +8,14 @@
 
 #include <cstdint>
 
+#include "base/progress.h"
 #include "engine/shared/ambient_occlusion.h"
 #include "engine/shared/extinction_lattice.h"
 
 namespace kiln {
 
-/// `radius`: distance beyond which matter does not occlude. unit: world. thread: uses all.
-AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius);
+/// `radius`: distance beyond which matter does not occlude. unit: world. thread: uses all. throws: Error kCancelled.
+AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius, const Progress& progress);
 
 /// Memory of the lattice, of what gathering takes, and of the grid, for so many cells along each axis. unit: bytes.
 std::uint64_t ambientBytes(const Extent3& cells);

@@ -238,6 +238,29 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
   const ShownExtent extent = extentOf(cache.stores(), out->scene.clippings);
   if (extent.corners.empty()) return;
   OnlyCancelled silent(progress);
+  if (occlusion.strength > 0) {
+    out->ambient_radius = radiusOf(occlusion, extent);
+    if (previous != nullptr && previous->ambient && previous->ambient_radius == out->ambient_radius) {
+      out->ambient = previous->ambient;
+    } else {
+      LatticePlan plan = latticeOf(cache.stores().front()->manifest().geometry(), extent);
+      ExtinctionLattice lattice(plan.view, plan.near, plan.depth);
+      FrameRequest of_lattice = latticeRequest(cache.stores(), request);
+      of_lattice.extinction = &lattice;
+      drawOpacities(cache, of_lattice, silent, statistics);
+      // A ray misses surfaces that it runs along. Along one of three axes it does not.
+      for (int turns = 1; turns <= 2 && hasSurfaces(request); ++turns) {
+        plan = turned(plan);
+        lattice.turn();
+        of_lattice.view = plan.view;
+        drawOpacities(cache, of_lattice, silent, statistics);
+      }
+      out->ambient = std::make_shared<AmbientGrid>(gatherAmbient(lattice, out->ambient_radius, progress));
+    }
+  }
+  // A cancelled frame leaves the occlusion to the next, which may differ in its lights alone.
+  if (previous == nullptr && request.last_illumination != nullptr)
+    *request.last_illumination = std::make_shared<Illumination>(*out);
   glm::dvec3 centre(0);
   for (const glm::dvec3& corner : extent.corners) centre += corner / static_cast<double>(extent.corners.size());
   for (std::size_t i = 0; i < lights.size(); ++i) {
@@ -267,26 +290,6 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
         maps.push_back(std::move(map));
       }
       shadowed.points.push_back(std::move(maps));
-    }
-  }
-  if (occlusion.strength > 0) {
-    out->ambient_radius = radiusOf(occlusion, extent);
-    if (previous != nullptr && previous->ambient && previous->ambient_radius == out->ambient_radius) {
-      out->ambient = previous->ambient;
-    } else {
-      LatticePlan plan = latticeOf(cache.stores().front()->manifest().geometry(), extent);
-      ExtinctionLattice lattice(plan.view, plan.near, plan.depth);
-      FrameRequest of_lattice = latticeRequest(cache.stores(), request);
-      of_lattice.extinction = &lattice;
-      drawOpacities(cache, of_lattice, silent, statistics);
-      // A ray misses surfaces that it runs along. Along one of three axes it does not.
-      for (int turns = 1; turns <= 2 && hasSurfaces(request); ++turns) {
-        plan = turned(plan);
-        lattice.turn();
-        of_lattice.view = plan.view;
-        drawOpacities(cache, of_lattice, silent, statistics);
-      }
-      out->ambient = std::make_shared<AmbientGrid>(gatherAmbient(lattice, out->ambient_radius));
     }
   }
   request.illumination = std::move(out);
