@@ -100,7 +100,7 @@ ExportReport exportBoxes(const ExportParts& parts) {
   return {extentText(volume), files.bytes, std::move(files.lines)};
 }
 
-// Tiles are whole files each: those before a failure stay.
+// Tiles are whole files each: tiles before a failure stay.
 ExportReport exportGrids(const ExportParts& parts) {
   const ExportRequest& request = parts.request;
   const ExportedVolume whole = exportedVolume(parts.store, request.level, request.region);
@@ -126,7 +126,7 @@ ExportReport exportGrids(const ExportParts& parts) {
   return out;
 }
 
-/// The options that a format takes beside those of all formats.
+/// The options of a format beside the options of all formats.
 struct FormatOptions {
   bool compresses = false, resumes = false, holds_grids = false;
 };

@@ -1,5 +1,5 @@
 // A worker (base/worker_loop.h) that decodes compressed frames of DICOM: gdcm_reader MEMORY_BYTES SECONDS. GDCM decodes
-// run lengths, JPEG of all kinds, JPEG-LS and JPEG 2000, with OpenJPEG and CharLS. It gets an image in memory made of
+// run lengths, JPEG of all kinds, JPEG-LS and JPEG 2000, with OpenJPEG and CharLS. GDCM gets an image in memory made of
 // the fragments of one frame, never a file. A frame damaged by accident can decode to wrong values.
 #include <gdcmFragment.h>
 #include <gdcmImage.h>
@@ -86,7 +86,7 @@ std::string decode(const std::string& request) {
 
 int main(int count, char** arguments) {
   const kiln::WorkerArguments limits = kiln::startWorker(count, arguments);
-  // GDCM writes its messages to standard error unless they are turned off.
+  // Messages of GDCM go to standard error by default.
   gdcm::Trace::WarningOff();
   gdcm::Trace::ErrorOff();
   kiln::serveRequests(limits, [](std::uint32_t, const std::string& payload) { return decode(payload); });

@@ -1,4 +1,4 @@
-// A worker (base/worker_loop.h) that reads an HDF5 file: hdf5_reader MEMORY_BYTES SECONDS FILE. Its requests are those
+// A worker (base/worker_loop.h) that reads an HDF5 file: hdf5_reader MEMORY_BYTES SECONDS FILE. Requests:
 // of ingest/hdf5/hdf5_protocol.h.
 #include <hdf5.h>
 

@@ -1,5 +1,5 @@
-// A worker (base/worker_loop.h) that decodes files of JPEG 2000 with one component: openjpeg_reader MEMORY_BYTES
-// SECONDS. Its requests are those of ingest/pictures/openjpeg_protocol.h.
+// A worker (base/worker_loop.h) that decodes files of JPEG 2000 of a single component: openjpeg_reader MEMORY_BYTES
+// SECONDS. Requests: ingest/pictures/openjpeg_protocol.h.
 #include <openjpeg.h>
 
 #include <algorithm>
@@ -94,7 +94,7 @@ class Decoder {
     throw WorkerRefusal("cannot be decoded; the file is cut short or damaged (OpenJPEG: " + why + ")");
   }
 
-  // Kiln has parsed the size; OpenJPEG must find no other.
+  // Kiln has parsed the size; OpenJPEG must find an equal size.
   void requireKnown() const {
     require(image_->numcomps == 1);
     const opj_image_comp_t& values = image_->comps[0];

@@ -9,7 +9,7 @@
 
 namespace kiln {
 
-/// The files that an export must not replace: those of stores, and those that the exported store was made from.
+/// The files that an export must not replace: files of stores, and the source of the exported store.
 class ExportInputs {
  public:
   /// Source files are looked for by the names that the conversion was given: in the working directory, and beside the

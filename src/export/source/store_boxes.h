@@ -29,8 +29,8 @@ class BricksOfBox {
   VoxelBox box_, bricks_;
 };
 
-/// Fills `out` with the voxels of a box of a level. Bricks are decoded on all threads, each thread holding one; bricks
-/// of one value are not decoded. shape: x fastest, densely packed, in the store's type. requires: the box lies in the
+/// Fills `out` with the voxels of a box of a level. Bricks are decoded on all threads, a brick a thread; bricks
+/// of a single value are not decoded. shape: x fastest, densely packed, in the store's type. requires: the box lies in the
 /// level. throws: as StoreReader::read; Error kCancelled.
 void readBox(const StoreReader& store, int level, const VoxelBox& box, const Progress& progress,
              std::span<std::byte> out);

@@ -32,7 +32,7 @@ struct WrittenFiles {
 class VolumeWriter {
  public:
   virtual ~VolumeWriter() = default;
-  /// The volumes that the file holds: one, or levels of a pyramid.
+  /// The volumes of the file: a single volume, or levels of a pyramid.
   virtual const std::vector<ExportedVolume>& volumes() const = 0;
   virtual BoxRule boxes(const ExportedVolume& volume) const = 0;
   /// Memory of `write` beside the box, with this number of threads. unit: bytes.

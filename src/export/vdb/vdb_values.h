@@ -5,7 +5,7 @@
 
 namespace kiln {
 
-/// The numbers of a grid: those of the store, or floats of 32 or 16 bits.
+/// The numbers of a grid: the store's numbers, or floats of 32 or 16 bits.
 enum class VdbType { kExact, kFloat, kHalf };
 
 /// The values of a grid.

@@ -54,7 +54,7 @@ std::string orientationText(const AnatomicalAxis& axis) {
   return kRas[axis.row][axis.sign < 0 ? 1 : 0];
 }
 
-// The anatomical axes of a volume; nothing if one axis lies between them.
+// The anatomical axes of a volume; nothing if an axis lies between anatomical axes.
 std::optional<std::array<AnatomicalAxis, 3>> anatomyOf(const VolumeGeometry& geometry) {
   if (geometry.frame == PatientFrame::kUnknown) return std::nullopt;
   const glm::dmat4 affine = affineIn(PatientFrame::kRas, geometry);

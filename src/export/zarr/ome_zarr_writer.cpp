@@ -49,7 +49,7 @@ std::vector<ExportedVolume> exportedPyramid(const ExportTarget& target, const Ex
   return out;
 }
 
-// The voxels of an unfinished export must be those of the finished one.
+// An unfinished export must have the voxels of the finished export.
 std::string contentsText(const ExportTarget& target, const ExportedVolume& volume) {
   const VoxelBox& box = volume.box;
   return fmt::format("kiln export 2, OME-Zarr, index {}, {} {}, background {}, level {}, {},{},{} to {},{},{}\n",
