@@ -1,5 +1,5 @@
-// A worker (base/worker_loop.h) that reads an HDF5 file: hdf5_reader MEMORY_BYTES SECONDS FILE. Requests:
-// of ingest/hdf5/hdf5_protocol.h.
+// A worker (base/worker_loop.h) that reads an HDF5 file: hdf5_reader MEMORY_BYTES SECONDS FILE.
+// Requests: ingest/hdf5/hdf5_protocol.h.
 #include <hdf5.h>
 
 #include <algorithm>
