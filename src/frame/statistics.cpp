@@ -142,6 +142,7 @@ std::string statisticsText(const RenderStatistics& s) {
                    {"index_bytes", s.index_bytes},
                    {"files_bytes", s.files_bytes},
                    {"threads_bytes", s.threads_bytes},
+                   {"shadows_bytes", s.shadows_bytes},
                    {"slabs_bytes", s.slabs_bytes},
                    {"peak_slabs_bytes", s.peak_slabs_bytes},
                    {"shared_reads_bytes", s.shared_reads_bytes},

@@ -82,6 +82,7 @@ std::string dryRunText(const DryRun& run) {
                                         {"smallest_bytes", run.memory.smallest()},
                                         {"framebuffer_bytes", run.memory.framebuffer()},
                                         {"visibility_bytes", run.memory.visibility},
+                                        {"shadows_bytes", run.memory.shadows},
                                         {"slabs_bytes", run.memory.slabs},
                                         {"trace_bytes", run.memory.trace},
                                         {"functions_bytes", run.memory.functions},

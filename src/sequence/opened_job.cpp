@@ -278,6 +278,7 @@ void OpenedJob::describeMemory(RenderStatistics& statistics) const {
   statistics.index_bytes = memory_.index;
   statistics.files_bytes = memory_.files;
   statistics.threads_bytes = memory_.threads;
+  statistics.shadows_bytes = memory_.shadows;
   statistics.slabs_bytes = memory_.slabs;
   statistics.trace_bytes = memory_.trace;
   statistics.functions_bytes = memory_.functions;

@@ -304,7 +304,8 @@ TEST_F(Cli, StatisticsHaveTheKeysOfTheContract) {
   EXPECT_EQ(stats["memory"]["budget_bytes"], 2ull << 30);
   EXPECT_EQ(stats["memory"]["budget_bytes"],
             sumOf(stats["memory"], {"cache_bytes", "framebuffer_bytes", "visibility_bytes", "index_bytes",
-                                    "slabs_bytes", "functions_bytes", "trace_bytes", "files_bytes", "threads_bytes"}));
+                                    "slabs_bytes", "shadows_bytes", "functions_bytes", "trace_bytes", "files_bytes",
+                                    "threads_bytes"}));
   EXPECT_LE(stats["memory"]["peak_cache_bytes"], stats["memory"]["cache_bytes"]);
 }
 
@@ -367,7 +368,7 @@ TEST_F(Cli, ADryRunForetellsTheRender) {
   for (const char* key : {"total", "interesting"}) EXPECT_EQ(cost["bricks"][key], stats["bricks"][key]) << key;
   EXPECT_EQ(cost["bricks"]["files_in_view"], stats["bricks"]["read"]);
   EXPECT_EQ(cost["bricks"]["file_bytes_in_view"], stats["bricks"]["read_bytes"]);
-  for (const char* key : {"framebuffer_bytes", "visibility_bytes", "index_bytes", "budget_bytes"})
+  for (const char* key : {"framebuffer_bytes", "visibility_bytes", "index_bytes", "shadows_bytes", "budget_bytes"})
     EXPECT_EQ(cost["memory"][key], stats["memory"][key]) << key;
   const auto image_bytes = cost["memory"]["framebuffer_bytes"].get<std::uint64_t>();
   EXPECT_GT(image_bytes, 120 * 90 * 16);

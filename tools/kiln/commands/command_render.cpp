@@ -255,6 +255,7 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
   if (memory.band > 0) say("{} of a band of its samples, ", formatBytes(memory.band));
   if (memory.face > 0) say("{} of a face that it is made of, ", formatBytes(memory.face));
   if (memory.deep > 0) say("{} of deep samples, ", formatBytes(memory.deep));
+  if (memory.shadows > 0) say("{} of shadows and ambient occlusion, ", formatBytes(memory.shadows));
   if (memory.files > 0) say("{} to compress files, ", formatBytes(memory.files));
   if (memory.functions > 0) say("{} of transfer functions, ", formatBytes(memory.functions));
   say("{} of visibility, {} of index, {} to draw with, {} of threads' stacks, {}{} {}\n",
