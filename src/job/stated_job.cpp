@@ -56,7 +56,7 @@ ordered_json listKeyframes(const Options<Key<std::vector<T>>>& options, const st
   return {{"keyframes", std::move(out)}};
 }
 
-ordered_json rowsOf(const CameraMatrices& matrices) {
+ordered_json matricesJson(const CameraMatrices& matrices) {
   ordered_json out = ordered_json::array();
   for (const glm::dmat4& matrix : matrices) {
     ordered_json rows = ordered_json::array();
@@ -75,7 +75,7 @@ void putCameraPath(const CameraPath& path, ordered_json& out) {
     out["camera"]["keyframes"] = keyframes(cameraKeyOptions(), keys->keys);
     if (keys->pivot) out["camera"]["pivot"] = nameIn(kPivotNames, *keys->pivot);
   } else if (const auto* const matrices = std::get_if<CameraMatrices>(&path)) {
-    out["camera"]["matrices"] = rowsOf(*matrices);
+    out["camera"]["matrices"] = matricesJson(*matrices);
   }
 }
 

@@ -53,8 +53,6 @@ double nowSeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-ordered_json of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
 void sendJson(ViewClient& client, const ordered_json& value) {
   const std::string text = jsonText(value, -1);
   client.document("application/json", bytesOf(text));
@@ -66,9 +64,9 @@ void sendRecord(ViewClient& client, const ordered_json& value, std::span<const s
 
 ordered_json cameraJson(const Camera& camera) {
   ordered_json out = {{"projection", nameIn(kProjectionNames, camera.projection)},
-                      {"eye", of(camera.eye)},
-                      {"target", of(camera.target)},
-                      {"up", of(camera.up)}};
+                      {"eye", vectorJson(camera.eye)},
+                      {"target", vectorJson(camera.target)},
+                      {"up", vectorJson(camera.up)}};
   if (camera.projection == Projection::kPerspective) out["fov"] = camera.fov_deg;
   if (camera.projection == Projection::kOrthographic) out["height"] = camera.height;
   return out;
@@ -466,7 +464,7 @@ void ViewSession::probe(const Body& body, ViewClient& client) {
   }
   sendJson(client, {{"value", std::isfinite(value) ? ordered_json(value) : ordered_json()},
                     {"label", nullptr},
-                    {"world", of(geometry.worldOf({voxel.x, voxel.y, voxel.z}))}});
+                    {"world", vectorJson(geometry.worldOf({voxel.x, voxel.y, voxel.z}))}});
 }
 
 void ViewSession::thumbnail(const Body& body, ViewClient& client) {

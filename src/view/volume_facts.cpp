@@ -21,8 +21,6 @@ constexpr std::size_t kHistogramBins = 256;
 // A page with more entries is no list to choose from.
 constexpr std::size_t kMostLabelsListed = 4096;
 
-ordered_json of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
 // The manifest's bins, joined or split into kHistogramBins; a bin that spans several is shared evenly.
 ordered_json histogramOf(const ValueHistogram& histogram) {
   std::vector<double> counts(kHistogramBins, 0);
@@ -69,7 +67,7 @@ ordered_json factsOf(const BrickedVolume& volume) {
   return {{"name", volume.path().filename().string()},
           {"voxels", {geometry.dims.x, geometry.dims.y, geometry.dims.z}},
           {"type", nameOf(manifest.type)},
-          {"spacing", of(geometry.spacing())},
+          {"spacing", vectorJson(geometry.spacing())},
           {"unit", geometry.unit},
           {"affine", rows},
           {"patient", geometry.frame != PatientFrame::kUnknown},
@@ -81,6 +79,8 @@ ordered_json factsOf(const BrickedVolume& volume) {
 }
 
 }  // namespace
+
+ordered_json vectorJson(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 ordered_json volumeFacts(const OpenedVolumes& volumes) {
   ordered_json out = ordered_json::array();
@@ -95,7 +95,7 @@ ordered_json worldBox(const OpenedVolumes& volumes) {
     for (const glm::dvec3& corner : volume->manifest().geometry().corners())
       lo = glm::min(lo, corner), hi = glm::max(hi, corner);
   }
-  return {{"min", of(lo)}, {"max", of(hi)}};
+  return {{"min", vectorJson(lo)}, {"max", vectorJson(hi)}};
 }
 
 }  // namespace kiln

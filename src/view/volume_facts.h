@@ -1,11 +1,15 @@
 // Facts about a session's volumes as JSON, for the page.
 #pragma once
 
+#include <glm/vec3.hpp>
 #include <nlohmann/json_fwd.hpp>
 
 #include "sequence/opened_volumes.h"
 
 namespace kiln {
+
+/// Returns [x, y, z].
+nlohmann::ordered_json vectorJson(const glm::dvec3& v);
 
 /// Returns name, size, type, spacing, unit, affine, range, levels, histogram and labels of each volume.
 nlohmann::ordered_json volumeFacts(const OpenedVolumes& volumes);
