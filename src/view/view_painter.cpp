@@ -31,6 +31,9 @@ constexpr double kMovingSeconds = 0.03;
 constexpr double kFirstPixels = 256 * 256, kLeastShare = 0.25;
 // Bounds of the change from one preview to the next: one slow picture makes the next small, and others grow it again.
 constexpr double kLeastChange = 0.6, kMostChange = 1.25;
+// Shares of the time beyond which the smallest preview becomes coarser, and below which a preview becomes finer.
+constexpr double kSlow = 1.5, kFast = 0.5;
+constexpr int kMostMovingCoarser = 2;
 // Most bytes of brick files that a preview reads.
 constexpr std::uint64_t kLittle = std::uint64_t{16} << 20;
 constexpr int kJpegQuality = 70;
@@ -213,14 +216,21 @@ ViewPicture ViewPainter::moving(const ViewedJob& job, const Progress& progress) 
   makeRoom(job);
   const ImageSize& full = job.job.picture.size;
   if (moving_pixels_ == 0) moving_pixels_ = kFirstPixels;
-  moving_pixels_ = std::clamp(moving_pixels_, kLeastShare * kLeastShare * pixelsOf(full), pixelsOf(full));
+  const double least = kLeastShare * kLeastShare * pixelsOf(full);
+  moving_pixels_ = std::clamp(moving_pixels_, least, pixelsOf(full));
+  const bool smallest = moving_pixels_ <= least;
   const bool panorama = job.scene.camera.projection == Projection::kEquirectangular;
   const ImageSize size = scaled(full, std::sqrt(moving_pixels_ / pixelsOf(full)), panorama);
-  ViewPicture out = draw(job, size, coarserWithin(job, size, kLittle), false, progress);
+  ViewPicture out = draw(job, size, std::max(coarserWithin(job, size, kLittle), moving_coarser_), false, progress);
   out.seconds = secondsSince(begin);
   // The time of reading says nothing about the next picture.
-  if (out.statistics.bricks_read == 0)
-    moving_pixels_ *= std::clamp(kMovingSeconds / out.seconds, kLeastChange, kMostChange);
+  if (out.statistics.bricks_read > 0) return out;
+  moving_pixels_ *= std::clamp(kMovingSeconds / out.seconds, kLeastChange, kMostChange);
+  // Work for each brick does not shrink with the picture: fewer bricks, of a coarser level, do.
+  if (smallest && out.seconds > kSlow * kMovingSeconds)
+    moving_coarser_ = std::min(moving_coarser_ + 1, kMostMovingCoarser);
+  else if (out.seconds < kFast * kMovingSeconds)
+    moving_coarser_ = std::max(moving_coarser_ - 1, 0);
   return out;
 }
 

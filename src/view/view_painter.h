@@ -79,6 +79,7 @@ class ViewPainter {
   FitReads fit_;
   std::shared_ptr<const Illumination> shadows_;
   double moving_pixels_ = 0;  // of the next preview; 0: not known yet
+  int moving_coarser_ = 0;    // levels by which the next preview is coarser
   double exact_pixel_s_ = 0;  // measured; 0: not yet
 
   struct ShownMemo {
