@@ -1,0 +1,86 @@
+// Requests to the viewer's server, and its streams of records. All addresses are relative, so that any prefix of a
+// proxy works. The token comes from the fragment of the page's address and is sent as a header.
+
+const kLargestRecord_bytes = 1 << 28;
+
+/** An answer other than success, in the server's words. */
+export class ServerError extends Error {
+  constructor(message, status) {
+    super(message);
+    this.status = status;
+  }
+}
+
+/** Splits a stream of bytes into records: length, JSON, length, payload. Lengths are 32 bits, little endian. */
+export class RecordReader {
+  #bytes = new Uint8Array(0);
+
+  /** Takes the next bytes of the stream; returns the records that are complete now, as {head, payload}. */
+  push(bytes) {
+    const joined = new Uint8Array(this.#bytes.length + bytes.length);
+    joined.set(this.#bytes);
+    joined.set(bytes, this.#bytes.length);
+    this.#bytes = joined;
+    const out = [];
+    for (let record = this.#take(); record; record = this.#take()) out.push(record);
+    return out;
+  }
+
+  #take() {
+    const head = this.#part(0);
+    const payload = head && this.#part(head.end);
+    if (!payload) return null;
+    this.#bytes = this.#bytes.slice(payload.end);
+    return { head: JSON.parse(new TextDecoder().decode(head.bytes)), payload: payload.bytes };
+  }
+
+  #part(at) {
+    if (this.#bytes.length < at + 4) return null;
+    const size = new DataView(this.#bytes.buffer, this.#bytes.byteOffset).getUint32(at, true);
+    if (size > kLargestRecord_bytes) throw new Error(`stream of the server: a record of ${size} bytes is too large`);
+    const end = at + 4 + size;
+    return this.#bytes.length < end ? null : { bytes: this.#bytes.slice(at + 4, end), end };
+  }
+}
+
+export class Server {
+  #token;
+
+  constructor(token) { this.#token = token; }
+
+  async #fetch(path, body, signal) {
+    const headers = { Authorization: `Bearer ${this.#token}` };
+    if (body !== undefined) headers['Content-Type'] = 'application/json';
+    const answer = await fetch(`api/${path}`, {
+      method: body === undefined ? 'GET' : 'POST',
+      headers,
+      body: body === undefined ? undefined : JSON.stringify(body),
+      signal,
+      cache: 'no-store',
+    });
+    if (answer.ok) return answer;
+    let message = `the server answered ${answer.status}`;
+    try {
+      message = (await answer.json()).error ?? message;
+    } catch {
+      // An answer without JSON comes from a proxy; its status is the message.
+    }
+    throw new ServerError(message, answer.status);
+  }
+
+  async json(path, body, signal) { return (await this.#fetch(path, body, signal)).json(); }
+  async blob(path, body, signal) { return (await this.#fetch(path, body, signal)).blob(); }
+
+  /** Calls `onRecord(head, payload)` for each record. Resolves at the end of the stream. */
+  async records(path, body, signal, onRecord) {
+    const answer = await this.#fetch(path, body, signal);
+    const reader = new RecordReader();
+    const stream = answer.body.getReader();
+    for (let part = await stream.read(); !part.done; part = await stream.read()) {
+      for (const { head, payload } of reader.push(part.value)) await onRecord(head, payload);
+    }
+  }
+}
+
+/** Returns the token of the page's address, "" if there is none. */
+export const tokenOfPage = () => decodeURIComponent(location.hash.slice(1));
