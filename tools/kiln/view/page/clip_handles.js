@@ -126,14 +126,14 @@ export class ClipHandles {
       return [
         outline.length > 2 && outline.every(Boolean) ? svg('path', { class: 'clip-plane', d: `M${outline.map((p) => `${p.x.toFixed(1)} ${p.y.toFixed(1)}`).join('L')}Z` }) : null,
         svg('line', { class: 'plane-arrow', x1: a.x, y1: a.y, x2: b.x, y2: b.y }),
-        this.#handle(`plane-${index}`, a, `Place of ${name}`, `${short(plane.offset)} ${lengthUnit}`, {
-          onDown: (event) => this.#dragAlong(event, scene, anchor, scale(plane.normal, arrow), (t) => move(t * arrow, `plane-${index}`)),
-          onStep: (step) => move((step * arrow) / 100, `plane-key-${index}`),
-        }),
         this.#handle(`normal-${index}`, b, `Direction of ${name}`, plane.normal.map((n) => short(n, 3)).join(', '), {
           className: 'tip',
           onDown: (event) => this.#dragNormal(event, scene, index, anchor, arrow, b.depth < a.depth),
           onStep: (step) => this.#controls.setPlane(index, turned(plane, anchor, camera, step), `normal-key-${index}`),
+        }),
+        this.#handle(`plane-${index}`, a, `Place of ${name}`, `${short(plane.offset)} ${lengthUnit}`, {
+          onDown: (event) => this.#dragAlong(event, scene, anchor, scale(plane.normal, arrow), (t) => move(t * arrow, `plane-${index}`)),
+          onStep: (step) => move((step * arrow) / 100, `plane-key-${index}`),
         }),
       ];
     });

@@ -9,7 +9,7 @@ function fill(node, attributes, children) {
     else if (name === 'value' || name === 'checked') node[name] = value;
     else node.setAttribute(name, value === true ? '' : value);
   }
-  node.append(...children.flat().filter((child) => child !== null && child !== undefined));
+  node.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));
   return node;
 }
 
@@ -86,7 +86,7 @@ export function colorField({ label, onInput, onDone = () => {} }) {
 }
 
 /** Puts children in place of the present ones. */
-export const replace = (node, ...children) => node.replaceChildren(...children.flat().filter((child) => child !== null && child !== undefined));
+export const replace = (node, ...children) => node.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined));
 
 /** Follows a pointer from `down` to its release. `onMove(event)` is called for moves, `onEnd()` once. */
 export function follow(down, onMove, onEnd = () => {}) {

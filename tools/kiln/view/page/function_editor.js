@@ -1,6 +1,6 @@
 // The editor of a transfer function: points over the histogram of the volume, a bar for the window, fields for the
 // selected point. Opacity has an axis of square roots, because useful opacities of tissue begin at a hundredth.
-import { colorAt, at, rangeOf, simplified, withNewPoint, withoutPoint, withPoint } from './transfer_function.js';
+import { at, rangeOf, simplified, withNewPoint, withoutPoint, withPoint } from './transfer_function.js';
 import { hexOf, hexOfLinear } from './color.js';
 import { button, colorField, follow, html, newId, numberField, replace, svg } from './element.js';
 import { short, ticks } from './numbers.js';
@@ -55,7 +55,7 @@ export class FunctionEditor {
       html('div', { class: 'grid-fields' },
         html('span', { class: 'name' }, 'Point'), html('span', { class: 'controls' }, this.value.node, this.color.node),
         html('span', { class: 'name' }, 'Opacity'), html('span', { class: 'controls' }, this.opacity.node, html('span', { class: 'unit' }, 'per'), this.unit.node),
-        html('span', { class: 'name' }, 'Window'), html('span', { class: 'controls' }, this.centre.node, html('span', { class: 'unit' }, '±'), this.breadth.node)),
+        html('span', { class: 'name' }, 'Window'), html('span', { class: 'controls' }, this.centre.node, this.breadth.node)),
       this.gradient);
     this.centre.setUnit('centre');
     this.breadth.setUnit('width');
@@ -362,5 +362,3 @@ export class FunctionEditor {
     this.#draw();
   }
 }
-
-export { colorAt };

@@ -8,6 +8,7 @@ import { dot } from './vector.js';
 
 const kAxesRadius = 26;
 const kBarShare = 0.22;
+const kLongestBar_px = 240;
 
 /** Letters of the positive ends of x, y and z: of the patient where the file defines one. */
 export const axisNames = (volume) => (volume.patient ? volume.axisNames ?? ['L', 'P', 'S'] : ['x', 'y', 'z']);
@@ -50,7 +51,7 @@ export class Overlay {
 
   #drawBar(camera, size, unit) {
     const perUnit = size.height / heightAtTarget(camera);
-    const length = roundLength((kBarShare * size.width) / perUnit);
+    const length = roundLength(Math.min(kLongestBar_px, kBarShare * size.width) / perUnit);
     const width = length * perUnit;
     const x = size.width - 14 - width, y = size.height - 14;
     replace(this.bar,

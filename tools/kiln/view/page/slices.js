@@ -33,6 +33,7 @@ export class Slices {
     } });
     this.centre = field('Centre', 'centre', 0);
     this.breadth = field('Width', 'width', 1);
+    this.centre.input.placeholder = this.breadth.input.placeholder = 'auto';
     this.node = html('div', { class: 'slices-inside' },
       html('div', { class: 'slices-bar' }, html('h2', {}, 'Slices'), this.readout, html('span', { class: 'spacer' }),
         html('span', { class: 'dim' }, 'Grey'), this.centre.node, this.breadth.node,
