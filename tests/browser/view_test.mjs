@@ -361,7 +361,7 @@ onPage('key frames are saved with the job and played', 'ct', async (viewer, page
 
 onPage('the command, the cost and a render with cancel', 'ct', async (viewer, page) => {
   await page.click('#command');
-  assert.match(await page.getByLabel('Command line').inputValue(), /kiln render/);
+  assert.match(await page.getByRole('textbox', { name: 'Command line' }).inputValue(), /kiln render/);
   await page.getByRole('button', { name: 'Close' }).first().click();
   await page.click('#render');
   await page.waitForFunction(() => /iB/.test(document.querySelector('.facts').textContent));

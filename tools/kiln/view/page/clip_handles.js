@@ -67,9 +67,9 @@ export class ClipHandles {
     follow({ currentTarget: this.#root, pointerId: down.pointerId }, onMove, () => this.#controls.endGesture());
   }
 
-  #handle(id, at, label, valueText, { className = '', onDown, onStep }) {
+  #handle(id, at, label, value, valueText, { className = '', onDown, onStep }) {
     const node = svg('circle', { cx: at.x.toFixed(1), cy: at.y.toFixed(1), r: kRadius, class: `handle ${className}`, 'data-handle': id, tabindex: 0,
-      role: 'slider', 'aria-label': label, 'aria-valuenow': valueText.split(' ')[0], 'aria-valuetext': valueText }, svg('title', {}, `${label}: ${valueText}`));
+      role: 'slider', 'aria-label': label, 'aria-valuenow': value, 'aria-valuetext': valueText }, svg('title', {}, `${label}: ${valueText}`));
     node.addEventListener('pointerdown', (event) => { onDown(event); node.focus({ preventScroll: true }); });
     node.addEventListener('keydown', (event) => {
       const step = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
@@ -100,7 +100,7 @@ export class ClipHandles {
           next[place] = Math.min(high, Math.max(low, box[place] + Math.round(voxels)));
           this.#controls.setBox(next, key);
         };
-        nodes.push(this.#handle(`box-${place}`, at, `${side ? 'Upper' : 'Lower'} ${kAxes[axis]} face of the clip box`, `${box[place]} voxels`, {
+        nodes.push(this.#handle(`box-${place}`, at, `${side ? 'Upper' : 'Lower'} ${kAxes[axis]} face of the clip box`, box[place], `${box[place]} voxels`, {
           className: `axis-${axis}`,
           onDown: (event) => this.#dragAlong(event, scene, middle, unit, (t) => moved(t, `box-${place}`)),
           onStep: (step) => moved(step, `box-key-${place}`),
@@ -126,12 +126,12 @@ export class ClipHandles {
       return [
         outline.length > 2 && outline.every(Boolean) ? svg('path', { class: 'clip-plane', d: `M${outline.map((p) => `${p.x.toFixed(1)} ${p.y.toFixed(1)}`).join('L')}Z` }) : null,
         svg('line', { class: 'plane-arrow', x1: a.x, y1: a.y, x2: b.x, y2: b.y }),
-        this.#handle(`normal-${index}`, b, `Direction of ${name}`, plane.normal.map((n) => short(n, 3)).join(', '), {
+        this.#handle(`normal-${index}`, b, `Direction of ${name}`, plane.normal[0], plane.normal.map((n) => short(n, 3)).join(', '), {
           className: 'tip',
           onDown: (event) => this.#dragNormal(event, scene, index, anchor, arrow, b.depth < a.depth),
           onStep: (step) => this.#controls.setPlane(index, turned(plane, anchor, camera, step), `normal-key-${index}`),
         }),
-        this.#handle(`plane-${index}`, a, `Place of ${name}`, `${short(plane.offset)} ${lengthUnit}`, {
+        this.#handle(`plane-${index}`, a, `Place of ${name}`, plane.offset, `${short(plane.offset)} ${lengthUnit}`, {
           onDown: (event) => this.#dragAlong(event, scene, anchor, scale(plane.normal, arrow), (t) => move(t * arrow, `plane-${index}`)),
           onStep: (step) => move((step * arrow) / 100, `plane-key-${index}`),
         }),

@@ -37,7 +37,7 @@ export class Slices {
     this.node = html('div', { class: 'slices-inside' },
       html('div', { class: 'slices-bar' }, html('h2', {}, 'Slices'), this.readout, html('span', { class: 'spacer' }),
         html('span', { class: 'dim' }, 'Grey'), this.centre.node, this.breadth.node,
-        button('Auto', () => this.#setWindow(null), { class: 'small', 'aria-label': 'Automatic grey values' })),
+        button('Auto', () => this.#setWindow(null), { class: 'small', 'aria-label': 'Auto grey values' })),
       html('div', { class: 'slice-row' }, this.#views.map((view) => view.node)));
   }
 

@@ -1,7 +1,7 @@
 // Light or dark colours: as the system says, or as chosen with the button. The choice stays in the browser.
 
 const kKey = 'kiln-theme';
-const kThemes = { auto: ['Auto', 'as the system'], light: ['Light', 'light'], dark: ['Dark', 'dark'] };
+const kThemes = { auto: ['Auto', 'as those of the system'], light: ['Light', 'always light'], dark: ['Dark', 'always dark'] };
 
 function remembered() {
   try {
@@ -17,7 +17,7 @@ export function startTheme(button) {
   const show = () => {
     document.documentElement.dataset.theme = theme;
     button.textContent = kThemes[theme][0];
-    button.setAttribute('aria-label', `Colours of the page: ${kThemes[theme][1]}`);
+    button.setAttribute('aria-label', `${kThemes[theme][0]}: colours of the page ${kThemes[theme][1]}`);
   };
   button.addEventListener('click', () => {
     const names = Object.keys(kThemes);
