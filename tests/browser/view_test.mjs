@@ -191,6 +191,15 @@ onPage('points are edited by keys and by numbers', 'ct', async (viewer, page) =>
   await page.getByRole('button', { name: 'Delete', exact: true }).click();
   await viewer.settled();
   assert.equal(viewer.job().transferFunction.points.length, count);
+  // Digits that are typed one by one are not replaced by the limits of the neighbours.
+  await page.getByRole('button', { name: 'Next point' }).click();
+  const value = page.getByLabel('Value of the point');
+  const typed = String(Number(await value.inputValue()) + 1);
+  await value.press('Control+a');
+  await value.pressSequentially(typed);
+  await value.press('Enter');
+  await viewer.settled();
+  assert.ok(viewer.job().transferFunction.points.some((p) => p.value === Number(typed)), typed);
 });
 
 onPage('the window stretches a preset', 'ct', async (viewer, page) => {

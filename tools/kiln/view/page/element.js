@@ -31,30 +31,38 @@ export const row = (name, ...controls) => html('div', { class: 'row' }, html('sp
 
 /**
  * A number with a name and a unit, and a slider if `slider` is {min, max, step}. `onInput(value)` is called while the
- * number changes, `onDone()` at the end of a change. `set(value)` shows a value; null shows an empty field.
+ * number changes, or once at its end if `late`; `onDone()` at the end of a change. `set(value)` shows a value; null shows
+ * an empty field. A text that is being typed stays as it is.
  */
-export function numberField({ name, unit = '', label = name, min, max, step = 'any', digits = 5, slider = null, onInput, onDone = () => {} }) {
+export function numberField({ name, unit = '', label = name, min, max, step = 'any', digits = 5, slider = null, late = false, onInput, onDone = () => {} }) {
   const input = html('input', { type: 'number', min, max, step, 'aria-label': unit ? `${label}, ${unit}` : label, class: 'number', inputmode: 'decimal' });
   const range = slider && html('input', { type: 'range', min: slider.min, max: slider.max, step: slider.step, 'aria-label': `${label}, slider`, tabindex: '-1' });
   const clamped = (value) => Math.min(max ?? Infinity, Math.max(min ?? -Infinity, value));
   const take = (source) => {
     const value = source.valueAsNumber;
     if (!Number.isFinite(value)) return;
-    const legal = source === input ? value : clamped(value);
-    const allowed = clamped(legal) === legal;
+    const allowed = source === range || clamped(value) === value;
     input.setAttribute('aria-invalid', String(!allowed));
-    if (allowed) onInput(legal);
+    if (allowed) onInput(value);
   };
   let shown = null;
+  let typing = false;
   const show = (value) => {
     shown = value;
-    const text = value === null || value === undefined ? '' : String(Number(Number(value).toPrecision(digits)));
-    if (document.activeElement !== input || Number(input.value) !== Number(text)) input.value = text;
-    input.setAttribute('aria-invalid', 'false');
     if (range) range.value = value ?? slider.min;
+    if (typing) return;
+    input.value = value === null || value === undefined ? '' : String(Number(Number(value).toPrecision(digits)));
+    input.setAttribute('aria-invalid', 'false');
   };
-  input.addEventListener('input', () => take(input));
-  input.addEventListener('change', () => { show(shown); onDone(); });
+  const finish = () => {
+    if (late && typing) take(input);
+    typing = false;
+    show(shown);
+    onDone();
+  };
+  input.addEventListener('input', () => { typing = true; if (!late) take(input); });
+  input.addEventListener('change', finish);
+  input.addEventListener('keydown', (event) => { if (event.ctrlKey || event.metaKey) typing = false; });
   range?.addEventListener('input', () => take(range));
   range?.addEventListener('change', onDone);
   const unitText = html('span', { class: 'unit' }, unit);

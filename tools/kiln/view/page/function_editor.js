@@ -36,7 +36,7 @@ export class FunctionEditor {
     this.plot = svg('svg', { class: 'function-plot', role: 'group', 'aria-label': 'Transfer function over the histogram' });
     this.#layers();
     const field = (options) => numberField({ name: null, onDone, ...options });
-    this.value = field({ label: 'Value of the point', onInput: (value) => this.#editPoint({ value }, 'value of a point') });
+    this.value = field({ label: 'Value of the point', late: true, onInput: (value) => this.#editPoint({ value }, 'value of a point') });
     this.opacity = field({ label: 'Opacity of the point', min: 0, max: 1, step: 0.01, onInput: (opacity) => this.#editPoint({ opacity }, 'opacity of a point') });
     this.color = colorField({ label: 'Colour of the point', onInput: (color) => this.#editPoint({ color }, 'colour of a point'), onDone });
     this.unit = field({ label: 'Opacity is per this length', min: 0, onInput: (unit) => { if (unit > 0) this.#emit({ ...this.#fn, unit }, 'unit of opacity', 'unit'); } });

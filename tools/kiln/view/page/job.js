@@ -3,7 +3,8 @@
 // A job of one volume has the volume's keys (transferFunction, window, region, clip) beside the picture's; a job of
 // several volumes has them in `volumes`.
 
-const kFramingKeys = ['view', 'azimuth', 'elevation', 'zoom', 'fit', 'pan', 'eye', 'target', 'up', 'fov', 'height'];
+// Keys that another side of the volume replaces. The projection and the fitted box stay.
+const kPlaceKeys = ['view', 'azimuth', 'elevation', 'zoom', 'pan', 'eye', 'target', 'up', 'fov', 'height'];
 const kMotionKeys = ['turntable', 'keyframes', 'matrices', 'pivot'];
 
 /** Returns the object without the keys whose value is undefined. */
@@ -49,7 +50,7 @@ export function withCamera(job, camera) {
 
 /** Frames the volume from a side. */
 export function withSide(job, side) {
-  const others = Object.fromEntries(Object.entries(job.camera ?? {}).filter(([key]) => !kFramingKeys.includes(key)));
+  const others = Object.fromEntries(Object.entries(job.camera ?? {}).filter(([key]) => !kPlaceKeys.includes(key)));
   return { ...job, camera: { ...others, view: side } };
 }
 

@@ -99,14 +99,14 @@ export function keyframesPanel(app) {
   }
 
   function newRow(index) {
-    const frame = numberField({ name: null, label: `Frame of key ${index + 1}`, min: 0, step: 1, onInput: (value) => {
+    const frame = numberField({ name: null, label: `Frame of key ${index + 1}`, min: 0, step: 1, late: true, onInput: (value) => {
       const others = keyframesOf(state.job).filter((_, i) => i !== index);
       if (!others.some((key) => key.frame === value)) setKeys((keys) => keys.map((key, i) => (i === index ? { ...key, frame: value } : key)), 'frame of a key', `key-${index}`);
     }, onDone: done });
     const time = html('span', { class: 'unit' });
     const ease = choice({ name: null, label: `Passage of key ${index + 1}`, options: kEases, onInput: (value) => setKeys((keys) => keys.map((key, i) => (i === index ? { ...key, ease: value } : key)), 'passage of a key') });
     const node = html('li', {},
-      button('Go', () => { stop(); app.showFrame(keyframesOf(state.job)[index].frame); }, { class: 'small', 'aria-label': `Go to key ${index + 1}` }),
+      button('Go', () => { stop(); app.showFrame(Math.round(keyframesOf(state.job)[index].frame)); }, { class: 'small', 'aria-label': `Go to key ${index + 1}` }),
       frame.node, time, ease.node,
       button('Set', () => setKeys((keys) => keys.map((key, i) => (i === index ? keyOf(key.frame, key.ease) : key)), 'view of a key'), { class: 'small', 'aria-label': `Set key ${index + 1} to the present view`, title: 'Takes the present view' }),
       button('×', () => setKeys((keys) => keys.filter((_, i) => i !== index), 'removed key frame'), { class: 'small', 'aria-label': `Remove key ${index + 1}` }));

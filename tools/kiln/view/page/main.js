@@ -28,6 +28,7 @@ class App {
   showsHandles = true;
   drawsBatchSize = false;
   frame = undefined;        // frame of an animated job that is shown; undefined: the still camera
+  presetsOf = null;         // the volume that the pictures of presets show
   resolved = null;          // camera and functions of the newest frame, as the server understood the job
   keyWithProjection = keyWithProjection;
   roundedCamera = rounded;
@@ -179,10 +180,13 @@ class App {
     this.resolved = record;
     this.redrawOverlay();
     this.#updatePanels();
-    if (!this.drewPresets) {
-      this.drewPresets = true;
-      this.presets.draw(() => ({ job: withoutMotion(this.state.job) }));
-    }
+    if (this.presetsOf !== this.active) this.#drawPresets();
+  }
+
+  // The pictures show a volume of several with the present functions of the others.
+  #drawPresets() {
+    this.presetsOf = this.active;
+    this.presets.draw(() => ({ job: withoutMotion(this.state.job), volume: this.active }));
   }
 
   #pictureArrived(record, wanted, time) {
@@ -290,6 +294,7 @@ class App {
       tab.tabIndex = i === index ? 0 : -1;
     }
     if (byId('show-slices').checked) this.slices.show(this.volume, index);
+    if (this.resolved && this.presetsOf !== index) this.#drawPresets();
     this.#updatePanels();
     this.redrawOverlay();
   }
@@ -312,8 +317,12 @@ class App {
     this.editor.node.hidden = !fn?.points;
     this.labels.node.hidden = !hasLabels;
     const unit = fn?.unit || this.volume.spacing.reduce((a, b) => a + b) / 3;
-    if (fn?.points) this.editor.show({ fn: { ...fn, unit }, histogram: this.volume.histogram, lengthUnit });
-    if (hasLabels) this.labels.show({ fn: { ...fn, unit }, labels: this.volume.labels ?? [], lengthUnit });
+    const shown = JSON.stringify([this.active, fn]);
+    if (shown !== this.shownFunction) {
+      this.shownFunction = shown;
+      if (fn?.points) this.editor.show({ fn: { ...fn, unit }, histogram: this.volume.histogram, lengthUnit });
+      if (hasLabels) this.labels.show({ fn: { ...fn, unit }, labels: this.volume.labels ?? [], lengthUnit });
+    }
     this.presets.mark(typeof own.transferFunction === 'string' ? own.transferFunction : own.transferFunction === undefined ? 'auto' : null);
     for (const panel of [this.lightPanel, this.clipPanel, this.cameraPanel, this.imagePanel, this.keysPanel]) panel.update(job);
   }

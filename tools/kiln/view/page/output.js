@@ -20,7 +20,9 @@ export function outputActions(app) {
   // The command, selected and copied.
   const text = html('textarea', { readonly: true, rows: 6, 'aria-label': 'Command line' });
   const copied = html('p', { class: 'dim', role: 'status' });
-  const commandDialog = html('dialog', { 'aria-labelledby': 'command-title' }, html('h2', { id: 'command-title' }, 'Command line'), text, copied,
+  const unsaved = html('div', { class: 'row' }, html('span', {}, 'The command draws the saved job, and this one has changes.'),
+    button('Save job', async () => { await save(); unsaved.hidden = app.state.isSaved; }, { class: 'small' }));
+  const commandDialog = html('dialog', { 'aria-labelledby': 'command-title' }, html('h2', { id: 'command-title' }, 'Command line'), text, unsaved, copied,
     html('div', { class: 'dialog-buttons' }, button('Copy', () => copy()), button('Close', () => commandDialog.close())));
   async function copy() {
     text.select();
@@ -35,6 +37,7 @@ export function outputActions(app) {
     try {
       text.value = (await app.server.json('command', body())).command;
       copied.textContent = '';
+      unsaved.hidden = app.state.isSaved;
       commandDialog.showModal();
       await copy();
     } catch (error) {
@@ -49,7 +52,7 @@ export function outputActions(app) {
   const start = button('Render', () => run(), { class: 'primary' });
   const cancel = button('Cancel', () => running?.abort());
   const close = button('Close', () => renderDialog.close());
-  const side = (label, unit) => numberField({ name: null, label, unit, min: 1, max: 65536, step: 1, onInput: () => later() });
+  const side = (label, unit) => numberField({ name: null, label, unit, min: 1, max: app.session.largest, step: 1, onInput: () => later() });
   const width = side('Width', '×'), height = side('Height', 'pixels');
   const renderDialog = html('dialog', { 'aria-labelledby': 'render-title' }, html('h2', { id: 'render-title' }, 'Render here'),
     html('div', { class: 'row' }, html('span', { class: 'name' }, 'Size'), html('span', { class: 'controls' }, width.node, height.node)),
@@ -94,21 +97,20 @@ export function outputActions(app) {
     bar.removeAttribute('value');
     line.textContent = 'Drawing …';
     show(true);
-    let written = [];
+    let written = false;
     try {
       await app.server.records('render', request(), running.signal, (head) => {
         if (head.kind === 'progress') {
           bar.value = head.total > 0 ? head.done / head.total : 0;
           line.textContent = `${head.done} of ${head.total} ${head.unit}`;
         } else if (head.kind === 'written') {
-          written = [...written, head];
-          line.textContent = `Wrote ${head.path} (${bytes(head.bytes)})`;
+          written = true;
+          line.textContent = head.frames > 1 ? `Wrote ${head.frames} pictures from ${head.path} on (${bytes(head.bytes)})` : `Wrote ${head.path} (${bytes(head.bytes)})`;
         } else if (head.kind === 'error') {
           throw new Error(head.error);
         }
       });
-      if (written.length === 0) line.textContent = 'The render ended without a file.';
-      else if (written.length > 1) line.textContent = `Wrote ${written.length} files, the last ${written[written.length - 1].path}`;
+      if (!written) line.textContent = 'The render ended without a file.';
     } catch (error) {
       line.textContent = running.signal.aborted ? 'Cancelled; no file was written.' : error.message;
     }

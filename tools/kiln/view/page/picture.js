@@ -60,7 +60,8 @@ export class Picture {
     if (!wanted) return;
     const flight = { moving, abort: new AbortController(), start: performance.now() };
     this.#flight = flight;
-    const seq = ++this.#sequence;
+    // Numbers rise over reloads and windows, too.
+    const seq = (this.#sequence = Math.max(this.#sequence + 1, Date.now()));
     this.#listeners.onState(moving ? 'moving' : 'waiting');
     try {
       const body = { seq, size: wanted.size, moving, job: wanted.job };

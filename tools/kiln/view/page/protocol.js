@@ -51,12 +51,9 @@ export class Server {
   async #fetch(path, body, signal) {
     const headers = { Authorization: `Bearer ${this.#token}` };
     if (body !== undefined) headers['Content-Type'] = 'application/json';
-    const answer = await fetch(`api/${path}`, {
-      method: body === undefined ? 'GET' : 'POST',
-      headers,
-      body: body === undefined ? undefined : JSON.stringify(body),
-      signal,
-      cache: 'no-store',
+    const options = { method: body === undefined ? 'GET' : 'POST', headers, body: body && JSON.stringify(body), signal, cache: 'no-store' };
+    const answer = await fetch(`api/${path}`, options).catch((error) => {
+      throw signal?.aborted ? error : new Error('the viewer does not answer; is kiln view still running?');
     });
     if (answer.ok) return answer;
     let message = `the server answered ${answer.status}`;

@@ -36,8 +36,8 @@ export class Slices {
     this.centre.input.placeholder = this.breadth.input.placeholder = 'auto';
     this.node = html('div', { class: 'slices-inside' },
       html('div', { class: 'slices-bar' }, html('h2', {}, 'Slices'), this.readout, html('span', { class: 'spacer' }),
-        html('span', { class: 'dim' }, 'Grey'), this.centre.node, this.breadth.node,
-        button('Auto', () => this.#setWindow(null), { class: 'small', 'aria-label': 'Auto grey values' })),
+        html('span', { class: 'grey-fields' }, html('span', { class: 'dim' }, 'Grey'), this.centre.node, this.breadth.node,
+          button('Auto', () => this.#setWindow(null), { class: 'small', 'aria-label': 'Auto grey values' }))),
       html('div', { class: 'slice-row' }, this.#views.map((view) => view.node)));
   }
 
@@ -199,7 +199,8 @@ export class Slices {
       try {
         const found = await this.#app.server.json('probe', { volume: this.#index, voxel: wanted });
         const place = kAxes.map((axis, i) => `${axis} ${wanted[i]}`).join('  ');
-        const value = found.label ? `${found.label} (${short(found.value)})` : short(found.value);
+        const name = found.label ?? this.#volume.labels?.find((label) => label.value === found.value)?.name;
+        const value = name ? `${short(found.value)} (${name})` : short(found.value);
         this.readout.textContent = `Voxel ${place} · value ${value} · ${found.world.map((n) => short(n)).join(', ')} ${this.#volume.unit || 'units'}`;
       } catch (error) {
         this.readout.textContent = error.message;
