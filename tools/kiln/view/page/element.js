@@ -62,6 +62,7 @@ export function numberField({ name, unit = '', label = name, min, max, step = 'a
   };
   input.addEventListener('input', () => { typing = true; if (!late) take(input); });
   input.addEventListener('change', finish);
+  input.addEventListener('blur', () => { typing = false; show(shown); });
   input.addEventListener('keydown', (event) => { if (event.ctrlKey || event.metaKey) typing = false; });
   range?.addEventListener('input', () => take(range));
   range?.addEventListener('change', onDone);

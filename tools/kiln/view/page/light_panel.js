@@ -4,7 +4,7 @@ import { hexOf } from './color.js';
 import { withKeys, withPart } from './job.js';
 
 const kModes = { composite: 'light of the volume', mip: 'greatest value (MIP)', minip: 'least value (MinIP)', average: 'mean value' };
-const kLights = { headlight: 'at the eye', camera: 'far, moves with the camera', directional: 'far, stays in the world', point: 'point of the world' };
+const kLights = { headlight: 'at the eye', camera: 'far, with the camera', directional: 'far, in the world', point: 'near, in the world' };
 const kPlain = { shading: { model: 'phong', ambient: 0.2, diffuse: 0.8, specular: 0.2, power: 16 }, lights: [{ type: 'headlight' }], display: { tone: 'clip' } };
 
 export function lightPanel(app) {
@@ -84,7 +84,7 @@ export function lightPanel(app) {
       html('div', { class: 'row' }, html('span', { class: 'name' }, name), html('span', { class: 'controls' }, kind.node,
         button('Remove', () => setLights((lights) => lights.filter((_, i) => i !== index), 'removed light'), { class: 'small', 'aria-label': `Remove light ${index + 1}` }))),
       html('div', { class: 'row' }, html('span', { class: 'name' }, 'Colour'), html('span', { class: 'controls' }, color.node, intensity.node)),
-      far ? html('div', { class: 'row' }, html('span', { class: 'name' }, type === 'point' ? `At, ${app.lengthUnit()}` : type === 'camera' ? 'Right, up, to eye' : 'From'), html('span', { class: 'controls three' }, place.map((p) => p.node))) : null,
+      far ? html('div', { class: 'row' }, html('span', { class: 'name' }, type === 'point' ? `Position, ${app.lengthUnit()}` : 'Direction'), html('span', { class: 'controls three' }, place.map((p) => p.node))) : null,
       far ? html('div', { class: 'row' }, shadow.node, html('span', { class: 'controls' }, softness.node)) : null);
     return { node, type, kind, color, intensity, place, shadow, softness };
   }
