@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that are missing: install_packages.sh [build|mpi|test|bench|demo|peers|chroot ...], `build` if nothing is named.
+# Installs the Debian packages that are missing: install_packages.sh [build|mpi|test|browser|bench|demo|peers|chroot ...], `build` if nothing is named.
 # Where all are there it changes nothing and needs no root. Debian 12 and its successors.
 set -euo pipefail
 
@@ -12,6 +12,8 @@ mpi=(libopenmpi-dev openmpi-bin)
 # Tests hold Kiln's files and its schema against other programs.
 test=(libgtest-dev openimageio-tools ffmpeg lowdown libopenjp2-tools
       python3-jsonschema python3-zarr python3-h5py python3-mrcfile python3-nibabel python3-tifffile)
+# Tests of the page of kiln view (tests/browser/viewer.mjs).
+browser=(chromium nodejs npm)
 bench=(libbenchmark-dev)
 demo=(invesalius-examples tar)
 # Other renderers, to compare with.
@@ -26,11 +28,12 @@ for group in "$@"; do
     build) wanted+=("${build[@]}") ;;
     mpi) wanted+=("${mpi[@]}") ;;
     test) wanted+=("${test[@]}") ;;
+    browser) wanted+=("${browser[@]}") ;;
     bench) wanted+=("${bench[@]}") ;;
     demo) wanted+=("${demo[@]}") ;;
     peers) wanted+=("${peers[@]}") ;;
     chroot) wanted+=("${chroot[@]}") ;;
-    *) echo "install_packages.sh: '$group' is not one of build mpi test bench demo peers chroot" >&2; exit 2 ;;
+    *) echo "install_packages.sh: '$group' is not one of build mpi test browser bench demo peers chroot" >&2; exit 2 ;;
   esac
 done
 

@@ -70,14 +70,14 @@ build_and_start_tests() {
   case $preset in
     asan) labels=(unit property format fault) ;;
     tsan) labels=(threads) ;;
-    release | dev) labels=(frames fault known_answer cli consumer) ;;
+    release | dev) labels=(frames fault known_answer cli consumer browser) ;;
   esac
   if [ "$nightly" = ON ] && [ "$preset" = asan ]; then labels+=(threads frames cli); fi
   if [ "$nightly" = ON ] && [ "$preset" = tsan ]; then labels+=(frames); fi
   if [ "$whole" = ON ] && [[ $preset = release || $preset = dev ]]; then labels+=(unit threads property format); fi
   for label in "${labels[@]}"; do
     # An installed Kiln has the program, too.
-    if [ "$label" = consumer ]; then targets+=(kiln_tool); else targets+=("kiln_${label}_tests"); fi
+    if [[ $label = consumer || $label = browser ]]; then targets+=(kiln_tool); else targets+=("kiln_${label}_tests"); fi
   done
   # Everything that README's command builds, and the benchmarks.
   if [ "$nightly" = ON ] && [ "$preset" = release ]; then targets=(); fi

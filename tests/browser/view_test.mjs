@@ -25,7 +25,7 @@ after(async () => {
   folder.close();
 });
 
-const kArguments = { ct: ['head.kiln'], labels: ['organs.kiln'], two: ['head.kiln', 'organs.kiln'] };
+const kArguments = { ct: ['head.kiln'], labels: ['organs.kiln'], two: ['head.kiln', '--add', 'organs.kiln'] };
 
 /** Runs a test on a page of its own; each kind of viewer is started once. */
 function onPage(name, kind, body, options = {}) {

@@ -1,4 +1,4 @@
-// Cameras and boxes of the page, against answers known from geometry. Needs node only.
+// The page's modules without a browser, against answers known from geometry and arithmetic. Needs node only.
 import test from 'node:test';
 import assert from 'node:assert/strict';
 import * as cameras from '../../tools/kiln/view/page/camera.js';
