@@ -192,7 +192,7 @@ onPage('points are edited by keys and by numbers', 'ct', async (viewer, page) =>
   await viewer.settled();
   assert.equal(viewer.job().transferFunction.points.length, count);
   // Digits that are typed one by one are not replaced by the limits of the neighbours.
-  await page.getByRole('button', { name: 'Next point' }).click();
+  await points.nth(0).focus();
   const value = page.getByLabel('Value of the point');
   const typed = String(Number(await value.inputValue()) + 1);
   await value.press('Control+a');
@@ -377,7 +377,7 @@ onPage('the command, the cost and a render with cancel', 'ct', async (viewer, pa
   await page.getByRole('button', { name: 'Render', exact: true }).click();
   await page.waitForFunction(() => document.querySelector('dialog[open] p[role=status]').textContent.startsWith('Wrote'), null, { timeout: 60_000 });
   if (kiln) assert.ok(readdirSync(folder.path).some((name) => name.endsWith('.png')));
-  if (kiln) await page.getByLabel('Width').fill('4096');
+  if (kiln) await page.locator('dialog[open]').getByLabel('Width').fill('4096');
   if (kiln) await page.locator('dialog[open]').getByLabel('Height').fill('4096');
   await page.getByRole('button', { name: 'Render', exact: true }).click();
   await page.getByRole('button', { name: 'Cancel' }).click();

@@ -243,8 +243,9 @@ class App {
     const surfaceValue = numberField({ name: null, label: 'Value of the surface', onInput: () => {} });
     surfaceValue.setUnit('value');
     const surface = button('Surface at', () => { if (Number.isFinite(surfaceValue.input.valueAsNumber)) setFunction(`iso:${surfaceValue.input.valueAsNumber}`, 'surface'); }, { class: 'small' });
+    this.surface = html('span', { class: 'controls' }, surface, surfaceValue.node);
     put('function-section', this.presets.node,
-      html('div', { class: 'row wrap' }, surface, surfaceValue.node, html('span', { class: 'spacer' }), button('Open file…', () => file.click(), { class: 'small', title: 'A function of Kiln or a colour map of ParaView, JSON' }), file),
+      html('div', { class: 'row wrap' }, this.surface, html('span', { class: 'spacer' }), button('Open file…', () => file.click(), { class: 'small', title: 'A function of Kiln or a colour map of ParaView, JSON' }), file),
       this.animatedFunction, this.unresolved, this.editor.node, this.labels.node);
     this.slices = new Slices({ server: this.server, onCross: () => this.redrawOverlay() });
     byId('slices').append(this.slices.node);
@@ -294,8 +295,8 @@ class App {
       tab.tabIndex = i === index ? 0 : -1;
     }
     if (byId('show-slices').checked) this.slices.show(this.volume, index);
-    if (this.resolved && this.presetsOf !== index) this.#drawPresets();
     this.#updatePanels();
+    if (this.resolved && this.presetsOf !== index) this.#drawPresets();
     this.redrawOverlay();
   }
 
@@ -323,6 +324,9 @@ class App {
       if (fn?.points) this.editor.show({ fn: { ...fn, unit }, histogram: this.volume.histogram, lengthUnit });
       if (hasLabels) this.labels.show({ fn: { ...fn, unit }, labels: this.volume.labels ?? [], lengthUnit });
     }
+    // Presets other than "auto" colour values, and the values of labels mean nothing.
+    this.presets.offer((name) => this.volume.classes !== 'labels' || name === 'auto');
+    this.surface.hidden = this.volume.classes === 'labels';
     this.presets.mark(typeof own.transferFunction === 'string' ? own.transferFunction : own.transferFunction === undefined ? 'auto' : null);
     for (const panel of [this.lightPanel, this.clipPanel, this.cameraPanel, this.imagePanel, this.keysPanel]) panel.update(job);
   }

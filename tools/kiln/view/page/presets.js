@@ -25,15 +25,21 @@ export class Presets {
     replace(this.node, [...this.#tiles.values()].map(({ tile }) => tile));
   }
 
+  /** Offers only the presets that `suits(name)` accepts. */
+  offer(suits) {
+    for (const [name, { tile }] of this.#tiles) tile.hidden = !suits(name);
+  }
+
   /** Marks the preset in use; null marks none. */
   mark(name) {
     for (const [each, { tile }] of this.#tiles) tile.setAttribute('aria-pressed', String(each === name));
   }
 
-  /** Draws all pictures anew. `request(name)` returns the body of the request. */
+  /** Draws the pictures of the offered presets anew. `request(name)` returns the body of the request. */
   async draw(request) {
     const round = ++this.#round;
-    for (const [name, { image }] of this.#tiles) {
+    for (const [name, { tile, image }] of this.#tiles) {
+      if (tile.hidden) continue;
       while (!this.#isIdle() || document.hidden) {
         await new Promise((resolve) => { setTimeout(resolve, kWait_ms); });
         if (round !== this.#round) return;
@@ -44,9 +50,9 @@ export class Presets {
         if (image.src) URL.revokeObjectURL(image.src);
         image.src = URL.createObjectURL(blob);
       } catch (error) {
-        // The preset does not suit this volume, such as colours of values for labels; its name stays.
+        // The preset does not suit this volume; its name stays.
         image.removeAttribute('src');
-        image.closest('button').title = error.message;
+        tile.title = error.message;
       }
       if (round !== this.#round) return;
     }
