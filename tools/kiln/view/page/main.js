@@ -22,10 +22,12 @@ import { bytes, duration } from './numbers.js';
 import { isAnimated, ownCamera, volumeOf, withCamera, withKeys, withoutMotion, withSide, withVolume } from './job.js';
 
 const kMessageTime_ms = 8000;
+const kLeastSide_px = 8; // a smaller stage shows no picture
 
 class App {
   active = 0;               // the volume whose function and box are edited
   showsHandles = true;
+  shownSize = { width: 1, height: 1 };
   drawsBatchSize = false;
   frame = undefined;        // frame of an animated job that is shown; undefined: the still camera
   presetsOf = null;         // the volume that the pictures of presets show
@@ -101,10 +103,7 @@ class App {
   }
 
   /** Returns the size of the shown picture in CSS pixels. */
-  size() {
-    const surface = byId('surface');
-    return { width: surface.clientWidth || 1, height: surface.clientHeight || 1 };
-  }
+  size() { return this.shownSize; }
 
   pictureChanged() {
     this.picture.changed();
@@ -119,8 +118,7 @@ class App {
   }
 
   #request() {
-    const stage = byId('stage');
-    if (stage.clientWidth < 8 || stage.clientHeight < 8) return null;
+    if (this.shownSize.width < kLeastSide_px || this.shownSize.height < kLeastSide_px) return null;
     const size = this.drawsBatchSize && this.state.job.image?.width ? this.batchSize() : this.#windowSize();
     if (this.frame !== undefined) return { job: this.state.job, size, frame: this.frame };
     return { job: withoutMotion(this.state.job), size };
@@ -137,9 +135,8 @@ class App {
     }
     surface.style.width = `${width}px`;
     surface.style.height = `${height}px`;
-    const now = `${width}x${height}`;
-    if (this.shownSize === now) return;
-    this.shownSize = now;
+    if (this.shownSize.width === width && this.shownSize.height === height) return;
+    this.shownSize = { width, height };
     this.pictureChanged();
     this.imagePanel.update(this.state.job);
   }
@@ -186,7 +183,7 @@ class App {
   // The pictures show a volume of several with the present functions of the others.
   #drawPresets() {
     this.presetsOf = this.active;
-    this.presets.draw(() => ({ job: withoutMotion(this.state.job), volume: this.active }));
+    this.presets.draw({ job: withoutMotion(this.state.job), volume: this.active });
   }
 
   #pictureArrived(record, wanted, time) {

@@ -7,6 +7,7 @@ import { roundLength, short } from './numbers.js';
 import { dot } from './vector.js';
 
 const kAxesRadius = 26;
+const kLeastAxis = 0.12; // of its length: a shorter axis is seen from its end
 const kBarShare = 0.22;
 const kLongestBar_px = 240;
 
@@ -43,7 +44,8 @@ export class Overlay {
       return { name: names[axis], x: dot(direction, right), y: -dot(direction, up), depth: dot(direction, forward), axis };
     });
     ends.sort((a, b) => b.depth - a.depth);
-    replace(this.axes, ends.map((end) => [
+    const seen = ends.filter((end) => Math.hypot(end.x, end.y) > kLeastAxis);
+    replace(this.axes, seen.map((end) => [
       svg('line', { x1: middle.x, y1: middle.y, x2: middle.x + kAxesRadius * end.x, y2: middle.y + kAxesRadius * end.y, class: `axis-${end.axis}` }),
       svg('text', { x: middle.x + (kAxesRadius + 8) * end.x, y: middle.y + (kAxesRadius + 8) * end.y + 3.5, 'text-anchor': 'middle', class: `axis-${end.axis}` }, end.name),
     ]).flat());

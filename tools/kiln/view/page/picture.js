@@ -20,7 +20,8 @@ export class Picture {
 
   /**
    * `request()` returns {job, size: [w, h], frame} as of now, or null if there is no room for a picture. Listeners:
-   * onResolved(record), onPicture(record, size), onProgress(record), onError(text), onState("moving" | "waiting" | "final").
+   * onResolved(record), onPicture(record, request, time in ms), onProgress(record), onError(text),
+   * onState("moving" | "waiting" | "final"). The bytes read of a picture are those of the stages before it, too.
    */
   constructor({ server, canvas, request, listeners }) {
     this.#server = server;
@@ -58,7 +59,7 @@ export class Picture {
     const wanted = this.#request();
     this.#wanted = false;
     if (!wanted) return;
-    const flight = { moving, abort: new AbortController(), start: performance.now() };
+    const flight = { moving, abort: new AbortController(), start: performance.now(), bytesRead: 0 };
     this.#flight = flight;
     // Numbers rise over reloads and windows, too.
     const seq = (this.#sequence = Math.max(this.#sequence + 1, Date.now()));
@@ -93,6 +94,7 @@ export class Picture {
     this.#canvas.getContext('2d').drawImage(bitmap, 0, 0);
     bitmap.close();
     if (head.asRendered) this.#final = blob;
-    this.#listeners.onPicture(head, wanted, performance.now() - flight.start);
+    flight.bytesRead += head.bytesRead;
+    this.#listeners.onPicture({ ...head, bytesRead: flight.bytesRead }, wanted, performance.now() - flight.start);
   }
 }

@@ -35,7 +35,7 @@ export class Presets {
     for (const [each, { tile }] of this.#tiles) tile.setAttribute('aria-pressed', String(each === name));
   }
 
-  /** Draws the pictures of the offered presets anew. `request(name)` returns the body of the request. */
+  /** Draws the pictures of the offered presets anew. `request` is the body of the requests, without the preset. */
   async draw(request) {
     const round = ++this.#round;
     for (const [name, { tile, image }] of this.#tiles) {
@@ -45,7 +45,7 @@ export class Presets {
         if (round !== this.#round) return;
       }
       try {
-        const blob = await this.#server.blob('thumbnail', { ...request(name), preset: name, size: [kSize_px, kSize_px] });
+        const blob = await this.#server.blob('thumbnail', { ...request, preset: name, size: [kSize_px, kSize_px] });
         if (round !== this.#round) return;
         if (image.src) URL.revokeObjectURL(image.src);
         image.src = URL.createObjectURL(blob);
