@@ -3,7 +3,7 @@ import test, { after, before } from 'node:test';
 import assert from 'node:assert/strict';
 import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { ViewerPage, axeSource, decodePng, kiln, launchBrowser, run, startViewer, workFolder } from './viewer.mjs';
+import { ViewerPage, axeSource, decodePng, forwardToSocket, launchBrowser, prefixProxy, run, startViewer, workFolder } from './viewer.mjs';
 
 const kLabelSide = 16;
 const folder = workFolder();
@@ -12,7 +12,6 @@ let browser;
 
 before(async () => {
   browser = await launchBrowser();
-  if (!kiln) return;
   run(folder.path, 'convert', 'phantom:head:64x64x64', 'head.kiln');
   // Label 3 in the lower half of the slices, label 7 in the upper half.
   writeFileSync(join(folder.path, 'organs.raw'), Buffer.alloc(kLabelSide ** 3, 3).fill(7, kLabelSide ** 3 / 2));
@@ -30,7 +29,7 @@ const kArguments = { ct: ['head.kiln'], labels: ['organs.kiln'], two: ['head.kil
 /** Runs a test on a page of its own; each kind of viewer is started once. */
 function onPage(name, kind, body, options = {}) {
   test(name, { timeout: 120_000 }, async () => {
-    if (!viewers.has(kind)) viewers.set(kind, await startViewer(folder.path, ...(kiln ? kArguments[kind] : [kind])));
+    if (!viewers.has(kind)) viewers.set(kind, await startViewer(folder.path, ...kArguments[kind]));
     const viewer = await ViewerPage.open(browser, viewers.get(kind).url, options);
     try {
       await viewer.settled();
@@ -376,30 +375,28 @@ onPage('the command, the cost and a render with cancel', 'ct', async (viewer, pa
   await page.waitForFunction(() => /iB/.test(document.querySelector('.facts').textContent));
   await page.getByRole('button', { name: 'Render', exact: true }).click();
   await page.waitForFunction(() => document.querySelector('dialog[open] p[role=status]').textContent.startsWith('Wrote'), null, { timeout: 60_000 });
-  if (kiln) assert.ok(readdirSync(folder.path).some((name) => name.endsWith('.png')));
-  if (kiln) await page.locator('dialog[open]').getByLabel('Width').fill('4096');
-  if (kiln) await page.locator('dialog[open]').getByLabel('Height').fill('4096');
+  assert.ok(readdirSync(folder.path).some((name) => name.endsWith('.png')));
+  await page.locator('dialog[open]').getByLabel('Width').fill('4096');
+  await page.locator('dialog[open]').getByLabel('Height').fill('4096');
   await page.getByRole('button', { name: 'Render', exact: true }).click();
   await page.getByRole('button', { name: 'Cancel' }).click();
   await page.waitForFunction(() => document.querySelector('dialog[open] p[role=status]').textContent.startsWith('Cancelled'));
 });
 
-if (kiln) {
-  onPage('the final picture has the pixels of kiln render of the saved job', 'ct', async (viewer, page) => {
-    await page.getByRole('button', { name: 'ct-bone', exact: true }).click();
-    await viewer.drag('#surface', 90, 40);
-    await viewer.settled();
-    const [download] = await Promise.all([page.waitForEvent('download'), page.click('#keep')]);
-    const shown = decodePng(readFileSync(await download.path()));
-    const saved = page.waitForResponse((response) => response.url().endsWith('api/save'));
-    await page.click('#save');
-    const { path } = await (await saved).json();
-    run(folder.path, 'render', path, '-o', 'again.png');
-    const again = decodePng(readFileSync(join(folder.path, 'again.png')));
-    assert.deepEqual([shown.width, shown.height, shown.channels], [again.width, again.height, again.channels]);
-    assert.ok(shown.data.equals(again.data));
-  });
-}
+onPage('the final picture has the pixels of kiln render of the saved job', 'ct', async (viewer, page) => {
+  await page.getByRole('button', { name: 'ct-bone', exact: true }).click();
+  await viewer.drag('#surface', 90, 40);
+  await viewer.settled();
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#keep')]);
+  const shown = decodePng(readFileSync(await download.path()));
+  const saved = page.waitForResponse((response) => response.url().endsWith('api/save'));
+  await page.click('#save');
+  const { path } = await (await saved).json();
+  run(folder.path, 'render', path, '-o', 'again.png');
+  const again = decodePng(readFileSync(join(folder.path, 'again.png')));
+  assert.deepEqual([shown.width, shown.height, shown.channels], [again.width, again.height, again.channels]);
+  assert.ok(shown.data.equals(again.data));
+});
 
 onPage('each of several volumes has a function of its own', 'two', async (viewer, page) => {
   assert.equal(await page.getByRole('tab').count(), 2);
@@ -414,10 +411,45 @@ onPage('each of several volumes has a function of its own', 'two', async (viewer
 });
 
 test('without a token the page says what it needs', async () => {
-  if (!viewers.has('ct')) viewers.set('ct', await startViewer(folder.path, ...(kiln ? kArguments.ct : ['ct'])));
+  if (!viewers.has('ct')) viewers.set('ct', await startViewer(folder.path, ...kArguments.ct));
   const viewer = await ViewerPage.open(browser, viewers.get('ct').url.split('#')[0]);
   await viewer.page.waitForFunction(() => document.getElementById('message').textContent.includes('#'));
   await viewer.close();
+});
+
+async function worksAt(url) {
+  const viewer = await ViewerPage.open(browser, url);
+  await viewer.settled();
+  const first = await viewer.picture();
+  await viewer.drag('#surface', 80, 30);
+  await viewer.settled();
+  assert.notEqual(await viewer.picture(), first);
+  assert.deepEqual(viewer.faults, []);
+  await viewer.close();
+}
+
+test('the page works below a prefix of a proxy', { timeout: 120_000 }, async () => {
+  const viewer = await startViewer(folder.path, 'head.kiln', '--allow-host', 'localhost');
+  const { port, hash } = new URL(viewer.url);
+  const proxy = await prefixProxy('/user/a/proxy/kiln/', Number(port));
+  try {
+    await worksAt(`http://localhost:${proxy.port}/user/a/proxy/kiln/${hash}`);
+  } finally {
+    proxy.stop();
+    await viewer.stop();
+  }
+});
+
+test('the page works through a forwarded socket', { timeout: 120_000 }, async () => {
+  const socket = join(folder.path, 'viewer.socket');
+  const viewer = await startViewer(folder.path, 'head.kiln', '--socket', socket);
+  const forward = await forwardToSocket(socket);
+  try {
+    await worksAt(`http://localhost:${forward.port}/${new URL(viewer.url).hash}`);
+  } finally {
+    forward.stop();
+    await viewer.stop();
+  }
 });
 
 for (const [width, height] of [[320, 640], [360, 740], [1280, 800], [3840, 2160]]) {

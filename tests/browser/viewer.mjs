@@ -3,16 +3,18 @@
 // Needs: node 20 or later; Debian's package chromium (or CHROMIUM, the path of another); the npm packages playwright-core
 // and axe-core in the folder KILN_BROWSER_MODULES (the folder that holds node_modules). KILN is the path of the program.
 import { createRequire } from 'node:module';
+import { createServer as createHttpServer, request as httpRequest } from 'node:http';
+import { connect, createServer as createTcpServer } from 'node:net';
 import { execFileSync, spawn } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import { fileURLToPath } from 'node:url';
 import { inflateSync } from 'node:zlib';
 
 const kStart_ms = 30_000;
 const modules = createRequire(join(process.env.KILN_BROWSER_MODULES ?? process.cwd(), 'package.json'));
-export const kiln = process.env.KILN;
+if (!process.env.KILN) throw new Error('KILN: the path of the program is missing');
+const kiln = process.env.KILN;
 export const axeSource = () => readFileSync(modules.resolve('axe-core/axe.min.js'), 'utf8');
 
 export function launchBrowser() {
@@ -33,9 +35,7 @@ export function workFolder() {
 
 /** Starts the viewer in a folder; returns its address and `stop()`. */
 export async function startViewer(folder, ...args) {
-  const mock = fileURLToPath(new URL('mock_server.mjs', import.meta.url));
-  const child = kiln ? spawn(kiln, ['view', ...args, '--no-browser', '--port', '0'], { cwd: folder, stdio: ['pipe', 'pipe', 'pipe'] })
-    : spawn(process.execPath, [mock, args[0]], { stdio: ['pipe', 'pipe', 'pipe'] });
+  const child = spawn(kiln, ['view', ...args, '--no-browser'], { cwd: folder, stdio: ['pipe', 'pipe', 'pipe'] });
   let output = '';
   const url = await new Promise((resolve, reject) => {
     const late = setTimeout(() => reject(new Error(`kiln view printed no address in ${kStart_ms} ms: ${output}`)), kStart_ms);
@@ -51,6 +51,38 @@ export async function startViewer(folder, ...args) {
     child.on('exit', (code) => reject(new Error(`kiln view ended with ${code}: ${output}`)));
   });
   return { url, stop: () => new Promise((resolve) => { child.on('exit', resolve); child.kill('SIGTERM'); }) };
+}
+
+async function listening(server) {
+  await new Promise((resolve) => { server.listen(0, '127.0.0.1', resolve); });
+  return { port: server.address().port, stop: () => { server.closeAllConnections?.(); server.close(); } };
+}
+
+/** Serves a viewer below a prefix, as JupyterHub and Open OnDemand do: Host and Origin stay those of the proxy. */
+export function prefixProxy(prefix, port) {
+  return listening(createHttpServer((request, answer) => {
+    if (!request.url.startsWith(prefix)) {
+      answer.writeHead(404).end();
+      return;
+    }
+    const { method, headers } = request;
+    const onward = httpRequest({ host: '127.0.0.1', port, method, headers, path: request.url.slice(prefix.length - 1) }, (found) => {
+      answer.writeHead(found.statusCode, found.headers);
+      found.pipe(answer);
+    });
+    onward.on('error', () => answer.destroy());
+    answer.on('close', () => onward.destroy());
+    request.pipe(onward);
+  }));
+}
+
+/** Forwards a port to a socket, as `ssh -L PORT:SOCKET` does. */
+export function forwardToSocket(path) {
+  return listening(createTcpServer((from) => {
+    const to = connect(path);
+    from.pipe(to).pipe(from);
+    for (const end of [from, to]) end.on('error', () => { from.destroy(); to.destroy(); });
+  }));
 }
 
 /** A page of the viewer, with what it sent. */
