@@ -4,7 +4,8 @@ import { Server, ServerError, tokenOfPage } from './protocol.js';
 import { JobState } from './state.js';
 import { Picture } from './picture.js';
 import { kSides, navigate } from './navigation.js';
-import { Overlay, axisNames } from './overlay.js';
+import { Overlay } from './overlay.js';
+import { axisNames } from './orientation.js';
 import { ClipHandles } from './clip_handles.js';
 import { wholeBox } from './box_geometry.js';
 import { FunctionEditor } from './function_editor.js';
@@ -373,6 +374,7 @@ class App {
     byId('keep').addEventListener('click', () => this.#keepPicture());
     byId('help-button').addEventListener('click', () => byId('help').showModal());
     byId('help-close').addEventListener('click', () => byId('help').close());
+    addEventListener('beforeunload', (event) => { if (!this.state.isSaved) event.preventDefault(); });
     addEventListener('keydown', (event) => {
       if (!(event.ctrlKey || event.metaKey)) return;
       const key = event.key.toLowerCase();

@@ -11,9 +11,6 @@ const kLeastAxis = 0.12; // of its length: a shorter axis is seen from its end
 const kBarShare = 0.22;
 const kLongestBar_px = 240;
 
-/** Letters of the positive ends of x, y and z: of the patient where the file defines one. */
-export const axisNames = (volume) => (volume.patient ? volume.axisNames ?? ['L', 'P', 'S'] : ['x', 'y', 'z']);
-
 export class Overlay {
   constructor(root) {
     this.root = root;

@@ -2,7 +2,8 @@
 // asked for when the one before has arrived; only the newest index is drawn.
 import { button, follow, html, numberField, replace, svg } from './element.js';
 import { short } from './numbers.js';
-import { inverseAffine, transformPoint } from './vector.js';
+import { sideTowards } from './orientation.js';
+import { inverseAffine, scale, transformDirection, transformPoint } from './vector.js';
 
 const kViews = [
   { axis: 2, name: 'z', column: 0, row: 1, up: false },
@@ -55,8 +56,20 @@ export class Slices {
     const start = world ? transformPoint(inverseAffine(volume.affine), world) : volume.voxels.map((n) => (n - 1) / 2);
     this.#window = null;
     this.#fillWindow();
-    for (const view of this.#views) view.slider.max = volume.voxels[view.axis] - 1;
+    for (const view of this.#views) {
+      view.slider.max = volume.voxels[view.axis] - 1;
+      this.#nameSides(view);
+    }
     this.#setCross(start);
+  }
+
+  // Letters of the patient's sides at the edges of a slice.
+  #nameSides({ column, row, up, sides }) {
+    const along = (axis, sign) => sideTowards(this.#volume, scale(transformDirection(this.#volume.affine, [0, 1, 2].map((a) => (a === axis ? 1 : 0))), sign));
+    sides.left.textContent = along(column, -1);
+    sides.right.textContent = along(column, 1);
+    sides.top.textContent = along(row, up ? 1 : -1);
+    sides.bottom.textContent = along(row, up ? -1 : 1);
   }
 
   #middle() {
@@ -89,13 +102,14 @@ export class Slices {
   #newView({ axis, name, column, row, up }) {
     const canvas = html('canvas', { width: 1, height: 1 });
     const lines = svg('svg', { class: 'slice-cross', preserveAspectRatio: 'none', viewBox: '0 0 1 1', 'aria-hidden': 'true' });
+    const sides = Object.fromEntries(['left', 'right', 'top', 'bottom'].map((side) => [side, html('span', { class: `side ${side}` })]));
     const frame = html('div', { class: 'slice-frame', tabindex: 0, role: 'application',
-      'aria-label': `Slice across ${name}. Arrow keys move the crosshair, Page Up and Page Down change the slice.` }, canvas, lines);
+      'aria-label': `Slice across ${name}. Arrow keys move the crosshair, Page Up and Page Down change the slice.` }, canvas, lines, Object.values(sides));
     const slider = html('input', { type: 'range', min: 0, max: 1, step: 1, 'aria-label': `Voxel of the slice across ${name}` });
     const caption = html('span', { class: 'dim' });
     const area = html('div', { class: 'slice-area' }, frame);
     const node = html('div', { class: `slice axis-${axis}` }, area, html('div', { class: 'slice-foot' }, caption, slider));
-    const view = { axis, name, column, row, up, canvas, lines, frame, slider, caption, area, node, index: -1, busy: false, wanted: false, size: null };
+    const view = { axis, name, column, row, up, canvas, lines, sides, frame, slider, caption, area, node, index: -1, busy: false, wanted: false, size: null };
     slider.addEventListener('input', () => this.#step(axis, slider.valueAsNumber - this.#cross[axis]));
     frame.addEventListener('pointerdown', (event) => {
       if (event.button !== 0 || !this.#volume) return;
