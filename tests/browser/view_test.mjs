@@ -128,6 +128,26 @@ onPage('wheel, pan, roll, sides and keys change the camera as they say', 'ct', a
   assert.equal(viewer.job().camera?.eye, undefined);
 });
 
+onPage('two fingers zoom and roll', 'ct', async (viewer, page) => {
+  await page.focus('#surface');
+  await page.keyboard.press('ArrowRight');
+  await viewer.settled();
+  const before = viewer.job().camera;
+  const { x, y, width, height } = await page.locator('#surface').boundingBox();
+  const fingers = (radius, angle) => [0, Math.PI].map((half, id) => ({ id, x: x + width / 2 + radius * Math.cos(angle + half), y: y + height / 2 + radius * Math.sin(angle + half) }));
+  const touch = await page.context().newCDPSession(page);
+  await touch.send('Input.dispatchTouchEvent', { type: 'touchStart', touchPoints: fingers(60, 0) });
+  for (let step = 1; step <= 8; ++step) await touch.send('Input.dispatchTouchEvent', { type: 'touchMove', touchPoints: fingers(60 + 7.5 * step, (step * Math.PI) / 32) });
+  await touch.send('Input.dispatchTouchEvent', { type: 'touchEnd', touchPoints: [] });
+  await viewer.settled();
+  const after = viewer.job().camera;
+  const distance = ({ eye, target }) => Math.hypot(...eye.map((v, i) => v - target[i]));
+  assert.ok(Math.abs(distance(before) / distance(after) - 2) < 0.05, `${distance(before)} to ${distance(after)}`);
+  // Fingers turn clockwise by 45 degrees, so the camera turns counter-clockwise by as much.
+  const cosine = before.up.reduce((sum, v, i) => sum + v * after.up[i], 0) / (Math.hypot(...before.up) * Math.hypot(...after.up));
+  assert.ok(cosine < 0.85, `${cosine}`);
+});
+
 onPage('an orthographic camera has a height and no field of view', 'ct', async (viewer, page) => {
   await viewer.section('camera');
   await page.selectOption('[aria-label="Projection"]', 'orthographic');
@@ -452,6 +472,27 @@ test('the page works through a forwarded socket', { timeout: 120_000 }, async ()
   }
 });
 
+async function requireAccessible(page) {
+  for (const scheme of ['light', 'dark']) {
+    await page.emulateMedia({ colorScheme: scheme });
+    // The protocol of the browser evaluates the script; the page's own policy forbids scripts of others.
+    await page.evaluate(axeSource());
+    const { violations } = await page.evaluate(() => window.axe.run());
+    const serious = violations.filter((fault) => ['serious', 'critical'].includes(fault.impact));
+    assert.deepEqual(serious.map((fault) => `${fault.id}: ${fault.nodes.slice(0, 3).map((node) => node.html.slice(0, 160)).join(' | ')}`), []);
+  }
+}
+
+onPage('axe finds nothing serious in dialogs and among tabs', 'two', async (viewer, page) => {
+  await requireAccessible(page);
+  for (const id of ['help-button', 'command', 'render']) {
+    await page.click(`#${id}`);
+    await page.waitForSelector('dialog[open]');
+    await requireAccessible(page);
+    await page.locator('dialog[open]').getByRole('button', { name: 'Close' }).click();
+  }
+});
+
 for (const [width, height] of [[320, 640], [360, 740], [1280, 800], [3840, 2160]]) {
   for (const kind of ['ct', 'labels']) {
     onPage(`nothing sticks out and axe finds nothing serious at ${width} pixels: ${kind}`, kind, async (viewer, page) => {
@@ -464,14 +505,7 @@ for (const [width, height] of [[320, 640], [360, 740], [1280, 800], [3840, 2160]
       const wide = await page.evaluate(() => [...document.querySelectorAll('body, #panels, .bar, .view-bar, #status, .inside')]
         .filter((node) => node.scrollWidth > node.clientWidth + 1).map((node) => `${node.id || node.className} ${node.scrollWidth} > ${node.clientWidth}`));
       assert.deepEqual(wide, []);
-      for (const scheme of ['light', 'dark']) {
-        await page.emulateMedia({ colorScheme: scheme });
-        // The protocol of the browser evaluates the script; the page's own policy forbids scripts of others.
-        await page.evaluate(axeSource());
-        const { violations } = await page.evaluate(() => window.axe.run());
-        const serious = violations.filter((fault) => ['serious', 'critical'].includes(fault.impact));
-        assert.deepEqual(serious.map((fault) => `${fault.id}: ${fault.nodes.slice(0, 3).map((node) => node.html.slice(0, 160)).join(' | ')}`), []);
-      }
+      await requireAccessible(page);
     }, { width, height });
   }
 }
