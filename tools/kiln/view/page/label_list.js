@@ -21,7 +21,7 @@ export class LabelList {
     this.filter = html('input', { type: 'search', placeholder: 'Name or number', 'aria-label': 'Labels whose name or number has', oninput: () => this.#build() });
     this.list = html('ul', { class: 'labels', 'aria-label': 'Labels' });
     this.note = html('p', { class: 'dim' });
-    this.unit = numberField({ name: 'Opacity is per', label: 'Opacity is per this length', min: 0, onInput: (unit) => { if (unit > 0) this.#emit({ ...this.#fn, unit }, 'unit of opacity', 'unit'); }, onDone });
+    this.unit = numberField({ name: 'Opacity per', label: 'Opacity is per this length', min: 0, onInput: (unit) => { if (unit > 0) this.#emit({ ...this.#fn, unit }, 'unit of opacity', 'unit'); }, onDone });
     this.node = html('div', { class: 'label-list' },
       html('div', { class: 'row' }, this.filter, button('Show all', () => this.#all(true), { class: 'small' }), button('Hide all', () => this.#all(false), { class: 'small' })),
       this.list, this.note, this.unit.node);

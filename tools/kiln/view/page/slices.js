@@ -52,8 +52,10 @@ export class Slices {
     this.#volume = volume;
     this.#index = index;
     if (same) return;
-    // Another volume keeps the place of the crosshair in the world.
-    const start = world ? transformPoint(inverseAffine(volume.affine), world) : volume.voxels.map((n) => (n - 1) / 2);
+    // Another volume keeps the place of the crosshair in the world, if the place is inside.
+    const kept = world && transformPoint(inverseAffine(volume.affine), world);
+    const isInside = kept?.every((v, axis) => v > -0.5 && v < volume.voxels[axis] - 0.5);
+    const start = isInside ? kept : volume.voxels.map((n) => (n - 1) / 2);
     this.#window = null;
     this.#fillWindow();
     for (const view of this.#views) {
