@@ -70,7 +70,7 @@ ordered_json factsOf(const BrickedVolume& volume) {
           {"spacing", vectorJson(geometry.spacing())},
           {"unit", geometry.unit},
           {"affine", rows},
-          {"patient", geometry.frame != PatientFrame::kUnknown},
+          {"frame", wordOf(geometry.frame)},
           {"range", range.empty() ? ordered_json{0, 0} : ordered_json{range.lo, range.hi}},
           {"levels", manifest.levels.size()},
           {"classes", manifest.volume_class == VolumeClass::kLabels ? "labels" : "values"},

@@ -357,6 +357,9 @@ onPage('slices follow one crosshair and show value and place', 'ct', async (view
   assert.ok(Math.abs(Number(await indexOf('x')) - x / 2) <= 1.5);
   assert.ok(Math.abs(Number(await indexOf('y')) - y) <= 1.5);
   await page.waitForFunction(() => /value .*·.*mm|value .*·.*units/.test(document.querySelector('.readout').textContent));
+  // The phantom is in LPS, and slices across z have y down.
+  const sides = await page.locator('.slice.axis-2 .side').allTextContents();
+  assert.deepEqual(sides, ['R', 'L', 'A', 'P']);
   await page.keyboard.press('PageUp');
   const z = Number(await indexOf('z'));
   const slices = () => viewer.bodies('slice').filter((body) => body.axis === 'z').at(-1).index;
