@@ -64,7 +64,7 @@ export function cameraPanel(app) {
 export function imagePanel(app) {
   const { state } = app;
   const done = () => state.endGesture();
-  const largest = app.session.largest ?? 4096;
+  const largest = app.session.largest;
   const setImage = (keys, label, merge = null) => state.change(label, (job) => withPart(job, 'image', keys), { merge });
 
   const size = choice({ name: 'Size', label: 'Size of the picture', options: kSizes, onInput: (value) => {

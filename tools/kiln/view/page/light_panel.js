@@ -5,20 +5,19 @@ import { withKeys, withPart } from './job.js';
 
 const kModes = { composite: 'light of the volume', mip: 'greatest value (MIP)', minip: 'least value (MinIP)', average: 'mean value' };
 const kLights = { headlight: 'at the eye', camera: 'far, with the camera', directional: 'far, in the world', point: 'near, in the world' };
-const kPlain = { shading: { model: 'phong', ambient: 0.2, diffuse: 0.8, specular: 0.2, power: 16 }, lights: [{ type: 'headlight' }], display: { tone: 'clip' } };
 
 export function lightPanel(app) {
   const { state } = app;
   const done = () => state.endGesture();
 
   // The values that a look stands for come from the server.
-  const look = (job) => app.session.looks?.[job.look ?? 'plain'] ?? (job.look === 'studio' ? null : kPlain);
-  const shadingOf = (job) => ({ ...look(job)?.shading, ...job.shading });
+  const look = (job) => app.session.looks[job.look ?? 'plain'];
+  const shadingOf = (job) => ({ ...look(job).shading, ...job.shading });
   const occlusionOf = (job) => {
     const given = shadingOf(job).ambientOcclusion ?? { strength: 0 };
     return typeof given === 'number' ? { strength: given } : given;
   };
-  const lightsOf = (job) => (Array.isArray(job.lights) ? job.lights : job.lights ? [] : look(job)?.lights ?? []);
+  const lightsOf = (job) => (Array.isArray(job.lights) ? job.lights : job.lights ? [] : look(job).lights);
 
   const setShading = (keys, label) => state.change(label, (job) => withPart(job, 'shading', keys), { merge: `shading-${label}` });
   const slider = (key, name, max, step, unit = '') => numberField({ name, unit, min: 0, max: key === 'power' ? 1e4 : 1000, slider: { min: 0, max, step }, step,
@@ -50,7 +49,7 @@ export function lightPanel(app) {
 
   // Lights.
   const list = html('ul', { class: 'lights', 'aria-label': 'Lights' });
-  const note = html('p', { class: 'dim' });
+  const note = html('p', { class: 'dim' }, 'The lights have key frames; a new light replaces them.');
   let rows = [];
   const setLights = (edit, label, merge = null) => state.change(label, (job) => withKeys(job, { lights: edit(lightsOf(job)) }), { merge });
   const setLight = (index, keys, label, merge = null) => setLights((lights) => lights.map((light, i) => (i === index ? withKeys(light, keys) : light)), label, merge);
@@ -105,9 +104,7 @@ export function lightPanel(app) {
       r.softness.set(light.shadow?.softness ?? 0);
       r.softness.disable(!light.shadow);
     });
-    note.textContent = job.lights?.keyframes ? 'The lights have key frames; a new light replaces them.'
-      : !job.lights && job.look === 'studio' && !look(job) ? 'The studio has three lights; a new light replaces them.' : '';
-    note.hidden = note.textContent === '';
+    note.hidden = !job.lights?.keyframes;
   }
 
   const composite = html('div', {}, lookChoice.node, exposure.node, tone.node, shaded.node, ambient.node, diffuse.node, specular.node, power.node,
@@ -121,7 +118,7 @@ export function lightPanel(app) {
     composite.hidden = (job.mode ?? 'composite') !== 'composite';
     lookChoice.set(job.look ?? 'plain');
     exposure.set(job.display?.exposure ?? 0);
-    tone.set(job.display?.tone ?? look(job)?.display?.tone ?? (job.look === 'studio' ? 'soft' : 'clip'));
+    tone.set(job.display?.tone ?? look(job).display.tone);
     shaded.set((shading.model ?? 'phong') === 'phong');
     for (const [field, value] of [[ambient, shading.ambient], [diffuse, shading.diffuse], [specular, shading.specular], [power, shading.power]]) field.set(value ?? null);
     shadows.set(shading.shadows === true);

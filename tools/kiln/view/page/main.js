@@ -113,7 +113,7 @@ class App {
 
   #windowSize() {
     const { width, height } = this.size();
-    const most = this.session.largest ?? 4096;
+    const most = this.session.largest;
     const ratio = Math.min(devicePixelRatio, most / width, most / height);
     return [width, height].map((side) => Math.max(1, Math.round(side * ratio)));
   }
