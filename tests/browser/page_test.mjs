@@ -7,7 +7,7 @@ import { cornersOf, cornersOfWorld, onSphere, sectionOf } from '../../tools/kiln
 import { RecordReader } from '../../tools/kiln/view/page/protocol.js';
 import { JobState } from '../../tools/kiln/view/page/state.js';
 import { at, simplified, withNewPoint, withPoint } from '../../tools/kiln/view/page/transfer_function.js';
-import { hexOf, hexOfLinear, linearOfHex } from '../../tools/kiln/view/page/color.js';
+import { hexOf, hexOfLinear, linearOf } from '../../tools/kiln/view/page/color.js';
 import { axisNames, sideTowards } from '../../tools/kiln/view/page/orientation.js';
 import { duration, short, ticks } from '../../tools/kiln/view/page/numbers.js';
 
@@ -149,7 +149,7 @@ test('a function is even between points and constant beyond', () => {
 });
 
 test('colours keep their bytes through linear light', () => {
-  for (const hex of ['#000000', '#0a80ff', '#ffffff', '#123456']) assert.equal(hexOfLinear(linearOfHex(hex)), hex);
+  for (const hex of ['#000000', '#0a80ff', '#ffffff', '#123456']) assert.equal(hexOfLinear(linearOf(hex)), hex);
   assert.equal(hexOf('#f80'), '#ff8800');
   assert.equal(hexOf([1, 0.5, 0]), '#ff8000');
 });

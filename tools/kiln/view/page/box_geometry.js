@@ -28,7 +28,7 @@ export function unitPlane(plane) {
   return { normal: scale(plane.normal, 1 / size), offset: plane.offset / size };
 }
 
-export const distanceTo = (plane, point) => dot(plane.normal, point) + plane.offset;
+const distanceTo = (plane, point) => dot(plane.normal, point) + plane.offset;
 /** Returns the point of a unit plane nearest to `point`. */
 export const nearestOn = (plane, point) => subtract(point, scale(plane.normal, distanceTo(plane, point)));
 /** Returns the plane through a point. */

@@ -1,20 +1,19 @@
 // Colours of jobs: names of CSS, #rgb, #rrggbb, or three numbers of sRGB or of linear light.
 
-export const srgbFromLinear = (v) => (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055);
-export const linearFromSrgb = (v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+const srgbFromLinear = (v) => (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055);
+const linearFromSrgb = (v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
 
 const hexOfByte = (v) => Math.round(255 * Math.max(0, Math.min(1, v))).toString(16).padStart(2, '0');
-export const hexOfSrgb = (rgb) => `#${rgb.slice(0, 3).map(hexOfByte).join('')}`;
+const hexOfSrgb = (rgb) => `#${rgb.slice(0, 3).map(hexOfByte).join('')}`;
 export const hexOfLinear = (rgb) => hexOfSrgb(rgb.slice(0, 3).map(srgbFromLinear));
 
 /** Returns the three sRGB numbers of "#rrggbb". */
-export const srgbOfHex = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255);
-export const linearOfHex = (hex) => srgbOfHex(hex).map(linearFromSrgb);
+const srgbOfHex = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255);
 
 let painter = null;
 
 /** Returns "#rrggbb" of a text that CSS accepts as a colour, else null. The browser knows the names. */
-export function hexOfText(text) {
+function hexOfText(text) {
   const hex = /^#([0-9a-f]{3}|[0-9a-f]{6})$/i.exec(text);
   if (hex) return hex[1].length === 6 ? text.toLowerCase() : `#${[...hex[1].toLowerCase()].map((c) => c + c).join('')}`;
   if (!/^[a-z]+$/i.test(text) || typeof document === 'undefined') return null;
@@ -32,8 +31,6 @@ export function hexOf(color, space = 'srgb') {
 
 /** Returns linear light of a colour in a job. */
 export function linearOf(color, space = 'srgb') {
-  if (typeof color !== 'string' && space === 'linear') return color.slice(0, 3);
-  return srgbOfHexExact(color, space).map(linearFromSrgb);
+  if (typeof color === 'string') return srgbOfHex(hexOf(color)).map(linearFromSrgb);
+  return space === 'linear' ? color.slice(0, 3) : color.slice(0, 3).map(linearFromSrgb);
 }
-
-const srgbOfHexExact = (color, space) => (typeof color === 'string' ? srgbOfHex(hexOf(color, space)) : color.slice(0, 3));

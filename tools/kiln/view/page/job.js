@@ -8,7 +8,7 @@ const kPlaceKeys = ['view', 'azimuth', 'elevation', 'zoom', 'pan', 'eye', 'targe
 const kMotionKeys = ['turntable', 'keyframes', 'matrices', 'pivot'];
 
 /** Returns the object without the keys whose value is undefined. */
-export function withoutUndefined(object) {
+function withoutUndefined(object) {
   return Object.fromEntries(Object.entries(object).filter(([, value]) => value !== undefined));
 }
 

@@ -51,7 +51,7 @@ export function keyframesPanel(app) {
   function start() {
     const [first, last] = range();
     if (last <= first) return;
-    const from = app.frame === undefined || app.frame >= last ? first : app.frame;
+    const from = app.frame < first || app.frame >= last ? first : app.frame;
     const begin = performance.now();
     play.textContent = 'Stop';
     const step = () => {
@@ -115,7 +115,7 @@ export function keyframesPanel(app) {
 
   const turns = numberField({ name: 'Turntable', unit: 'frames', label: 'Frames of the turntable', min: 1, max: 100000, step: 1,
     onInput: (value) => state.change('turntable', (job) => withKeys(job, { camera: { ...job.camera, turntable: { ...job.camera.turntable, frames: Math.round(value) } } }), { merge: 'turntable' }), onDone: done });
-  const still = button('Stand still', () => { stop(); app.showFrame(undefined); state.change('no camera motion', withoutMotion); }, { class: 'small' });
+  const still = button('Stand still', () => { app.leaveMotion(); state.change('no camera motion', withoutMotion); }, { class: 'small' });
   const turn = button('Turntable', turntable, { class: 'small', title: 'Turns the volume once in 120 frames' });
   const hint = html('p', { class: 'dim' }, 'Save two or more views; the batch draws all frames between them.');
 
@@ -134,8 +134,8 @@ export function keyframesPanel(app) {
     player.hidden = !isAnimated(job) || last <= first;
     slider.min = first;
     slider.max = last;
-    slider.value = app.frame ?? first;
-    const frame = app.frame ?? first;
+    const frame = Math.max(first, Math.min(last, app.frame));
+    slider.value = frame;
     place.textContent = `frame ${short(frame)} of ${short(last)}, ${seconds(frame)}`;
     slider.setAttribute('aria-valuetext', place.textContent);
     turns.node.hidden = !job.camera?.turntable;

@@ -30,7 +30,8 @@ class App {
   showsHandles = true;
   shownSize = { width: 1, height: 1 };
   drawsBatchSize = false;
-  frame = undefined;        // frame of an animated job that is shown; undefined: the still camera
+  frame = 1;                // frame of an animated job that is shown
+  followsMotion = false;    // the shown camera is that of the frame, not the still camera
   presetsOf = null;         // the volume that the pictures of presets show
   resolved = null;          // camera and functions of the newest frame, as the server understood the job
   keyWithProjection = keyWithProjection;
@@ -40,7 +41,7 @@ class App {
     this.server = server;
     this.session = session;
     this.state = new JobState(session.job);
-    this.frame = isAnimated(session.job) ? 1 : undefined;
+    this.followsMotion = isAnimated(session.job);
   }
 
   get volume() { return this.session.volumes[this.active]; }
@@ -62,33 +63,38 @@ class App {
 
   /** Returns the camera of the picture, null before the first answer of the server. */
   camera() {
-    if (this.frame !== undefined) return this.resolved?.camera ?? ownCamera(this.state.job);
-    return ownCamera(this.state.job) ?? this.resolved?.camera ?? null;
+    const own = ownCamera(this.state.job), found = this.resolved?.camera ?? null;
+    return this.#follows() ? found ?? own : own ?? found;
+  }
+
+  #follows() { return this.followsMotion && isAnimated(this.state.job); }
+
+  /** Shows the still camera from now on. */
+  leaveMotion() {
+    this.keysPanel.stop();
+    this.followsMotion = false;
   }
 
   moveCamera(camera, merge = null) {
-    this.keysPanel.stop();
-    this.frame = undefined;
+    this.leaveMotion();
     this.state.change('camera', (job) => withCamera(job, rounded(camera)), { merge });
   }
 
   showSide(side) {
-    this.keysPanel.stop();
-    this.frame = undefined;
+    this.leaveMotion();
     this.state.change(`${side} view`, (job) => withSide(job, side));
   }
 
   resetCamera() {
-    this.keysPanel.stop();
-    this.frame = undefined;
+    this.leaveMotion();
     const first = withoutMotion(this.session.job).camera;
     this.state.change('first view', (job) => (first ? withCamera(job, first) : withKeys(withCamera(job, {}), isAnimated(job) ? {} : { camera: undefined })));
   }
 
-  /** Shows a frame of the animation; undefined shows the still camera. */
+  /** Shows a frame of the animation. */
   showFrame(frame) {
     this.frame = frame;
-    this.resolved = this.resolved && { ...this.resolved };
+    this.followsMotion = true;
     this.pictureChanged();
     this.keysPanel.update(this.state.job);
   }
@@ -121,14 +127,15 @@ class App {
   #request() {
     if (this.shownSize.width < kLeastSide_px || this.shownSize.height < kLeastSide_px) return null;
     const size = this.drawsBatchSize && this.state.job.image?.width ? this.batchSize() : this.#windowSize();
-    if (this.frame !== undefined) return { job: this.state.job, size, frame: this.frame };
-    return { job: withoutMotion(this.state.job), size };
+    const job = this.#follows() ? this.state.job : withoutMotion(this.state.job);
+    return isAnimated(job) ? { job, size, frame: this.frame } : { job, size };
   }
 
   // The picture has the proportions of the batch's picture.
   #resized() {
     const stage = byId('stage'), surface = byId('surface');
     const { image = {} } = this.state.job;
+    this.sizedImage = this.state.job.image;
     let [width, height] = [stage.clientWidth, stage.clientHeight];
     if (image.width && image.height) {
       const fit = Math.min(width / image.width, height / image.height);
@@ -172,6 +179,7 @@ class App {
     replace(byId('sides'), Object.entries(kSides).map(([side, name], i) => button(name, () => this.showSide(side), { class: 'small', title: `${name} (${i + 1} or ${side === 'bottom' ? 'd' : side[0]})` })),
       button('Reset', () => this.resetCamera(), { class: 'small', title: 'First view (Home)' }));
     byId('show-box').addEventListener('change', () => this.redrawOverlay());
+    byId('surface').addEventListener('contextmenu', (event) => event.preventDefault());
   }
 
   #resolvedArrived(record) {
@@ -190,7 +198,9 @@ class App {
   #pictureArrived(record, wanted, time) {
     this.clearFailure();
     byId('stage-text').textContent = record.asRendered ? '' : record.stage;
-    byId('size-text').textContent = `${record.width} × ${record.height} pixels`;
+    const [width, height] = this.batchSize();
+    const isWhole = record.width === width && record.height === height;
+    byId('size-text').textContent = `${record.width} × ${record.height}${isWhole ? '' : ` of ${width} × ${height}`} pixels`;
     const [finest, coarsest] = record.level;
     byId('level-text').textContent = finest === coarsest ? `level ${finest}` : `levels ${finest} to ${coarsest}`;
     byId('read-text').textContent = `${bytes(record.bytesRead)} read`;
@@ -344,8 +354,7 @@ class App {
 
   #jobChanged(job, reason) {
     if (reason !== 'saved') {
-      if (reason === 'undo' || reason === 'redo') this.frame = this.frame !== undefined && !isAnimated(job) ? undefined : this.frame;
-      this.#resized();
+      if (job.image !== this.sizedImage) this.#resized();
       this.pictureChanged();
     }
     this.#updatePanels();

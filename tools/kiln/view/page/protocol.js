@@ -13,33 +13,45 @@ export class ServerError extends Error {
 
 /** Splits a stream of bytes into records: length, JSON, length, payload. Lengths are 32 bits, little endian. */
 export class RecordReader {
-  #bytes = new Uint8Array(0);
+  // Bytes from #from to #to are unread. The buffer grows by doubling, so that each byte is copied a few times only.
+  #buffer = new Uint8Array(1 << 16);
+  #from = 0;
+  #to = 0;
 
   /** Takes the next bytes of the stream; returns the records that are complete now, as {head, payload}. */
   push(bytes) {
-    const joined = new Uint8Array(this.#bytes.length + bytes.length);
-    joined.set(this.#bytes);
-    joined.set(bytes, this.#bytes.length);
-    this.#bytes = joined;
+    this.#makeRoom(bytes.length);
+    this.#buffer.set(bytes, this.#to);
+    this.#to += bytes.length;
     const out = [];
     for (let record = this.#take(); record; record = this.#take()) out.push(record);
     return out;
   }
 
+  #makeRoom(count) {
+    if (this.#to + count <= this.#buffer.length) return;
+    const unread = this.#buffer.subarray(this.#from, this.#to);
+    let size = this.#buffer.length;
+    while (size < unread.length + count) size *= 2;
+    const buffer = new Uint8Array(size);
+    buffer.set(unread);
+    [this.#buffer, this.#from, this.#to] = [buffer, 0, unread.length];
+  }
+
   #take() {
-    const head = this.#part(0);
+    const head = this.#part(this.#from);
     const payload = head && this.#part(head.end);
     if (!payload) return null;
-    this.#bytes = this.#bytes.slice(payload.end);
-    return { head: JSON.parse(new TextDecoder().decode(head.bytes)), payload: payload.bytes };
+    this.#from = payload.end;
+    return { head: JSON.parse(new TextDecoder().decode(head.bytes())), payload: payload.bytes() };
   }
 
   #part(at) {
-    if (this.#bytes.length < at + 4) return null;
-    const size = new DataView(this.#bytes.buffer, this.#bytes.byteOffset).getUint32(at, true);
+    if (this.#to < at + 4) return null;
+    const size = new DataView(this.#buffer.buffer).getUint32(at, true);
     if (size > kLargestRecord_bytes) throw new Error(`stream of the server: a record of ${size} bytes is too large`);
     const end = at + 4 + size;
-    return this.#bytes.length < end ? null : { bytes: this.#bytes.slice(at + 4, end), end };
+    return this.#to < end ? null : { bytes: () => this.#buffer.slice(at + 4, end), end };
   }
 }
 

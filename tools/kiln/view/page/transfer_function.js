@@ -2,7 +2,6 @@
 // {unit, labels: [{label, name, color, opacity}]}. Each function returns a new object.
 import { hexOfLinear, linearOf } from './color.js';
 
-export const kLowestOpacity = 0, kHighestOpacity = 1;
 const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
 
 /** Returns linear colour and opacity at a value: even between points, constant beyond. */
@@ -20,7 +19,7 @@ export function at(fn, value) {
   };
 }
 
-export const colorAt = (fn, value) => hexOfLinear(at(fn, value).color);
+const colorAt = (fn, value) => hexOfLinear(at(fn, value).color);
 
 /** Moves a point. Its value stays between its neighbours. `snap` rounds the value. */
 export function withPoint(fn, index, changes) {
@@ -28,7 +27,7 @@ export function withPoint(fn, index, changes) {
   const point = Object.assign(points[index], changes);
   const low = points[index - 1]?.value ?? -Infinity, high = points[index + 1]?.value ?? Infinity;
   point.value = clamp(point.value, low, high);
-  point.opacity = clamp(point.opacity, kLowestOpacity, kHighestOpacity);
+  point.opacity = clamp(point.opacity, 0, 1);
   return { ...fn, points };
 }
 
@@ -38,7 +37,7 @@ export function withNewPoint(fn, value, opacity) {
   const before = fn.points.findIndex((point) => point.value > value);
   const index = before < 0 ? fn.points.length : before;
   const points = [...fn.points];
-  points.splice(index, 0, { value, color, opacity: clamp(opacity, kLowestOpacity, kHighestOpacity) });
+  points.splice(index, 0, { value, color, opacity: clamp(opacity, 0, 1) });
   return { fn: { ...fn, points }, index };
 }
 
@@ -50,13 +49,6 @@ export function withoutPoint(fn, index) {
 
 /** Returns the values of the first and last point. */
 export const rangeOf = (fn) => [fn.points[0].value, fn.points[fn.points.length - 1].value];
-
-/** Stretches the points to a window of values. */
-export function stretched(fn, [low, high]) {
-  const [first, last] = rangeOf(fn);
-  const place = (v) => (last > first ? low + ((v - first) / (last - first)) * (high - low) : (low + high) / 2);
-  return { ...fn, points: fn.points.map((point) => ({ ...point, value: place(point.value) })) };
-}
 
 /**
  * Leaves out points whose colour and opacity follow from their neighbours to within `tolerance`.
