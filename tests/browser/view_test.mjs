@@ -93,6 +93,17 @@ onPage('of fifty moves the last is shown, and at most two are finished', 'ct', a
   assert.ok(Math.abs(Math.abs(Math.atan2(Math.sin(turn), Math.cos(turn))) - whole) < 0.02, `turned by ${turn}, expected ${whole}`);
 });
 
+onPage('texts of the state change no size of the picture', 'ct', async (viewer, page) => {
+  for (const width of [900, 1000, 1100, 1250, 1400]) {
+    await page.setViewportSize({ width, height: 800 });
+    await viewer.settled();
+    const sizeOf = () => page.evaluate(() => [document.getElementById('stage').clientWidth, document.getElementById('stage').clientHeight]);
+    const before = await sizeOf();
+    await page.evaluate(() => { document.getElementById('level-text').textContent = 'levels 0 to 1 and many more words than ever'; });
+    assert.deepEqual(await sizeOf(), before);
+  }
+});
+
 onPage('wheel, pan, roll, sides and keys change the camera as they say', 'ct', async (viewer, page) => {
   const length = (v) => Math.hypot(...v), minus = (a, b) => a.map((x, i) => x - b[i]);
   await page.focus('#surface');

@@ -34,7 +34,7 @@ export function clipPanel(app) {
   let rows = [];
 
   const boxOf = () => volumeOf(state.job, app.active).region ?? null;
-  const setBox = (box, merge) => state.change('clip box', (job) => withVolume(job, app.active, { region: box }), { merge });
+  const setBox = (box, merge) => state.change('clip box', (job) => withVolume(app.withPresentCamera(job), app.active, { region: box }), { merge });
   const isCommon = () => !hasSeveralVolumes(state.job) || scope === 'all';
   const planesOf = (job) => {
     const clip = isCommon() ? job.clip : volumeOf(job, app.active).clip;
@@ -43,7 +43,8 @@ export function clipPanel(app) {
   const setPlanes = (edit, label, merge = null) => state.change(label, (job) => {
     const planes = edit(planesOf(job));
     const clip = planes.length > 0 ? planes : undefined;
-    return isCommon() ? withKeys(job, { clip }) : withVolume(job, app.active, { clip });
+    const seen = app.withPresentCamera(job);
+    return isCommon() ? withKeys(seen, { clip }) : withVolume(seen, app.active, { clip });
   }, { merge });
   const setPlane = (index, plane, merge) => setPlanes((planes) => planes.map((old, i) => (i === index ? tidy(plane) : old)), 'clip plane', merge);
 

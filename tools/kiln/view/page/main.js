@@ -80,6 +80,12 @@ class App {
     this.state.change('camera', (job) => withCamera(job, rounded(camera)), { merge });
   }
 
+  /** Returns the job with the present camera in place of a framing, which would follow what is cut off. */
+  withPresentCamera(job) {
+    const camera = this.camera();
+    return camera && !ownCamera(job) && !this.#follows() ? withCamera(job, camera) : job;
+  }
+
   showSide(side) {
     this.leaveMotion();
     this.state.change(`${side} view`, (job) => withSide(job, side));
@@ -198,9 +204,8 @@ class App {
   #pictureArrived(record, wanted, time) {
     this.clearFailure();
     byId('stage-text').textContent = record.asRendered ? '' : record.stage;
-    const [width, height] = this.batchSize();
-    const isWhole = record.width === width && record.height === height;
-    byId('size-text').textContent = `${record.width} × ${record.height}${isWhole ? '' : ` of ${width} × ${height}`} pixels`;
+    const size = wanted.size.join(' × '), batch = this.batchSize().join(' × ');
+    byId('size-text').textContent = `${size}${size === batch ? '' : ` of ${batch}`} pixels`;
     const [finest, coarsest] = record.level;
     byId('level-text').textContent = finest === coarsest ? `level ${finest}` : `levels ${finest} to ${coarsest}`;
     byId('read-text').textContent = `${bytes(record.bytesRead)} read`;
