@@ -6,7 +6,7 @@ import { distance, dot, inverseAffine, normalize, subtract, transformPoint } fro
 import { cornersOf, cornersOfWorld, onSphere, sectionOf } from '../../tools/kiln/view/page/box_geometry.js';
 import { RecordReader } from '../../tools/kiln/view/page/protocol.js';
 import { JobState } from '../../tools/kiln/view/page/state.js';
-import { at, simplified, withNewPoint, withPoint } from '../../tools/kiln/view/page/transfer_function.js';
+import { at, simplified, withItem, withNewItem } from '../../tools/kiln/view/page/transfer_function.js';
 import { hexOf, hexOfLinear, linearOf } from '../../tools/kiln/view/page/color.js';
 import { axisNames, sideTowards } from '../../tools/kiln/view/page/orientation.js';
 import { duration, short, ticks } from '../../tools/kiln/view/page/numbers.js';
@@ -142,8 +142,8 @@ test('a function is even between points and constant beyond', () => {
   const fn = { colorSpace: 'linear', points: [{ value: 0, color: [0, 0, 0], opacity: 0 }, { value: 10, color: [1, 0.5, 0], opacity: 0.4 }] };
   near([...at(fn, 5).color, at(fn, 5).opacity], [0.5, 0.25, 0, 0.2]);
   near([at(fn, -3).opacity, at(fn, 30).opacity], [0, 0.4]);
-  assert.equal(withPoint(fn, 0, { value: 20 }).points[0].value, 10);
-  const grown = withNewPoint(fn, 5, 0.2);
+  assert.equal(withItem(fn, 0, { value: 20 }).points[0].value, 10);
+  const grown = withNewItem(fn, 5, 0.2);
   assert.equal(grown.index, 1);
   assert.equal(simplified(grown.fn, 0.01).points.length, 2);
 });
@@ -167,4 +167,13 @@ test('sides of a patient follow the frame of the file', () => {
   assert.equal(sideTowards({ frame: 'LPS' }, [0, -1, 0]), 'A');
   assert.equal(sideTowards({ frame: 'unknown' }, [1, 0, 0]), '');
   assert.deepEqual(axisNames({}), ['x', 'y', 'z']);
+});
+
+test('surfaces keep different values, and have a colour and an opacity', () => {
+  const fn = { surfaces: [{ value: 100 }, { value: 200, opacity: 0.3, color: '#f80' }] };
+  const moved = withItem(fn, 0, { value: 500 });
+  assert.ok(moved.surfaces[0].value < 200);
+  assert.equal(moved.surfaces[0].opacity, 1);
+  const grown = withNewItem(fn, 150, 0.5);
+  assert.deepEqual([grown.index, grown.fn.surfaces.length, grown.fn.surfaces[1].opacity], [1, 3, 0.5]);
 });

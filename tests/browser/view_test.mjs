@@ -232,6 +232,23 @@ onPage('points are edited by keys and by numbers', 'ct', async (viewer, page) =>
   assert.ok(viewer.job().transferFunction.points.some((p) => p.value === Number(typed)), typed);
 });
 
+onPage('surfaces are added, moved and coloured as points are', 'ct', async (viewer, page) => {
+  await page.getByLabel('Value of the surface').fill('1300');
+  await page.getByRole('button', { name: 'Surface at' }).click();
+  await viewer.settled();
+  assert.equal(viewer.job().transferFunction, 'iso:1300');
+  const before = await viewer.picture();
+  await page.getByRole('button', { name: 'Add surface' }).click();
+  await viewer.settled();
+  assert.equal(viewer.job().transferFunction.surfaces.length, 2);
+  const value = Number(await page.locator('circle.point').nth(0).getAttribute('aria-valuenow'));
+  await viewer.drag(page.locator('circle.point').nth(0), -20, 40);
+  await viewer.settled();
+  const { surfaces } = viewer.job().transferFunction;
+  assert.ok(surfaces[0].value < value && surfaces[0].opacity < 1);
+  assert.notEqual(await viewer.picture(), before);
+});
+
 onPage('the window stretches a preset', 'ct', async (viewer, page) => {
   await page.getByRole('button', { name: 'grayscale', exact: true }).click();
   await viewer.settled();
@@ -413,6 +430,7 @@ onPage('the command, the cost and a render with cancel', 'ct', async (viewer, pa
   await page.locator('dialog[open]').getByLabel('Width').fill('4096');
   await page.locator('dialog[open]').getByLabel('Height').fill('4096');
   await page.getByRole('button', { name: 'Render', exact: true }).click();
+  assert.deepEqual(viewer.bodies('render').at(-1).size, [4096, 4096]);
   await page.getByRole('button', { name: 'Cancel' }).click();
   await page.waitForFunction(() => document.querySelector('dialog[open] p[role=status]').textContent.startsWith('Cancelled'));
 });

@@ -72,10 +72,9 @@ export function imagePanel(app) {
     const [width, height] = value ? value.split('x').map(Number) : [undefined, undefined];
     setImage({ width, height }, 'size');
   } });
-  const side = (key) => numberField({ name: null, label: key === 'width' ? 'Width' : 'Height', unit: key === 'width' ? '×' : 'pixels', min: 1, max: largest, step: 1, late: true,
+  const side = (key) => numberField({ name: null, label: key === 'width' ? 'Width' : 'Height', unit: key === 'width' ? '×' : 'pixels', spokenUnit: 'pixels', min: 1, max: largest, step: 1, late: true,
     onInput: (value) => { const [width, height] = app.batchSize(); setImage({ width, height, [key]: Math.round(value) }, 'size', `size-${key}`); }, onDone: done });
   const width = side('width'), height = side('height');
-  width.input.setAttribute('aria-label', 'Width, pixels');
   const exact = check({ name: 'Draw all its pixels here', onInput: (on) => { app.drawsBatchSize = on; app.pictureChanged(); } });
 
   const background = choice({ name: 'Background', options: { none: 'transparent', one: 'one colour', two: 'from top to bottom' }, onInput: (value) => {

@@ -16,7 +16,7 @@ export function clipPanel(app) {
   handles.set(true);
   const boxOn = check({ name: 'Clip box', onInput: (on) => setBox(on ? wholeBox(app.volume) : undefined, null) });
   const boxFields = kAxes.map((axis, i) => ['from', 'to'].map((end, side) => numberField({
-    name: null, label: `Clip box ${axis} ${end}`, unit: side ? 'voxels' : 'to', step: 1,
+    name: null, label: `Clip box ${axis} ${end}`, unit: side ? 'voxels' : 'to', spokenUnit: 'voxels', step: 1,
     onInput: (value) => {
       const next = [...(boxOf() ?? wholeBox(app.volume))];
       next[i + 3 * side] = Math.round(value);
@@ -24,7 +24,6 @@ export function clipPanel(app) {
     },
     onDone: done,
   })));
-  for (const [from] of boxFields) from.input.setAttribute('aria-label', `${from.input.getAttribute('aria-label').split(',')[0]}, voxels`);
   const boxRows = html('div', {}, kAxes.map((axis, i) => html('div', { class: 'row' }, html('span', { class: 'name' }, axis), html('span', { class: 'controls' }, boxFields[i].map((field) => field.node)))));
   const worldRegion = html('div', { class: 'row' }, html('span', { class: 'dim' }, 'The job also has a box of the world.'),
     button('Remove', () => state.change('box of the world', (job) => withKeys(withVolume(job, app.active, { worldRegion: undefined }), { worldRegion: undefined })), { class: 'small' }));

@@ -32,10 +32,10 @@ export const row = (name, ...controls) => html('div', { class: 'row' }, html('sp
 /**
  * A number with a name and a unit, and a slider if `slider` is {min, max, step}. `onInput(value)` is called while the
  * number changes, or once at its end if `late`; `onDone()` at the end of a change. `set(value)` shows a value; null shows
- * an empty field. A text that is being typed stays as it is.
+ * an empty field. A text that is being typed stays as it is. `spokenUnit` is the unit for screen readers.
  */
-export function numberField({ name, unit = '', label = name, min, max, step = 'any', digits = 5, slider = null, late = false, onInput, onDone = () => {} }) {
-  const input = html('input', { type: 'number', min, max, step, 'aria-label': unit ? `${label}, ${unit}` : label, class: 'number', inputmode: 'decimal' });
+export function numberField({ name, unit = '', spokenUnit = unit, label = name, min, max, step = 'any', digits = 5, slider = null, late = false, onInput, onDone = () => {} }) {
+  const input = html('input', { type: 'number', min, max, step, 'aria-label': spokenUnit ? `${label}, ${spokenUnit}` : label, class: 'number', inputmode: 'decimal' });
   const range = slider && html('input', { type: 'range', min: slider.min, max: slider.max, step: slider.step, 'aria-label': `${label}, slider`, tabindex: '-1' });
   const clamped = (value) => Math.min(max ?? Infinity, Math.max(min ?? -Infinity, value));
   const take = (source) => {

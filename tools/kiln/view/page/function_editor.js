@@ -1,6 +1,6 @@
-// The editor of a transfer function: points over the histogram of the volume, a bar for the window, fields for the
-// selected point. Opacity has an axis of square roots, because useful opacities of tissue begin at a hundredth.
-import { at, rangeOf, simplified, withNewPoint, withoutPoint, withPoint } from './transfer_function.js';
+// The editor of a transfer function: points or surfaces over the histogram of the volume, a bar for the window of points,
+// fields for the selected item. Opacity has an axis of square roots, because useful opacities of tissue begin at a hundredth.
+import { at, hasSurfaces, itemsOf, rangeOf, simplified, withItem, withNewItem, withoutItem } from './transfer_function.js';
 import { hexOf, hexOfLinear } from './color.js';
 import { button, colorField, follow, html, newId, numberField, replace, svg } from './element.js';
 import { short, ticks } from './numbers.js';
@@ -19,6 +19,8 @@ export class FunctionEditor {
   #onWindow;
   #onDone;
   #fn = null;
+  #items = [];     // points or surfaces
+  #noun = 'Point';
   #histogram = null;
   #view = null;  // shown values: [low, high]
   #whole = null; // all values of interest
@@ -36,46 +38,50 @@ export class FunctionEditor {
     this.plot = svg('svg', { class: 'function-plot', role: 'group', 'aria-label': 'Transfer function over the histogram' });
     this.#layers();
     const field = (options) => numberField({ name: null, onDone, ...options });
-    this.value = field({ label: 'Value of the point', late: true, onInput: (value) => this.#editPoint({ value }, 'value of a point') });
+    this.value = field({ label: 'Value of the point', unit: 'value', spokenUnit: '', late: true, onInput: (value) => this.#editPoint({ value }, 'value of a point') });
     this.opacity = field({ label: 'Opacity of the point', min: 0, max: 1, step: 0.01, onInput: (opacity) => this.#editPoint({ opacity }, 'opacity of a point') });
     this.color = colorField({ label: 'Colour of the point', onInput: (color) => this.#editPoint({ color }, 'colour of a point'), onDone });
     this.unit = field({ label: 'Opacity is per this length', min: 0, onInput: (unit) => { if (unit > 0) this.#emit({ ...this.#fn, unit }, 'unit of opacity', 'unit'); } });
-    this.centre = field({ label: 'Centre of the window, value', onInput: (centre) => this.#editWindow([centre, this.#window()[1]], 'window-number') });
-    this.breadth = field({ label: 'Width of the window, value', onInput: (width) => { if (width > 0) this.#editWindow([this.#window()[0], width], 'window-number'); } });
+    this.centre = field({ label: 'Centre of the window', unit: 'centre', spokenUnit: 'value', onInput: (centre) => this.#editWindow([centre, this.#window()[1]], 'window-number') });
+    this.breadth = field({ label: 'Width of the window', unit: 'width', spokenUnit: 'value', onInput: (width) => { if (width > 0) this.#editWindow([this.#window()[0], width], 'window-number'); } });
     this.count = html('span', { class: 'dim' });
     this.previous = button('‹', () => this.#select(this.#selected - 1), { 'aria-label': 'Previous point', class: 'small' });
     this.next = button('›', () => this.#select(this.#selected + 1), { 'aria-label': 'Next point', class: 'small' });
     this.fewer = button('Fewer points', () => this.#emit(simplified(this.#fn, kSimplifyTolerance), 'fewer points'), { class: 'small', title: 'Leaves out points that change colour and opacity by less than a hundredth' });
+    this.add = button('Add point', () => this.#addBeside(), { class: 'small' });
+    this.name = html('span', { class: 'name' }, 'Point');
+    const per = html('span', { class: 'controls' }, html('span', { class: 'unit' }, 'per'), this.unit.node);
+    const windowName = html('span', { class: 'name' }, 'Window'), windowFields = html('span', { class: 'controls' }, this.centre.node, this.breadth.node);
+    this.ofPoints = [per, windowName, windowFields];
     this.gradient = html('div', { class: 'gradient-opacity' });
     this.node = html('div', { class: 'function-editor' }, this.plot,
       html('div', { class: 'point-row' }, this.previous, this.count, this.next,
         html('span', { class: 'spacer' }),
-        button('Add point', () => this.#addBeside(), { class: 'small' }),
+        this.add,
         button('Delete', () => this.#remove(this.#selected), { class: 'small' }), this.fewer),
       html('div', { class: 'grid-fields' },
-        html('span', { class: 'name' }, 'Point'), html('span', { class: 'controls' }, this.value.node, this.color.node),
-        html('span', { class: 'name' }, 'Opacity'), html('span', { class: 'controls' }, this.opacity.node, html('span', { class: 'unit' }, 'per'), this.unit.node),
-        html('span', { class: 'name' }, 'Window'), html('span', { class: 'controls' }, this.centre.node, this.breadth.node)),
+        this.name, html('span', { class: 'controls' }, this.value.node, this.color.node),
+        html('span', { class: 'name' }, 'Opacity'), html('span', { class: 'controls' }, this.opacity.node, per),
+        windowName, windowFields),
       this.gradient);
-    this.centre.setUnit('centre');
-    this.breadth.setUnit('width');
-    this.value.setUnit('value');
     new ResizeObserver(([entry]) => {
       const width = Math.round(entry.contentRect.width);
       if (width > 0 && width !== this.#width) { this.#width = width; this.#draw(); }
     }).observe(this.plot);
   }
 
-  /** Shows a function with points. `lengthUnit` is the unit of the volume's world. */
+  /** Shows a function with points or surfaces. `lengthUnit` is the unit of the volume's world. */
   show({ fn, histogram, lengthUnit }) {
     const fresh = this.#histogram !== histogram;
     this.#fn = fn;
+    this.#items = itemsOf(fn);
+    this.#noun = hasSurfaces(fn) ? 'Surface' : 'Point';
     this.#histogram = histogram;
     const [first, last] = rangeOf(fn);
     const pad = 0.02 * (histogram.high - histogram.low || 1);
     this.#whole = [Math.min(histogram.low - pad, first), Math.max(histogram.high + pad, last)];
     if (fresh || !this.#view) this.#view = this.#whole;
-    this.#selected = clamp(this.#selected, 0, fn.points.length - 1);
+    this.#selected = clamp(this.#selected, 0, this.#items.length - 1);
     this.unit.setUnit(lengthUnit);
     this.#draw();
   }
@@ -125,15 +131,26 @@ export class FunctionEditor {
     const frame = { x: kLeft, y: kTop, width: Math.max(0, this.#right - kLeft), height: this.#base - kTop };
     for (const rect of [this.back, this.clip]) for (const [name, value] of Object.entries(frame)) rect.setAttribute(name, value);
     this.bars.setAttribute('d', this.#barsPath());
-    const curve = this.#curvePoints();
-    const path = curve.map(([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`).join('L');
-    this.curve.setAttribute('d', `M${path}`);
-    this.area.setAttribute('d', `M${kLeft} ${this.#base}L${path}L${this.#right} ${this.#base}Z`);
-    this.#drawColors();
+    if (hasSurfaces(this.#fn)) this.#drawStems();
+    else this.#drawCurve();
     this.#drawAxes();
     this.#drawWindow();
     this.#drawPoints();
     this.#fillFields();
+  }
+
+  #drawCurve() {
+    const path = this.#curvePoints().map(([x, y]) => `${x.toFixed(1)} ${y.toFixed(1)}`).join('L');
+    this.curve.setAttribute('d', `M${path}`);
+    this.area.setAttribute('d', `M${kLeft} ${this.#base}L${path}L${this.#right} ${this.#base}Z`);
+    this.#drawColors();
+  }
+
+  // A surface is at one value, so it has a line up to its opacity.
+  #drawStems() {
+    this.curve.setAttribute('d', this.#items.map(({ value, opacity }) => `M${this.#x(value).toFixed(1)} ${this.#base}V${this.#y(opacity).toFixed(1)}`).join(''));
+    this.area.setAttribute('d', '');
+    this.band.setAttribute('width', 0);
   }
 
   #barsPath() {
@@ -151,7 +168,7 @@ export class FunctionEditor {
   // Points of the curve are exact; between them, the square root needs steps.
   #curvePoints() {
     const values = Array.from({ length: kCurveSteps + 1 }, (_, i) => this.#view[0] + (i / kCurveSteps) * (this.#view[1] - this.#view[0]));
-    const inside = this.#fn.points.filter((p) => p.value > this.#view[0] && p.value < this.#view[1]);
+    const inside = this.#items.filter((p) => p.value > this.#view[0] && p.value < this.#view[1]);
     const all = [...values.map((value) => [value, at(this.#fn, value).opacity]), ...inside.map((p) => [p.value, p.opacity])];
     all.sort((a, b) => a[0] - b[0]);
     return all.map(([value, opacity]) => [this.#x(value), this.#y(opacity)]);
@@ -182,6 +199,10 @@ export class FunctionEditor {
   }
 
   #drawWindow() {
+    if (hasSurfaces(this.#fn)) {
+      replace(this.windowBar);
+      return;
+    }
     const [first, last] = rangeOf(this.#fn);
     const y = this.#base + 34;
     const [x0, x1] = [first, last].map((value) => clamp(this.#x(value), kLeft, this.#right));
@@ -225,7 +246,7 @@ export class FunctionEditor {
   }
 
   #drawPoints() {
-    const { points } = this.#fn;
+    const points = this.#items;
     const focused = document.activeElement?.parentNode === this.points;
     const nodes = points.map((point, index) => {
       const [x, y] = [this.#x(point.value), this.#y(point.opacity)];
@@ -234,7 +255,7 @@ export class FunctionEditor {
       const reachable = selected || points.length <= kManyPoints;
       const node = svg('circle', { cx: x.toFixed(2), cy: y.toFixed(2), r: points.length > kManyPoints && !selected ? 2.5 : kPointRadius,
         fill: hexOf(point.color, this.#fn.colorSpace), class: selected ? 'point selected' : 'point', tabindex: reachable ? 0 : undefined,
-        role: 'slider', 'data-index': index, 'aria-label': `Point ${index + 1} of ${points.length}`, 'aria-valuenow': point.value,
+        role: 'slider', 'data-index': index, 'aria-label': `${this.#noun} ${index + 1} of ${points.length}`, 'aria-valuenow': point.value,
         'aria-valuetext': `value ${short(point.value)}, opacity ${short(point.opacity)}, colour ${hexOf(point.color, this.#fn.colorSpace)}` });
       node.addEventListener('pointerdown', (event) => this.#dragPoint(event, index));
       node.addEventListener('focus', () => { if (this.#selected !== index) this.#select(index); });
@@ -246,8 +267,11 @@ export class FunctionEditor {
   }
 
   #fillFields() {
-    const point = this.#fn.points[this.#selected];
-    const { points } = this.#fn;
+    const points = this.#items, point = points[this.#selected];
+    const isPoint = !hasSurfaces(this.#fn);
+    this.name.textContent = this.#noun;
+    this.add.textContent = `Add ${this.#noun.toLowerCase()}`;
+    for (const node of this.ofPoints) node.hidden = !isPoint;
     this.value.set(point.value);
     this.opacity.set(point.opacity);
     this.color.set(hexOf(point.color, this.#fn.colorSpace));
@@ -255,24 +279,24 @@ export class FunctionEditor {
     const [centre, width] = this.#window();
     this.centre.set(centre);
     this.breadth.set(width);
-    this.count.textContent = `Point ${this.#selected + 1} of ${points.length}`;
+    this.count.textContent = `${this.#noun} ${this.#selected + 1} of ${points.length}`;
     this.previous.disabled = this.#selected === 0;
     this.next.disabled = this.#selected === points.length - 1;
-    this.fewer.hidden = points.length <= 16;
+    this.fewer.hidden = !isPoint || points.length <= 16;
     const factors = this.#fn.gradientOpacity ?? [];
     replace(this.gradient, factors.length === 0 ? [] : [html('span', { class: 'dim' }, `Opacity also depends on the gradient, by ${factors.length} points.`),
       button('Remove', () => { const { gradientOpacity: _, ...rest } = this.#fn; this.#emit(rest, 'gradient opacity'); }, { class: 'small' })]);
   }
 
   #select(index) {
-    this.#selected = clamp(index, 0, this.#fn.points.length - 1);
+    this.#selected = clamp(index, 0, this.#items.length - 1);
     this.#draw();
   }
 
   #emit(fn, label, key = null) { this.#onFunction(fn, label, key && `function-${key}`); }
 
   #editPoint(changes, label) {
-    this.#emit(withPoint(this.#fn, this.#selected, changes), label, `${label}-${this.#selected}`);
+    this.#emit(withItem(this.#fn, this.#selected, changes), label, `${label}-${this.#selected}`);
   }
 
   #dragPoint(down, index) {
@@ -281,7 +305,7 @@ export class FunctionEditor {
     this.#selected = index;
     this.#draw();
     this.points.querySelector(`[data-index="${index}"]`)?.focus();
-    const start = this.#place(down), point = this.#fn.points[index];
+    const start = this.#place(down), point = this.#items[index];
     const offset = { x: this.#x(point.value) - start.x, y: this.#y(point.opacity) - start.y };
     const key = `point-${++this.#gesture}`;
     this.#followOnPlot(down, (event) => {
@@ -290,12 +314,12 @@ export class FunctionEditor {
       const changes = {};
       if (!event.shiftKey || across) changes.value = this.#tidy(this.#valueAt(here.x + offset.x));
       if (!event.shiftKey || !across) changes.opacity = Number(this.#opacityAt(here.y + offset.y).toPrecision(3));
-      this.#emit(withPoint(this.#fn, index, changes), 'point', key);
+      this.#emit(withItem(this.#fn, index, changes), 'point', key);
     });
   }
 
   #pointKey(event, index) {
-    const point = this.#fn.points[index];
+    const point = this.#items[index];
     const valueStep = (this.#view[1] - this.#view[0]) / (event.shiftKey ? 20 : 200);
     const rootStep = event.shiftKey ? 0.1 : 0.01;
     const raised = (by) => Number((clamp(Math.sqrt(point.opacity) + by, 0, 1) ** 2).toPrecision(3));
@@ -303,7 +327,7 @@ export class FunctionEditor {
       ArrowLeft: { value: this.#tidy(point.value - valueStep) }, ArrowRight: { value: this.#tidy(point.value + valueStep) },
       ArrowUp: { opacity: raised(rootStep) }, ArrowDown: { opacity: raised(-rootStep) },
     }[event.key];
-    if (changes) this.#emit(withPoint(this.#fn, index, changes), 'point', `key-${index}`);
+    if (changes) this.#emit(withItem(this.#fn, index, changes), 'point', `key-${index}`);
     else if (event.key === 'Delete' || event.key === 'Backspace') this.#remove(index);
     else if (event.key === 'Insert') this.#addBeside();
     else if (event.key === 'PageUp') this.#select(index - 1);
@@ -320,21 +344,21 @@ export class FunctionEditor {
 
   // Between the selected point and the next; beyond the last point, a tenth of the view further.
   #addBeside() {
-    const { points } = this.#fn;
+    const points = this.#items;
     const here = points[this.#selected], next = points[this.#selected + 1];
     const value = next ? (here.value + next.value) / 2 : here.value + (this.#view[1] - this.#view[0]) / 10;
-    this.#add(this.#tidy(value), Number(at(this.#fn, value).opacity.toPrecision(3)));
+    this.#add(this.#tidy(value), hasSurfaces(this.#fn) ? here.opacity : Number(at(this.#fn, value).opacity.toPrecision(3)));
   }
 
   #add(value, opacity) {
-    const { fn, index } = withNewPoint(this.#fn, value, opacity);
+    const { fn, index } = withNewItem(this.#fn, value, opacity);
     this.#selected = index;
     this.#emit(fn, 'new point');
   }
 
   #remove(index) {
-    const fn = withoutPoint(this.#fn, index);
-    this.#selected = clamp(index - (index === this.#fn.points.length - 1 ? 1 : 0), 0, fn.points.length - 1);
+    const fn = withoutItem(this.#fn, index);
+    this.#selected = clamp(index - (index === this.#items.length - 1 ? 1 : 0), 0, itemsOf(fn).length - 1);
     if (fn !== this.#fn) this.#emit(fn, 'removed point');
   }
 

@@ -76,7 +76,7 @@ export function lightPanel(app) {
       }, onDone: done }));
     const shadowOf = (light) => (typeof light.shadow === 'object' ? light.shadow : {});
     const shadow = check({ name: 'Shadow', onInput: (on) => setLight(index, { shadow: on ? true : undefined }, 'shadow of a light') });
-    const softness = numberField({ name: null, unit: '° soft', label: `Softness of the shadow of light ${index + 1}`, min: 0, max: 45, step: 0.5,
+    const softness = numberField({ name: null, unit: '° soft', spokenUnit: 'degrees', label: `Softness of the shadow of light ${index + 1}`, min: 0, max: 45, step: 0.5,
       onInput: (value) => setLight(index, { shadow: { ...shadowOf(lightsOf(state.job)[index]), softness: value } }, 'softness of a shadow', `light-soft-${index}`), onDone: done });
     const far = type !== 'headlight';
     const node = html('li', {},

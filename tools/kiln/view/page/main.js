@@ -253,9 +253,9 @@ class App {
     this.unresolved = html('p', { class: 'dim' }, 'The function arrives with the first picture.');
     this.animatedFunction = html('p', { class: 'dim' }, 'The function has key frames; an edit replaces them.');
     const file = html('input', { type: 'file', accept: '.json,.txt,application/json', hidden: true, onchange: () => { if (file.files[0]) this.#takeFile(file.files[0]); file.value = ''; } });
-    const surfaceValue = numberField({ name: null, label: 'Value of the surface', onInput: () => {} });
-    surfaceValue.setUnit('value');
-    const surface = button('Surface at', () => { if (Number.isFinite(surfaceValue.input.valueAsNumber)) setFunction(`iso:${surfaceValue.input.valueAsNumber}`, 'surface'); }, { class: 'small' });
+    let surfaceAt = null;
+    const surfaceValue = numberField({ name: null, label: 'Value of the surface', unit: 'value', spokenUnit: '', onInput: (value) => { surfaceAt = value; surfaceValue.set(value); } });
+    const surface = button('Surface at', () => { if (surfaceAt !== null) setFunction(`iso:${surfaceAt}`, 'surface'); }, { class: 'small' });
     this.surface = html('span', { class: 'controls' }, surface, surfaceValue.node);
     put('function-section', this.presets.node,
       html('div', { class: 'row wrap' }, this.surface, html('span', { class: 'spacer' }), button('Open file…', () => file.click(), { class: 'small', title: 'A function of Kiln or a colour map of ParaView, JSON' }), file),
@@ -328,13 +328,13 @@ class App {
     const hasLabels = Boolean(fn?.labels);
     this.unresolved.hidden = fn !== null;
     this.animatedFunction.hidden = !own.transferFunction?.keyframes;
-    this.editor.node.hidden = !fn?.points;
+    this.editor.node.hidden = !fn || hasLabels;
     this.labels.node.hidden = !hasLabels;
     const unit = fn?.unit || this.volume.spacing.reduce((a, b) => a + b) / 3;
     const shown = JSON.stringify([this.active, fn]);
     if (shown !== this.shownFunction) {
       this.shownFunction = shown;
-      if (fn?.points) this.editor.show({ fn: { ...fn, unit }, histogram: this.volume.histogram, lengthUnit });
+      if (fn && !hasLabels) this.editor.show({ fn: { ...fn, unit }, histogram: this.volume.histogram, lengthUnit });
       if (hasLabels) this.labels.show({ fn: { ...fn, unit }, labels: this.volume.labels ?? [], lengthUnit });
     }
     // Presets other than "auto" colour values, and the values of labels mean nothing.

@@ -52,10 +52,13 @@ export function outputActions(app) {
   const start = button('Render', () => run(), { class: 'primary' });
   const cancel = button('Cancel', () => running?.abort());
   const close = button('Close', () => renderDialog.close());
-  const side = (label, unit) => numberField({ name: null, label, unit, min: 1, max: app.session.largest, step: 1, onInput: () => later() });
-  const width = side('Width', '×'), height = side('Height', 'pixels');
+  const wanted = [1, 1];
+  const sides = ['Width', 'Height'].map((label, i) => {
+    return numberField({ name: null, label, unit: i === 0 ? '×' : 'pixels', spokenUnit: 'pixels', min: 1, max: app.session.largest, step: 1, onInput: (value) => { setSide(i, Math.round(value)); later(); } });
+  });
+  const setSide = (i, value) => { wanted[i] = value; sides[i].set(value); };
   const renderDialog = html('dialog', { 'aria-labelledby': 'render-title' }, html('h2', { id: 'render-title' }, 'Render here'),
-    html('div', { class: 'row' }, html('span', { class: 'name' }, 'Size'), html('span', { class: 'controls' }, width.node, height.node)),
+    html('div', { class: 'row' }, html('span', { class: 'name' }, 'Size'), html('span', { class: 'controls' }, sides.map((side) => side.node))),
     html('h3', {}, 'What will it take'), facts, bar, line, html('div', { class: 'dialog-buttons' }, start, cancel, close));
   let running = null;
   let estimating = null;
@@ -63,8 +66,7 @@ export function outputActions(app) {
   renderDialog.addEventListener('cancel', (event) => { if (running) event.preventDefault(); });
   renderDialog.addEventListener('close', () => estimating?.abort());
 
-  const size = () => [width, height].map((field) => Math.max(1, Math.round(field.input.valueAsNumber || 1)));
-  const request = () => ({ job: app.state.job, size: size() });
+  const request = () => ({ job: app.state.job, size: [...wanted] });
 
   function later() {
     clearTimeout(wait);
@@ -119,9 +121,7 @@ export function outputActions(app) {
   }
 
   function render() {
-    const [w, h] = app.batchSize();
-    width.set(w);
-    height.set(h);
+    app.batchSize().forEach((value, i) => setSide(i, value));
     line.textContent = '';
     show(false);
     renderDialog.showModal();

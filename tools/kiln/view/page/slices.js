@@ -27,7 +27,7 @@ export class Slices {
     this.#app = app;
     this.#views = kViews.map((view) => this.#newView(view));
     this.readout = html('output', { class: 'readout', 'aria-live': 'off' }, 'Point at a slice for its value.');
-    const field = (label, unit, place) => numberField({ name: null, label: `${label} of the grey values`, unit, onInput: (value) => {
+    const field = (label, unit, place) => numberField({ name: null, label: `${label} of the grey values`, unit, spokenUnit: 'value', onInput: (value) => {
       const next = [...(this.#window ?? this.#middle())];
       next[place] = value;
       if (next[1] > 0) this.#setWindow(next);

@@ -1,10 +1,22 @@
-// Transfer functions as jobs have them: {unit, colorSpace, points: [{value, color, opacity}], gradientOpacity} or
-// {unit, labels: [{label, name, color, opacity}]}. Each function returns a new object.
+// Transfer functions as jobs have them: {unit, colorSpace, points: [{value, color, opacity}], gradientOpacity}, or
+// {surfaces: [{value, color, opacity}]}, or {unit, labels: [{label, name, color, opacity}]}. Each function returns a new
+// object. An item is a point or a surface; items are sorted by value.
 import { hexOfLinear, linearOf } from './color.js';
 
 const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
 
-/** Returns linear colour and opacity at a value: even between points, constant beyond. */
+const kSurfaceColor = 'ivory', kSurfaceOpacity = 1; // of a surface without any
+const kSurfaceGap = 1e-6; // of the value: no two surfaces have one value
+
+export const hasSurfaces = (fn) => fn.surfaces !== undefined;
+const withItems = (fn, items) => (hasSurfaces(fn) ? { ...fn, surfaces: items } : { ...fn, points: items });
+
+/** Returns the points or surfaces, with colour and opacity. */
+export function itemsOf(fn) {
+  return hasSurfaces(fn) ? fn.surfaces.map((surface) => ({ color: kSurfaceColor, opacity: kSurfaceOpacity, ...surface })) : fn.points;
+}
+
+/** Returns linear colour and opacity of points at a value: even between points, constant beyond. */
 export function at(fn, value) {
   const points = fn.points;
   let upper = points.findIndex((point) => point.value > value);
@@ -19,36 +31,37 @@ export function at(fn, value) {
   };
 }
 
-const colorAt = (fn, value) => hexOfLinear(at(fn, value).color);
-
-/** Moves a point. Its value stays between its neighbours. `snap` rounds the value. */
-export function withPoint(fn, index, changes) {
-  const points = fn.points.map((point) => ({ ...point }));
-  const point = Object.assign(points[index], changes);
-  const low = points[index - 1]?.value ?? -Infinity, high = points[index + 1]?.value ?? Infinity;
-  point.value = clamp(point.value, low, high);
-  point.opacity = clamp(point.opacity, 0, 1);
-  return { ...fn, points };
+/** Changes an item. Its value stays between its neighbours. */
+export function withItem(fn, index, changes) {
+  const items = itemsOf(fn).map((item) => ({ ...item }));
+  const item = Object.assign(items[index], changes);
+  const gap = hasSurfaces(fn) ? kSurfaceGap * Math.max(1, Math.abs(item.value)) : 0;
+  item.value = clamp(item.value, (items[index - 1]?.value ?? -Infinity) + gap, (items[index + 1]?.value ?? Infinity) - gap);
+  item.opacity = clamp(item.opacity, 0, 1);
+  return withItems(fn, items);
 }
 
-/** Adds a point; returns the function and the point's index. A point without a colour takes that of its place. */
-export function withNewPoint(fn, value, opacity) {
-  const color = colorAt(fn, value);
-  const before = fn.points.findIndex((point) => point.value > value);
-  const index = before < 0 ? fn.points.length : before;
-  const points = [...fn.points];
-  points.splice(index, 0, { value, color, opacity: clamp(opacity, 0, 1) });
-  return { fn: { ...fn, points }, index };
+/** Adds an item; returns the function and the item's index. A point has the colour of its place, a surface ivory. */
+export function withNewItem(fn, value, opacity) {
+  const items = itemsOf(fn);
+  const after = items.findIndex((item) => item.value > value);
+  const index = after < 0 ? items.length : after;
+  const color = hasSurfaces(fn) ? kSurfaceColor : hexOfLinear(at(fn, value).color);
+  const out = withItems(fn, items.toSpliced(index, 0, { value, color, opacity: 0 }));
+  return { fn: withItem(out, index, { opacity }), index };
 }
 
-/** Removes a point; the last one stays. */
-export function withoutPoint(fn, index) {
-  if (fn.points.length < 2) return fn;
-  return { ...fn, points: fn.points.filter((_, i) => i !== index) };
+/** Removes an item; the last one stays. */
+export function withoutItem(fn, index) {
+  const items = itemsOf(fn);
+  return items.length < 2 ? fn : withItems(fn, items.filter((_, i) => i !== index));
 }
 
-/** Returns the values of the first and last point. */
-export const rangeOf = (fn) => [fn.points[0].value, fn.points[fn.points.length - 1].value];
+/** Returns the values of the first and last item. */
+export function rangeOf(fn) {
+  const items = itemsOf(fn);
+  return [items[0].value, items[items.length - 1].value];
+}
 
 /**
  * Leaves out points whose colour and opacity follow from their neighbours to within `tolerance`.
