@@ -20,7 +20,7 @@ export function outputActions(app) {
   // The command, selected and copied.
   const text = html('textarea', { readonly: true, rows: 6, 'aria-label': 'Command line' });
   const copied = html('p', { class: 'dim', role: 'status' });
-  const unsaved = html('div', { class: 'row' }, html('span', {}, 'The command draws the saved job, and this one has changes.'),
+  const unsaved = html('div', { class: 'row' }, html('span', {}, 'The command draws the saved job, and the job has changes.'),
     button('Save job', async () => { await save(); unsaved.hidden = app.state.isSaved; }, { class: 'small' }));
   const commandDialog = html('dialog', { 'aria-labelledby': 'command-title' }, html('h2', { id: 'command-title' }, 'Command line'), text, unsaved, copied,
     html('div', { class: 'dialog-buttons' }, button('Copy', () => copy()), button('Close', () => commandDialog.close())));
@@ -37,7 +37,8 @@ export function outputActions(app) {
     try {
       text.value = (await app.server.json('command', body())).command;
       copied.textContent = '';
-      unsaved.hidden = app.state.isSaved;
+      const drawsFile = app.session.jobFile !== null && text.value.includes(app.session.jobFile);
+      unsaved.hidden = app.state.isSaved || !drawsFile;
       commandDialog.showModal();
       await copy();
     } catch (error) {
