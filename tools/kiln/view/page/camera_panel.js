@@ -17,7 +17,7 @@ export function cameraPanel(app) {
   const projection = choice({ name: 'Projection', options: { perspective: 'perspective', orthographic: 'orthographic' }, onInput: (value) => {
     const camera = app.camera();
     if (!camera) return;
-    // Key frames get the projection, too, for all keys have one.
+    // All keys have one projection, so key frames get the new projection, too.
     state.change('projection', (job) => {
       const changed = withProjection(camera, value, radius());
       const next = withCamera(job, app.roundedCamera(changed));

@@ -9,8 +9,8 @@ import { short } from './numbers.js';
 
 const kAxes = ['x', 'y', 'z'];
 const kRadius = 6;
-const kArrowShare = 0.18; // of the diagonal of the scene
-const kLeastShare = 0.1;   // of its length: an axis seen shorter is dragged by up and down
+const kArrowShare = 0.18; // share of the diagonal of the scene
+const kLeastShare = 0.1;   // share of an axis' length: an axis seen shorter is dragged by up and down
 
 export class ClipHandles {
   #layer;
@@ -18,8 +18,7 @@ export class ClipHandles {
   #controls;
 
   /**
-   * `controls`: setBox(box, mergeKey), setPlane(index, plane, mergeKey), endGesture(). A handle calls them while it is
-   * dragged.
+   * `controls`: setBox(box, mergeKey), setPlane(index, plane, mergeKey), endGesture(). A dragged handle calls these.
    */
   constructor({ root, layer, controls }) {
     this.#root = root;
@@ -39,7 +38,7 @@ export class ClipHandles {
     return { x: event.clientX - area.left, y: event.clientY - area.top };
   }
 
-  // Pixels that one `unit` of the world moves in the picture at a point, as a vector.
+  // Returns the way in the picture, in pixels, of a way `unit` in the world.
   #pixelsOf({ camera, size }, point, unit) {
     const a = pixelOf(camera, size, point), b = pixelOf(camera, size, add(point, unit));
     return a && b ? { x: b.x - a.x, y: b.y - a.y } : null;

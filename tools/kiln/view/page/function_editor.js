@@ -146,7 +146,7 @@ export class FunctionEditor {
     this.#drawColors();
   }
 
-  // A surface is at one value, so it has a line up to its opacity.
+  // A surface has one value: a line up to the surface's opacity.
   #drawStems() {
     this.curve.setAttribute('d', this.#items.map(({ value, opacity }) => `M${this.#x(value).toFixed(1)} ${this.#base}V${this.#y(opacity).toFixed(1)}`).join(''));
     this.area.setAttribute('d', '');

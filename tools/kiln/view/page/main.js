@@ -195,7 +195,7 @@ class App {
     if (this.presetsOf !== this.active) this.#drawPresets();
   }
 
-  // The pictures show a volume of several with the present functions of the others.
+  // The pictures show the active volume, and other volumes with their present functions.
   #drawPresets() {
     this.presetsOf = this.active;
     this.presets.draw({ job: withoutMotion(this.state.job), volume: this.active });

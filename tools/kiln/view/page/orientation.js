@@ -1,4 +1,4 @@
-// Names of directions. A patient's file says which way its axes point; other files have x, y and z.
+// Names of directions. The file of a patient names the directions of its axes; other files have x, y and z.
 
 const kOpposite = { L: 'R', R: 'L', P: 'A', A: 'P', S: 'I', I: 'S' };
 const kPositive = { RAS: ['R', 'A', 'S'], LPS: ['L', 'P', 'S'] };

@@ -7,7 +7,7 @@ import { roundLength, short } from './numbers.js';
 import { dot } from './vector.js';
 
 const kAxesRadius = 26;
-const kLeastAxis = 0.12; // of its length: a shorter axis is seen from its end
+const kLeastAxis = 0.12; // share of an axis' length: a shorter axis is seen from its end
 const kBarShare = 0.22;
 const kLongestBar_px = 240;
 

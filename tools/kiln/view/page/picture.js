@@ -1,8 +1,8 @@
-// The picture: asks the server for frames and shows what arrives.
+// The picture: requests frames and shows the pictures that arrive.
 //
-// Invariant: at most one request is in flight. A change asks for a frame at once, with `moving: true`; a request of this
+// Invariant: at most one request is in flight. A change requests a frame at once, with `moving: true`; a request of this
 // kind is let finish, so that a slow drag shows pictures, and the newest job follows. kRest_ms after the last change the
-// request in flight is aborted, and a request with `moving: false` asks for all stages up to the picture of the batch.
+// request in flight is aborted, and a request with `moving: false` gets all stages up to the picture of the batch.
 const kRest_ms = 150;
 // A moving frame that takes longer is given up for a newer job.
 const kPatience_ms = 1000;
@@ -21,7 +21,7 @@ export class Picture {
   /**
    * `request()` returns {job, size: [w, h], frame} as of now, or null if there is no room for a picture. Listeners:
    * onResolved(record), onPicture(record, request, time in ms), onProgress(record), onError(text),
-   * onState("moving" | "waiting" | "final"). The bytes read of a picture are those of the stages before it, too.
+   * onState("moving" | "waiting" | "final"). The bytes read include those of earlier stages.
    */
   constructor({ server, canvas, request, listeners }) {
     this.#server = server;

@@ -1,4 +1,4 @@
-// The presets as pictures of this volume. Pictures are asked for one at a time, while the main picture is at rest.
+// The presets as pictures of this volume. Pictures are requested one at a time, while the main picture is at rest.
 import { html, replace } from './element.js';
 
 const kSize_px = 96;
@@ -11,7 +11,7 @@ export class Presets {
   #round = 0;
   #tiles = new Map();
 
-  /** onChoose(name); isIdle() tells whether the main picture is at rest. */
+  /** onChoose(name); isIdle() returns whether the main picture is at rest. */
   constructor({ server, names, onChoose, isIdle }) {
     this.#server = server;
     this.#onChoose = onChoose;

@@ -1,5 +1,5 @@
 // Three slices through one crosshair, as `kiln slice` draws them: across z with y down, others with z up. A slice is
-// asked for when the one before has arrived; only the newest index is drawn.
+// requested when the slice before has arrived; only the newest index is drawn.
 import { button, follow, html, numberField, replace, svg } from './element.js';
 import { short } from './numbers.js';
 import { sideTowards } from './orientation.js';

@@ -1,4 +1,4 @@
-// Light or dark colours: as the system says, or as chosen with the button. The choice stays in the browser.
+// Light or dark colours: as in the system, or as chosen with the button. The choice stays in the browser.
 
 const kKey = 'kiln-theme';
 const kThemes = { auto: ['Auto', 'as those of the system'], light: ['Light', 'always light'], dark: ['Dark', 'always dark'] };

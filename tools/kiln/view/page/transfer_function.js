@@ -5,8 +5,8 @@ import { hexOfLinear, linearOf } from './color.js';
 
 const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
 
-const kSurfaceColor = 'ivory', kSurfaceOpacity = 1; // of a surface without any
-const kSurfaceGap = 1e-6; // of the value: no two surfaces have one value
+const kSurfaceColor = 'ivory', kSurfaceOpacity = 1; // defaults of a surface
+const kSurfaceGap = 1e-6; // share of the value: two surfaces have different values
 
 export const hasSurfaces = (fn) => fn.surfaces !== undefined;
 const withItems = (fn, items) => (hasSurfaces(fn) ? { ...fn, surfaces: items } : { ...fn, points: items });
