@@ -3,10 +3,12 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
+#include <thread>
 
 #include "find_program.h"
 #include "terminal_progress.h"
@@ -15,22 +17,46 @@ extern char** environ;
 
 namespace kiln::tool {
 
-void openBrowser(const std::string& address) {
+namespace {
+
+// Writes the page with its first byte unreadable for others. Returns false on failure.
+bool writePage(const std::filesystem::path& page, const std::string& address) {
+  const std::string text =
+      "<!doctype html><meta charset=\"utf-8\"><title>Kiln</title>"
+      "<meta http-equiv=\"refresh\" content=\"0;url=" +
+      address + "\">\n";
+  const int file = ::open(page.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (file < 0) return false;
+  const bool whole = ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  return ::close(file) == 0 && whole;
+}
+
+}  // namespace
+
+OpenedBrowser::OpenedBrowser(const std::string& address) {
   const bool desktop = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY") != nullptr;
-  if (!desktop || ::isatty(STDOUT_FILENO) == 0) return;
+  const char* const folder = std::getenv("XDG_RUNTIME_DIR");
+  if (!desktop || folder == nullptr || *folder != '/' || ::isatty(STDOUT_FILENO) == 0) return;
   const std::filesystem::path program = findProgram("xdg-open");
   if (program.empty()) return;
-  std::string name = program.string(), argument = address;
+  page_ = std::filesystem::path(folder) / ("kiln-view-" + std::to_string(::getpid()) + ".html");
+  ::unlink(page_.c_str());  // of an earlier process of this number
+  if (!writePage(page_, address)) return;
+  std::string name = program.string(), argument = page_.string();
   char* const arguments[] = {name.data(), argument.data(), nullptr};
   posix_spawn_file_actions_t files;
   if (::posix_spawn_file_actions_init(&files) != 0) return;
   for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     ::posix_spawn_file_actions_addopen(&files, file, "/dev/null", O_RDWR, 0);
-  // The system takes the exit code of the browser.
-  std::signal(SIGCHLD, SIG_IGN);
   pid_t child = 0;
-  ::posix_spawn(&child, program.c_str(), &files, nullptr, arguments, environ);
+  const bool started = ::posix_spawn(&child, program.c_str(), &files, nullptr, arguments, environ) == 0;
   ::posix_spawn_file_actions_destroy(&files);
+  // Other children of the program are waited for elsewhere, so SIGCHLD must not be ignored.
+  if (started) std::thread([child] { ::waitpid(child, nullptr, 0); }).detach();
+}
+
+OpenedBrowser::~OpenedBrowser() {
+  if (!page_.empty()) ::unlink(page_.c_str());
 }
 
 void endWithTerminal() {

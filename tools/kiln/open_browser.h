@@ -1,13 +1,24 @@
 // Opens an address in the user's browser.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 namespace kiln::tool {
 
-/// Opens the address by xdg-open, where a desktop is there and standard output is a terminal; else does nothing. The
-/// address is an argument of another program of the user's for a moment.
-void openBrowser(const std::string& address);
+/// A browser at an address, opened by xdg-open where a desktop is there and standard output is a terminal.
+/// Arguments of programs are public and the address holds a secret: the browser gets a page of mode 0600 in
+/// XDG_RUNTIME_DIR that leads to the address. Without this folder no browser is opened. Destruction removes the page.
+class OpenedBrowser {
+ public:
+  explicit OpenedBrowser(const std::string& address);
+  ~OpenedBrowser();
+  OpenedBrowser(const OpenedBrowser&) = delete;
+  OpenedBrowser& operator=(const OpenedBrowser&) = delete;
+
+ private:
+  std::filesystem::path page_;  // empty: none
+};
 
 /// Makes SIGHUP, which the end of a terminal sends, request a stop, unless the process was started to survive (nohup).
 void endWithTerminal();

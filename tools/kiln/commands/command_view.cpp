@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "base/file/file.h"
 #include "base/memory/memory.h"
 #include "base/shell_text.h"
@@ -111,7 +113,8 @@ void run(const ViewArguments& a, Context& context) {
   const std::unique_ptr<ViewServer> server = makeViewServer(session, options);
   context.progress.clear();
   sayAddress(a, *server);
-  if (!a.no_browser && a.socket.empty()) openBrowser(server->address());
+  std::optional<OpenedBrowser> browser;
+  if (!a.no_browser && a.socket.empty()) browser.emplace(server->address());
   endWithTerminal();
   server->run([&] { return context.progress.cancelled() || terminalIsGone(); });
 }
