@@ -1,5 +1,7 @@
 #include "grid/length_unit.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cstdint>
 #include <numeric>
@@ -34,9 +36,9 @@ constexpr std::array<LengthUnit, 12> kUnits = {{
 }};
 
 const LengthUnit* unitNamed(std::string_view text) {
-  const std::string spaced = " " + std::string(text) + " ";
+  const auto spaced = [](std::string_view words) { return fmt::format(" {} ", words); };
   for (const LengthUnit& unit : kUnits) {
-    if (text == unit.name || (" " + std::string(unit.others) + " ").find(spaced) != std::string::npos) return &unit;
+    if (text == unit.name || spaced(unit.others).find(spaced(text)) != std::string::npos) return &unit;
   }
   return nullptr;
 }

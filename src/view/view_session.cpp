@@ -504,7 +504,7 @@ void ViewSession::command(const Body& body, ViewClient& client) {
   std::string text = "kiln render ";
   if (const auto options = optionsOf(job)) {
     text += shellText(source_.named.volume.string());
-    for (const std::string& option : *options) text += " " + shellText(option);
+    for (const std::string& option : *options) text.append(" ").append(shellText(option));
   } else {
     text += shellText(source_.job_file.string());
   }

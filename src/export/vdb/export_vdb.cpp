@@ -129,8 +129,8 @@ class TreeCharge {
 }
 
 double largestOf(VdbType type, double of_grid) {
-  constexpr double kLargestHalf = 65504;
-  return type == VdbType::kHalf ? kLargestHalf : of_grid;
+  constexpr double kLargestOfHalf = 65504;
+  return type == VdbType::kHalf ? kLargestOfHalf : of_grid;
 }
 
 template <class Filler>
