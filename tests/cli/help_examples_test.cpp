@@ -43,7 +43,7 @@ std::string examplesOf(const std::string& command) {
 std::string viewed() {
   std::string out;
   for (const std::string& line : linesOf(examplesOf("view")))
-    if (!line.empty()) out += "timeout --preserve-status -s INT 2 " + line.substr(line.find("kiln")) + "\n";
+    if (!line.empty()) out += "timeout --preserve-status -s INT 4 " + line.substr(line.find("kiln")) + "\n";
   return out;
 }
 
