@@ -123,7 +123,10 @@ wait $one
 
 TEST_F(ViewCli, WrongOptions_areRefused) {
   writeText(in("file"), "here");
-  refused({"view", in("h.kiln"), "--socket", in("file")}, 1, "is a file already");
+  // The name of a socket has at most 107 bytes, which the folder of the tests may exceed.
+  const ToolResult file = runTool({"view", in("h.kiln"), "--socket", "file"}, {.directory = directory_});
+  EXPECT_EQ(file.exit_code, 1);
+  EXPECT_NE(file.err.find("is a file already"), std::string::npos) << file.err;
   refused({"view", in("h.kiln"), "--socket", in("s"), "--port", "8000"}, 2, "--socket: contradicts --port");
   refused({"view", in("h.kiln"), "--job", in("look.txt")}, 2, "must end in .json");
   refused({"view", in("h.kiln"), "--job", in("h.kiln/look.json")}, 2, "--job");
