@@ -21,6 +21,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <limits>
 #include <list>
 #include <mutex>
 #include <optional>
@@ -44,6 +45,8 @@ using Status = http::status;
 
 constexpr std::uint32_t kMostHeaderBytes = 8 << 10;
 constexpr std::uint64_t kMostBodyBytes = 1 << 20;
+// Most bytes of a request as sent: Beast limits neither the lengths nor the trailer of chunks.
+constexpr std::uint64_t kMostRequestBytes = kMostHeaderBytes + 2 * kMostBodyBytes;
 // Time for which a connection without a request is kept. unit: seconds.
 constexpr double kIdleSeconds = 60;
 constexpr int kBacklog = 64;
@@ -82,13 +85,22 @@ class Stream {
   explicit Stream(int file) : file_(file) {}
   void until(Clock::time_point deadline) { deadline_ = deadline; }
   bool late() const { return late_; }
+  // Ends reading with an error after so many bytes.
+  void allow(std::uint64_t bytes) { allowed_ = bytes; }
 
   template <class Buffers>
   std::size_t read_some(const Buffers& buffers, error_code& error) {
     for (auto part = net::buffer_sequence_begin(buffers); part != net::buffer_sequence_end(buffers); ++part) {
       const net::mutable_buffer buffer = *part;
       if (buffer.size() == 0) continue;
-      return moved(POLLIN, error, [&] { return ::recv(file_, buffer.data(), buffer.size(), MSG_DONTWAIT); });
+      if (allowed_ == 0) {
+        error = http::error::body_limit;
+        return 0;
+      }
+      const std::size_t most = std::min<std::uint64_t>(buffer.size(), allowed_);
+      const std::size_t count = moved(POLLIN, error, [&] { return ::recv(file_, buffer.data(), most, MSG_DONTWAIT); });
+      allowed_ -= count;
+      return count;
     }
     error = {};
     return 0;
@@ -137,6 +149,7 @@ class Stream {
     ::shutdown(file_, SHUT_WR);
     std::array<char, 16384> rest;
     until(after(0.5));
+    allow(kMostDrained);
     error_code error;
     for (std::size_t taken = 0; taken < kMostDrained && !error;) {
       const std::size_t count = read_some(net::buffer(rest), error);
@@ -178,6 +191,7 @@ class Stream {
   const int file_;
   Clock::time_point deadline_{};
   bool late_ = false;
+  std::uint64_t allowed_ = std::numeric_limits<std::uint64_t>::max();
 };
 
 // Compares in a time that does not depend on the place of a difference.
@@ -529,6 +543,7 @@ class HttpServer final : public ViewServer {
     parser.header_limit(kMostHeaderBytes);
     parser.body_limit(kMostBodyBytes);
     stream.until(after(options_.header_s));
+    stream.allow(kMostRequestBytes);
     error_code error;
     http::read_header(stream, buffer, parser, error);
     const bool keeps = !error && parser.keep_alive();
@@ -595,6 +610,10 @@ class HttpServer final : public ViewServer {
 
   bool isOwn(std::string_view host) const {
     const std::string name = lowered(nameOfHost(host));
+    std::string_view port = host.substr(name.size());
+    if (!port.empty() &&
+        !(port.front() == ':' && port.size() <= 6 && port.find_first_not_of("0123456789", 1) == std::string_view::npos))
+      return false;
     // A tunnel has another port than this server: the name alone tells of DNS rebinding.
     if (name == "127.0.0.1" || name == "localhost" || name == "[::1]") return true;
     return std::any_of(options_.hosts.begin(), options_.hosts.end(),

@@ -293,6 +293,12 @@ RenderJob ViewSession::jobOf(const Body& body) const {
   return out;
 }
 
+RenderJob ViewSession::frameJobOf(const Body& body) const {
+  RenderJob out = jobOf(body);
+  out.frames = {framesOf(out).front()};
+  return out;
+}
+
 std::size_t ViewSession::volumeOf(const Body& body) const {
   const auto last = static_cast<std::int64_t>(painter_.volumes().all().size()) - 1;
   return static_cast<std::size_t>(body.integer("volume", 0, last, 0));
@@ -332,7 +338,7 @@ void ViewSession::frame(const Body& body, ViewClient& client) {
   constexpr std::int64_t kMostSeq = std::int64_t{1} << 53;
   const std::int64_t seq = body.integer("seq", 0, kMostSeq, 0);
   body.size();
-  const RenderJob job = jobOf(body);
+  const RenderJob job = frameJobOf(body);
   const bool moving = body.flag("moving");
   if (stale(seq)) {
     sendRecord(client, {{"kind", "cancelled"}, {"seq", seq}});
@@ -386,7 +392,7 @@ void ViewSession::drawStages(const RenderJob& job, bool moving, std::int64_t seq
 }
 
 void ViewSession::resolve(const Body& body, ViewClient& client) {
-  const RenderJob job = jobOf(body);
+  const RenderJob job = frameJobOf(body);
   sendJson(client, inTurn(client, [&](OtherStops&) { return resolvedScene(painter_.prepare(job)->scene); }));
 }
 
@@ -471,7 +477,7 @@ void ViewSession::thumbnail(const Body& body, ViewClient& client) {
   const std::string preset = body.text("preset");
   if (!isPreset(preset)) Body::refuse("preset", presetList());
   body.size();
-  RenderJob job = jobOf(body);
+  RenderJob job = frameJobOf(body);
   job.picture.window.reset();
   job.animation.functions.clear();
   job.picture.transfer_function = preset;
@@ -547,6 +553,7 @@ void ViewSession::render(const Body& body, ViewClient& client) {
   try {
     for (const int frame : frames) {
       job.frames = {frame};
+      for (const OutputFile& file : filesOf(to_file, frame)) source_.require_free(file.path);
       inTurn(client, [&](OtherStops& stops) {
         const std::unique_ptr<ViewedJob> viewed = painter_.prepare(job);
         DrawnFrame drawn = painter_.exact(*viewed, stops);

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <string>
 
@@ -21,6 +22,8 @@ struct ViewSource {
   RenderJob drawn;                 // its volumes are stores
   RenderJob named;                 // with the volumes as the user named them, for saved jobs
   std::filesystem::path job_file;  // the only file that `save` writes
+  /// Throws Error kUsage if writing `output` would replace a file that the session reads. thread: any.
+  std::function<void(const std::filesystem::path& output)> require_free = [](const std::filesystem::path&) {};
   std::string title;
 };
 
@@ -63,6 +66,8 @@ class ViewSession final : public ViewService {
   template <class Work>
   auto inTurn(ViewClient& client, const Work& work);
   RenderJob jobOf(const Body& body) const;
+  /// The job with a single frame, the first if the request names none: other frames take time to prepare.
+  RenderJob frameJobOf(const Body& body) const;
   std::size_t volumeOf(const Body& body) const;
   bool stale(std::int64_t seq);
 

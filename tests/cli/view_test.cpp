@@ -130,6 +130,8 @@ TEST_F(ViewCli, WrongOptions_areRefused) {
   refused({"view", in("h.kiln"), "--socket", in("s"), "--port", "8000"}, 2, "--socket: contradicts --port");
   refused({"view", in("h.kiln"), "--job", in("look.txt")}, 2, "must end in .json");
   refused({"view", in("h.kiln"), "--job", in("h.kiln/look.json")}, 2, "--job");
+  writeText(in("tf.json"), done({"tf", "ct-bone", "--json"}).out);
+  refused({"view", in("h.kiln"), "--tf", in("tf.json"), "--job", in("tf.json")}, 2, "which this command reads");
   refused({"view", in("none.kiln")}, 1, "none.kiln");
   refused({"view", in("h.kiln"), "--trace", in("t.json")}, 2, "--trace");
   refused({"view", in("h.kiln"), "--memory", "1M"}, 1, "--memory");

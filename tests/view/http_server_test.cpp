@@ -83,7 +83,8 @@ TEST_F(HttpServerTest, WhatHasNoToken_orComesFromElsewhere_isRefused) {
   for (const std::string& host : std::vector<std::string>{
            "Host: evil.example:" + port + "\r\n", "Host: evil.example\r\n", "", "Host: 127.0.0.1.evil.example\r\n",
            "Host: localhost.evil.example:" + port + "\r\n", "Host: 127.0.0.1:" + port + "\r\nHost: evil.example\r\n",
-           "Host: [::1\r\n", "Host: \r\n"})
+           "Host: [::1\r\n", "Host: \r\n", "Host: [::1].evil.example\r\n", "Host: localhost:80@evil.example\r\n",
+           "Host: 127.0.0.1:abc\r\n"})
     EXPECT_EQ(status(with_host(host)), 403) << host;
   for (const std::string& host : {"Host: localhost:" + port + "\r\n", std::string("Host: [::1]:8000\r\n")})
     EXPECT_EQ(status(with_host(host)), 200) << host;
@@ -121,6 +122,8 @@ TEST_F(HttpServerTest, LargeBodies_areRefused) {
   const std::string head = server_.request(
       "POST /api/echo", server_.token() + "Content-Type: application/json\r\nTransfer-Encoding: chunked\r\n");
   EXPECT_EQ(status(head + "200000\r\n" + large + "\r\n0\r\n\r\n"), 413);
+  // Lines behind the last chunk.
+  EXPECT_EQ(status(head + "1\r\nx\r\n0\r\nX: " + std::string(3 << 20, 'x') + "\r\n\r\n"), 413);
   EXPECT_EQ(status(server_.post("echo", std::string(1 << 20, 'x'))), 200);
   EXPECT_EQ(server_.service.answers, 1);
 }

@@ -279,6 +279,21 @@ TEST_F(ViewSessionTest, SavedJobs_nameTheVolumeOnly) {
   EXPECT_NE(command.json().at("command").get<std::string>().find("kiln render "), std::string::npos);
 }
 
+// Known because the session may not replace what it reads.
+TEST_F(ViewSessionTest, Pictures_replaceNoInput) {
+  ViewSource given = source();
+  const fs::path kept = directory_ / "look.view.png";
+  writeText(kept, "an input");
+  given.require_free = [&](const fs::path& output) {
+    if (fs::equivalent(output, kept)) throw Error(ErrorCode::kUsage, output, "--job", "is read");
+  };
+  ViewSession session(std::move(given), silent_);
+  RecordedClient client;
+  session.answer("render", bodyOf(jobWith({})).dump(), client);
+  EXPECT_EQ(client.kinds().back(), "error");
+  EXPECT_EQ(readTextFile(kept), "an input");
+}
+
 TEST_F(ViewSessionTest, RenderedFrames_areNumbered) {
   ViewSession session(source(), silent_);
   RecordedClient client, save;
