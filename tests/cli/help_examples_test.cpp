@@ -39,11 +39,12 @@ std::string examplesOf(const std::string& command) {
   return at == std::string::npos ? "" : help.substr(at + std::string("\nEXAMPLES\n").size());
 }
 
-// The viewer runs until a signal ends it.
+// The viewer runs until a signal ends it. Without --foreground, timeout sends the signal twice, and the second ends the
+// viewer at once.
 std::string viewed() {
   std::string out;
   for (const std::string& line : linesOf(examplesOf("view")))
-    if (!line.empty()) out += "timeout --preserve-status -s INT 4 " + line.substr(line.find("kiln")) + "\n";
+    if (!line.empty()) out += "timeout --foreground --preserve-status -s INT 4 " + line.substr(line.find("kiln")) + "\n";
   return out;
 }
 
