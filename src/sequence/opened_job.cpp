@@ -101,7 +101,8 @@ FrameMemory memoryOf(RenderJob job, const std::vector<const BrickedVolume*>& sto
     least = std::max(least, bytesAtOnce(stores, requestOf(scenes.at(framesOf(job).front()), job.speed)));
   if (job.picture.shading.occlusion.strength > 0 && engineOf(job).capabilities().composites) {
     const FrameRequest request = requestOf(scenes.at(framesOf(job).front()), job.speed);
-    least = std::max(least, bytesAtOnce(stores, latticeRequest(stores, request)));
+    for (const FrameRequest& along : latticeRequests(stores, request))
+      least = std::max(least, bytesAtOnce(stores, along));
   }
   // Memory that the frame cannot choose is taken off before shares of the budget are computed.
   const std::uint64_t functions = scenes.functionBytes();

@@ -12,35 +12,41 @@
 #include <limits>
 #include <vector>
 
+#include "grid/coords.h"
 #include "scene/camera/camera.h"
 
 namespace kiln {
 
+/// A parallel view of a lattice: view.size pixels times `depth` cells, cubes of a pixel's edge; cell 0 begins at depth
+/// `near`. unit: near: world.
+struct LatticeView {
+  View view;
+  double near = 0;
+  int depth = 1;
+  Extent3 cells() const { return {view.size.width, view.size.height, depth}; }
+};
+/// Returns the view of equal cells along another axis: axes x, y, z of the returned view are axes y, z, x of the given.
+LatticeView turned(const LatticeView& lattice);
+
 class ExtinctionLattice {
  public:
-  /// A lattice of view.size pixels times `depth` cells, cubes of a pixel's edge; cell 0 begins at depth `near`.
-  /// requires: a parallel view.
-  ExtinctionLattice(const View& view, double near, int depth)
-      : view_(view),
-        near_(near),
-        depth_(depth),
-        cells_(static_cast<std::size_t>(view.size.width) * height() * deep()) {}
+  explicit ExtinctionLattice(const LatticeView& lattice)
+      : lattice_(lattice), cells_(static_cast<std::size_t>(lattice.cells().count())) {}
 
-  const View& view() const { return view_; }
-  double near() const { return near_; }
-  int depth() const { return depth_; }
+  const LatticeView& lattice() const { return lattice_; }
   /// Edge of a cell. unit: world.
-  double edge() const { return 1 / view_.focal_px; }
+  double edge() const { return 1 / lattice_.view.focal_px; }
 
-  /// Draws the lattice along another of its axes from now on: axes x, y, z of the drawn view are y, z, x of the lattice
-  /// after one turn, and z, x, y after two. A cell keeps the larger of the opacities along all axes.
+  /// Takes the optical depths of the view that is turned once more, from now on. A cell keeps the largest of the
+  /// opacities along all axes.
   void turn() { ++turns_; }
 
   /// Adds an optical depth to the cell of pixel (x, y) at a depth of the drawn view; ignores depths outside. thread:
   /// one thread at a time for each pixel.
   void add(int x, int y, double depth, float optical_depth) {
-    const double at = std::floor((depth - near_) * view_.focal_px);
-    const int cells[3] = {depth_, view_.size.width, view_.size.height};  // along the drawn view's depth
+    const double at = std::floor((depth - lattice_.near) * lattice_.view.focal_px);
+    const ImageSize& size = lattice_.view.size;
+    const int cells[3] = {lattice_.depth, size.width, size.height};  // along the drawn view's depth
     if (!(at >= 0 && at < cells[turns_])) return;
     const int z = static_cast<int>(at);
     std::uint16_t& cell = cells_[turns_ == 0 ? placeOf(x, y, z) : turns_ == 1 ? placeOf(z, x, y) : placeOf(y, z, x)];
@@ -57,17 +63,12 @@ class ExtinctionLattice {
  private:
   static constexpr std::uint16_t kClear = std::numeric_limits<std::uint16_t>::max();
 
-  std::size_t height() const { return static_cast<std::size_t>(view_.size.height); }
-  std::size_t deep() const { return static_cast<std::size_t>(depth_); }
   std::size_t placeOf(int x, int y, int z) const {
-    return (static_cast<std::size_t>(z) * height() + static_cast<std::size_t>(y)) *
-               static_cast<std::size_t>(view_.size.width) +
-           static_cast<std::size_t>(x);
+    const Extent3 n = lattice_.cells();
+    return static_cast<std::size_t>((z * n.y + y) * n.x + x);
   }
 
-  View view_;
-  double near_;
-  int depth_;
+  LatticeView lattice_;
   int turns_ = 0;
   std::vector<std::uint16_t> cells_;  // opacities
 };

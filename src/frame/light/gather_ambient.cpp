@@ -51,8 +51,8 @@ struct Opacities {
 };
 
 Opacities firstLevel(const ExtinctionLattice& lattice) {
-  const ImageSize& size = lattice.view().size;
-  Opacities out{{size.width, size.height, lattice.depth()}, {}};
+  const ImageSize& size = lattice.lattice().view.size;
+  Opacities out{lattice.lattice().cells(), {}};
   out.open.resize(static_cast<std::size_t>(out.dims.count()));
   parallelFor(static_cast<std::size_t>(out.dims.z), [&](std::size_t z) {
     std::uint8_t* to = &out.open[z * static_cast<std::size_t>(out.dims.x * out.dims.y)];
@@ -246,12 +246,11 @@ class Gathering {
 
 AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius, const Progress& progress) {
   const Gathering gathering(lattice, radius);
-  const View& view = lattice.view();
+  const auto& [view, near, depth] = lattice.lattice();
   // Pixels and slabs of the lattice to cells of the grid.
   glm::dmat4 grid_from_view(1.0);
   for (int axis = 0; axis < 3; ++axis) grid_from_view[axis][axis] = view.focal_px / kCellsOfGrid;
-  grid_from_view[3] =
-      glm::dvec4(view.centre_px / double{kCellsOfGrid}, -lattice.near() * view.focal_px / kCellsOfGrid, 1);
+  grid_from_view[3] = glm::dvec4(view.centre_px / double{kCellsOfGrid}, -near * view.focal_px / kCellsOfGrid, 1);
   return AmbientGrid(gathering.dims(), grid_from_view * view.view_from_world, gathering.run(progress));
 }
 

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/geometric.hpp>
-#include <glm/matrix.hpp>
 #include <utility>
 
 #include "frame/light/gather_ambient.h"
 #include "frame/light/shadow_views.h"
 #include "frame/pass/frame_drawing.h"
+#include "frame/pass/frame_progress.h"
 #include "frame/pass/make_visibility.h"
 #include "scene/camera/framing.h"
 
@@ -26,16 +25,6 @@ constexpr int kLatticeEdge = 256;
 constexpr double kOcclusionRadius = 0.1;
 // Rows of a light's view drawn at a time, which bounds the memory of the pixels. unit: pixels.
 constexpr int kOpacityBand = 256;
-
-// Lights draw without reports: their share of a frame's time is not known before.
-class OnlyCancelled final : public Progress {
- public:
-  explicit OnlyCancelled(const Progress& progress) : progress_(progress) {}
-  bool cancelled() const override { return progress_.cancelled(); }
-
- private:
-  const Progress& progress_;
-};
 
 std::vector<Clipping> clippingsOf(const FrameRequest& request) {
   std::vector<Clipping> out;
@@ -110,15 +99,8 @@ void drawOpacities(BrickCache& cache, FrameRequest request, Progress& progress, 
   statistics.addView(drawing.finish());
 }
 
-// The view along the z axis of the first volume whose pixels are cells of the lattice, and the cells behind a pixel.
-struct LatticePlan {
-  View view;
-  double near = 0;
-  int depth = 1;
-  Extent3 cells() const { return {view.size.width, view.size.height, depth}; }
-};
-
-LatticePlan latticeOf(const VolumeGeometry& first, const ShownExtent& extent) {
+// Returns the view along the z axis of the first volume.
+LatticeView latticeOf(const VolumeGeometry& first, const ShownExtent& extent) {
   Light along;
   along.kind = LightKind::kDirectional;
   along.place = -glm::dmat3(first.world_from_index)[2];
@@ -131,25 +113,6 @@ LatticePlan latticeOf(const VolumeGeometry& first, const ShownExtent& extent) {
   seen = viewWith(std::max(static_cast<int>(std::ceil(plane / cell)), 8));
   const int cells = static_cast<int>(std::ceil(depth / pixelEdge(seen)));
   return {seen.view, seen.depths.near, std::clamp(cells, 1, 2 * kLatticeEdge)};
-}
-
-// Returns the lattice seen along another axis: axes x, y, z become y, z, x.
-LatticePlan turned(const LatticePlan& plan) {
-  const View& from = plan.view;
-  LatticePlan out;
-  out.view = from;
-  out.near = plan.near;
-  out.depth = from.size.width;
-  out.view.size = {from.size.height, plan.depth};
-  glm::dmat4 turn(0.0);
-  turn[1][0] = turn[2][1] = turn[0][2] = turn[3][3] = 1;
-  turn[3][2] = from.centre_px.x / from.focal_px + plan.near;
-  out.view.view_from_world = turn * from.view_from_world;
-  out.view.centre_px = {from.centre_px.y, -plan.near * from.focal_px};
-  const glm::dmat4 back = glm::inverse(out.view.view_from_world);
-  out.view.eye_world = out.view.axis_world = back[3];
-  out.view.forward_world = glm::normalize(glm::dvec3(back[2]));
-  return out;
 }
 
 bool hasSurfaces(const FrameRequest& request) {
@@ -194,11 +157,20 @@ std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes
   return kept + drawing;
 }
 
-FrameRequest latticeRequest(const std::vector<const BrickedVolume*>& volumes, const FrameRequest& request) {
-  FrameRequest out = request;
-  out.view = latticeOf(volumes.front()->manifest().geometry(), extentOf(volumes, clippingsOf(request))).view;
-  if (out.volumes.empty()) out.volumes = {{request.transfer_function, request.shading, request.clipping}};
-  out.sample_distance = kMostSampleDistance;
+std::vector<FrameRequest> latticeRequests(const std::vector<const BrickedVolume*>& volumes,
+                                          const FrameRequest& request) {
+  LatticeView lattice = latticeOf(volumes.front()->manifest().geometry(), extentOf(volumes, clippingsOf(request)));
+  FrameRequest along = request;
+  along.view = lattice.view;
+  if (along.volumes.empty()) along.volumes = {{request.transfer_function, request.shading, request.clipping}};
+  along.sample_distance = kMostSampleDistance;
+  std::vector<FrameRequest> out = {along};
+  // A ray misses surfaces that the ray runs along. Along some of three axes a surface is met.
+  for (int turns = 1; turns <= 2 && hasSurfaces(request); ++turns) {
+    lattice = turned(lattice);
+    along.view = lattice.view;
+    out.push_back(along);
+  }
   return out;
 }
 
@@ -237,28 +209,23 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
   }
   const ShownExtent extent = extentOf(cache.stores(), out->scene.clippings);
   if (extent.corners.empty()) return;
-  OnlyCancelled silent(progress);
+  SilentProgress silent(progress);
   if (occlusion.strength > 0) {
     out->ambient_radius = radiusOf(occlusion, extent);
     if (previous != nullptr && previous->ambient && previous->ambient_radius == out->ambient_radius) {
       out->ambient = previous->ambient;
     } else {
-      LatticePlan plan = latticeOf(cache.stores().front()->manifest().geometry(), extent);
-      ExtinctionLattice lattice(plan.view, plan.near, plan.depth);
-      FrameRequest of_lattice = latticeRequest(cache.stores(), request);
-      of_lattice.extinction = &lattice;
-      drawOpacities(cache, of_lattice, silent, statistics);
-      // A ray misses surfaces that it runs along. Along one of three axes it does not.
-      for (int turns = 1; turns <= 2 && hasSurfaces(request); ++turns) {
-        plan = turned(plan);
-        lattice.turn();
-        of_lattice.view = plan.view;
-        drawOpacities(cache, of_lattice, silent, statistics);
+      ExtinctionLattice lattice(latticeOf(cache.stores().front()->manifest().geometry(), extent));
+      bool first = true;
+      for (FrameRequest& along : latticeRequests(cache.stores(), request)) {
+        if (!std::exchange(first, false)) lattice.turn();
+        along.extinction = &lattice;
+        drawOpacities(cache, std::move(along), silent, statistics);
       }
       out->ambient = std::make_shared<AmbientGrid>(gatherAmbient(lattice, out->ambient_radius, progress));
     }
   }
-  // A cancelled frame leaves the occlusion to the next, which may differ in its lights alone.
+  // A cancelled frame leaves the occlusion to the next frame: often only lights differ.
   if (previous == nullptr && request.last_illumination != nullptr)
     *request.last_illumination = std::make_shared<Illumination>(*out);
   glm::dvec3 centre(0);

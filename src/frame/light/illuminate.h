@@ -27,8 +27,10 @@ std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes
                                 const std::vector<Clipping>& clippings, const Shading& shading,
                                 const ImageSize& picture);
 
-/// Returns the request whose drawing fills the lattice for ambient occlusion.
-FrameRequest latticeRequest(const std::vector<const BrickedVolume*>& volumes, const FrameRequest& request);
+/// Returns the requests whose drawings fill the lattice for ambient occlusion: one, or three along different axes if
+/// there are surfaces.
+std::vector<FrameRequest> latticeRequests(const std::vector<const BrickedVolume*>& volumes,
+                                          const FrameRequest& request);
 
 /// Returns the parts of an earlier illumination that are right for a preview, without drawing. A light without a map
 /// casts no shadow. Levels and interpolation may differ. `earlier` may be null.

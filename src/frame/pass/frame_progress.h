@@ -63,6 +63,17 @@ class UncountedProgress : public Progress {
   Progress& progress_;
 };
 
+/// Passes on the request to stop alone, for work without reports.
+class SilentProgress : public Progress {
+ public:
+  /// requires: `progress` outlives the object.
+  explicit SilentProgress(const Progress& progress) : progress_(progress) {}
+  bool cancelled() const override { return progress_.cancelled(); }
+
+ private:
+  const Progress& progress_;
+};
+
 /// The name of a frame's step of progress.
 std::string stepOfFrame(int frame);
 
