@@ -61,7 +61,7 @@ std::string lightText(const Light& light) {
 // The name behind the last comma: "--output" of "-o,--output".
 std::string nameOfFlag(std::string_view flag) { return std::string(flag.substr(flag.rfind(',') + 1)); }
 
-// Adds the flags of the values that differ from those of `plain`.
+// Adds the flags of values that differ from `plain`.
 void addTexts(const Options<RenderJob>& options, const RenderJob& job, const RenderJob& plain, Texts& out) {
   for (const Option<RenderJob>& option : options) {
     addTexts(option.value.inside, job, plain, out);
@@ -108,11 +108,18 @@ Texts textsOf(const RenderJob& job, const RenderJob& plain) {
   return out;
 }
 
+// Returns a job without options: size, memory and threads are not stated.
+RenderJob withoutOptions(const RenderJob& job) {
+  RenderJob out;
+  out.picture.size = job.picture.size;
+  out.speed = job.speed;
+  out.speed.visibility = {};
+  return out;
+}
+
 // Returns whether the flags make the job of a job without options.
 bool makes(const RenderJob& job, const Texts& texts) {
-  RenderJob made;
-  made.picture.size = job.picture.size;
-  made.speed = job.speed;
+  RenderJob made = withoutOptions(job);
   try {
     for (const JobFlag& flag : jobFlags()) {
       const auto found = texts.find(nameOfFlag(flag.flag));
@@ -145,17 +152,14 @@ std::optional<std::vector<std::string>> optionsOf(const RenderJob& given) {
   job.output = {};
   job.frames.clear();
   for (const std::string_view look : kLookNames) {
-    RenderJob plain;
-    plain.picture.size = job.picture.size;
-    plain.speed = job.speed;
-    Texts texts;
+    RenderJob plain = withoutOptions(job);
     const bool is_plain = look == kLookNames[0];
     if (!is_plain) {
       for (const JobFlag& flag : jobFlags()) {
         if (nameOfFlag(flag.flag) == "--look") flag.apply({std::string(look)}, plain);
       }
     }
-    texts = textsOf(job, plain);
+    Texts texts = textsOf(job, plain);
     if (!is_plain) texts["--look"] = {std::string(look)};
     if (makes(job, texts)) return inOrder(texts);
   }

@@ -99,6 +99,7 @@ TEST(JobCommand, Options_stateSimpleJobs) {
     return out;
   };
   EXPECT_EQ(text(json::object()), "");
+  EXPECT_EQ(text({{"visibility", {{"method", "quadtree"}}}}), "--visibility quadtree");
   EXPECT_EQ(text({{"transferFunction", "ct-bone"}, {"camera", {{"view", "left"}, {"zoom", 1.5}}}}),
             "--view left --zoom 1.5 --tf ct-bone");
   EXPECT_EQ(text({{"look", "studio"}, {"image", {{"background", {0, 0.5, 0, 1}}}}}),
