@@ -71,4 +71,9 @@ ImageRows::Band ShownRows::bandAt(int row) {
   return {&band_, band_row_};
 }
 
+std::unique_ptr<ImageRows> shownRows(const Image& image, int first_row, const Finish& finish) {
+  if (finish.none()) return std::make_unique<RowsOfImage>(image);
+  return std::make_unique<ShownRows>(image, first_row, finish);
+}
+
 }  // namespace kiln

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 #include "image/display.h"
 #include "image/image.h"
@@ -48,5 +49,9 @@ class ShownRows : public ImageRows {
   Image band_;
   int band_row_ = 0;
 };
+
+/// Returns the rows of a picture as a display shows them. `first_row`: of the whole picture. requires: the image
+/// outlives the rows.
+std::unique_ptr<ImageRows> shownRows(const Image& image, int first_row, const Finish& finish);
 
 }  // namespace kiln

@@ -291,13 +291,8 @@ std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, cons
     metadata.views_beside = 2;
   }
   const Image& image = drawn.views.size() > 1 ? both : first.image;
-  const Finish finish = finishOf(drawn.scene);
-  if (!finish.none()) {
-    ShownRows rows(image, firstRowOf(drawn.scene.picture), finish);
-    return encodedPng(rows, metadata, job.output.png_bits);
-  }
-  RowsOfImage rows(image);
-  return encodedPng(rows, metadata, job.output.png_bits);
+  return encodedPng(*shownRows(image, firstRowOf(drawn.scene.picture), finishOf(drawn.scene)), metadata,
+                    job.output.png_bits);
 }
 
 FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const BrickedVolume& store) {

@@ -1,5 +1,5 @@
-// The order of drawing: one thread at a time, frames before other work, and the newest frame alone.
-// Method. A frame that arrives ends the frame before it, and interrupts other work, which waits and begins again.
+// The order of drawing: a single thread at a time, frames before other work, and the newest frame alone.
+// Method. A new frame ends the frame before, and interrupts other work. Interrupted work waits and begins again.
 #pragma once
 
 #include <atomic>
@@ -12,12 +12,12 @@ namespace kiln {
 
 class DrawingTurns {
  public:
-  /// Returns the number of a new frame, which supersedes all earlier ones. thread: any.
+  /// Returns the number of a new frame. The new frame supersedes all earlier frames. thread: any.
   std::uint64_t arrive() { return ++newest_; }
   bool superseded(std::uint64_t frame) const { return newest_ != frame; }
   /// True while a frame waits: other work should end soon. thread: any.
   bool framesWait() const { return frames_waiting_ > 0; }
-  /// Wakes all that wait, so that they test whether to give up.
+  /// Wakes all waiting threads for a test whether to give up.
   void wake() { changed_.notify_all(); }
 
   /// The right to draw, until destruction.

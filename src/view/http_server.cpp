@@ -143,7 +143,7 @@ class Stream {
     pollfd one{file_, POLLIN, 0};
     return ::poll(&one, 1, static_cast<int>(seconds * 1000)) > 0 && (one.revents & POLLIN) != 0;
   }
-  // Says that nothing follows, and takes what is under way, so that the other side can read the answer.
+  // Ends the answer, and takes bytes under way: unread bytes would reset the connection before the client has read.
   void end() {
     constexpr std::size_t kMostDrained = 4 << 20;
     ::shutdown(file_, SHUT_WR);
@@ -566,7 +566,7 @@ class HttpServer final : public ViewServer {
     return keeps && !client.failed();
   }
 
-  // A refusal for an error of reading; one without a sentence is not sent.
+  // Returns a refusal for an error of reading. A refusal without a sentence is not sent.
   static std::optional<Refusal> refusalOf(const error_code& error, const Stream& stream) {
     if (!error) return std::nullopt;
     if (stream.late()) return Refusal{Status::request_timeout, "the request took too long; send it again"};
@@ -580,7 +580,7 @@ class HttpServer final : public ViewServer {
     return Refusal{Status::bad_request, ""};
   }
 
-  // A refusal for what a header says.
+  // Returns a refusal for a header.
   std::optional<Refusal> refusalOf(const Request& request) const {
     if (request.count(http::field::host) != 1 || !isOwn(viewOf(request[http::field::host])))
       return Refusal{Status::forbidden,
@@ -676,7 +676,7 @@ class HttpServer final : public ViewServer {
   Descriptor listener_;
   std::uint16_t port_ = 0;
   ino_t socket_inode_ = 0;
-  std::list<Connection> connections_;  // of the accepting thread
+  std::list<Connection> connections_;  // used by the accepting thread alone
 };
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 namespace kiln {
 
-/// The reader of one answer: one document, or a stream of records.
+/// The reader of an answer: a document, or a stream of records.
 class ViewClient {
  public:
   virtual ~ViewClient() = default;
@@ -25,7 +25,7 @@ class ViewService {
  public:
   enum class Request { kUnknown, kReads, kPosts };
   virtual ~ViewService() = default;
-  /// Tells whether there is a request of this name, and whether it has a body.
+  /// Returns whether a request of this name exists, and has a body.
   virtual Request kindOf(std::string_view name) const = 0;
   /// Answers a request. `body` is JSON. thread: several at once. throws: Error; kUsage and kFormat for requests that
   /// are wrong in themselves, kCancelled if nobody reads the answer.

@@ -125,7 +125,7 @@ std::string savedJobText(const json& job, const ImageSize& size, const RenderJob
     return (below ? inside : whole).generic_string();
   };
   const json files = withFiles(job, size, session, name);
-  // The keys that say which volume and picture come first.
+  // Keys of volume and picture come first.
   ordered_json out = {{"kiln", files.value("kiln", json(2))}};
   for (const char* const key : {"volume", "volumes", "image", "camera", "transferFunction"}) {
     if (files.contains(key)) out[key] = files[key];

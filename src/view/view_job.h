@@ -1,4 +1,4 @@
-// Jobs that a browser edits: JSON without files. The session adds the files; a job that names one is refused.
+// Jobs that a browser edits: JSON without files. The session adds the files; a job that names a file is refused.
 #pragma once
 
 #include <filesystem>

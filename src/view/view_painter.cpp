@@ -29,7 +29,7 @@ namespace {
 constexpr double kMovingSeconds = 0.03;
 // Pixels of the first preview, whose cost is unknown; the smallest share of a picture's sides that still shows shapes.
 constexpr double kFirstPixels = 256 * 256, kLeastShare = 0.25;
-// Bounds of the change from one preview to the next: one slow picture makes the next small, and others grow it again.
+// Bounds of the change from preview to preview: a slow picture makes the next small, and later pictures grow again.
 constexpr double kLeastChange = 0.6, kMostChange = 1.25;
 // Shares of the time beyond which the smallest preview becomes coarser, and below which a preview becomes finer.
 constexpr double kSlow = 1.5, kFast = 0.5;
@@ -41,16 +41,6 @@ constexpr int kJpegQuality = 70;
 constexpr int kMostCoarser = 24;
 // Copies of a picture beside the drawn one: its file, the file in the client's hands, samples of a JPEG.
 constexpr std::uint64_t kCopiedPixelBytes = 12;
-
-// Reports nothing and passes on the request to stop.
-class Quiet final : public Progress {
- public:
-  explicit Quiet(const Progress& progress) : progress_(progress) {}
-  bool cancelled() const override { return progress_.cancelled(); }
-
- private:
-  const Progress& progress_;
-};
 
 std::uint64_t heldBytes(const OpenedVolumes& volumes) {
   std::uint64_t out = 0;
@@ -191,16 +181,12 @@ ViewPicture ViewPainter::draw(const ViewedJob& job, const ImageSize& size, int c
   FrameScene scene;
   FrameRequest request = previewOf(job, size, coarser, scene);
   request.filters_rays = filtered;
-  Quiet quiet(progress);
+  SilentProgress silent(progress);
   ViewPicture out;
-  const Image image = renderFrame(cache_, request, quiet, out.statistics);
+  const Image image = renderFrame(cache_, request, silent, out.statistics);
   const Finish finish = finishOf(scene.picture, scene.transfer_function);
   const int first_row = drawnPixels(size, scene.picture.crop).y0;
-  std::unique_ptr<ImageRows> rows;
-  if (finish.none())
-    rows = std::make_unique<RowsOfImage>(image);
-  else
-    rows = std::make_unique<ShownRows>(image, first_row, finish);
+  const std::unique_ptr<ImageRows> rows = shownRows(image, first_row, finish);
   // A JPEG has no alpha.
   const bool opaque = isOpaque(backgroundOf(scene.picture, scene.transfer_function));
   out.bytes = opaque ? encodeJpeg(*rows, kJpegQuality) : encodedPng(*rows, {});
@@ -263,9 +249,9 @@ ViewPicture ViewPainter::png(const ViewedJob& job, DrawnFrame drawn) {
   return out;
 }
 
-double ViewPainter::exactSeconds(const ViewedJob& job) const {
+double ViewPainter::exactSeconds(const ImageSize& size) const {
   if (exact_pixel_s_ == 0) return std::numeric_limits<double>::infinity();
-  return exact_pixel_s_ * pixelsOf(job.job.picture.size);
+  return exact_pixel_s_ * pixelsOf(size);
 }
 
 }  // namespace kiln

@@ -26,7 +26,7 @@ struct ViewedJob {
   RenderJob job;
   std::unique_ptr<SceneOfJob> scenes;
   int frame = 1;
-  FrameScene scene;  // of the frame
+  FrameScene scene;  // the frame's
   FrameMemory memory;
 };
 
@@ -56,12 +56,13 @@ class ViewPainter {
   ViewPicture refined(const ViewedJob& job, int coarser, const Progress& progress);
   /// Draws the frame as `kiln render` does.
   DrawnFrame exact(const ViewedJob& job, Progress& progress);
-  /// Returns the PNG of an exact frame. `began_s` has passed for drawing it.
+  /// Returns the PNG of an exact frame.
   ViewPicture png(const ViewedJob& job, DrawnFrame drawn);
   /// Returns the levels by which a refined picture must be coarser to read little, 0 if all is in memory.
   int coarserToReadLittle(const ViewedJob& job);
-  /// Returns the likely time of `exact`; infinite if no picture was drawn yet. unit: seconds.
-  double exactSeconds(const ViewedJob& job) const;
+  /// Returns the likely time of `exact` for a picture of this size; infinite if no picture was drawn yet. unit:
+  /// seconds.
+  double exactSeconds(const ImageSize& size) const;
 
   /// Returns a brick from the cache or the disk; null if it is damaged and the session skips such bricks.
   std::shared_ptr<const BrickBlock> brick(const StoredBrick& brick) { return cache_.get(brick); }

@@ -17,7 +17,7 @@
 namespace kiln {
 
 struct ViewServerOptions {
-  std::uint16_t port = 0;          // of 127.0.0.1; 0: any free one
+  std::uint16_t port = 0;          // on 127.0.0.1; 0: any free port
   std::filesystem::path socket{};  // if not empty, a UNIX socket instead of a port
   /// Further names of this server, behind a proxy.
   std::vector<std::string> hosts{};

@@ -80,6 +80,11 @@ ordered_json resolvedScene(const FrameScene& scene) {
   return {{"camera", cameraJson(scene.camera)}, {"transferFunctions", functions}};
 }
 
+// Returns the name of the pictures of a job's file.
+fs::path picturesBeside(fs::path job_file, bool several) {
+  return job_file.replace_extension("") += several ? "_####.png" : ".png";
+}
+
 // The values that a look stands for.
 ordered_json lookJson(const char* look) {
   RenderJob job = parseJob(json{{"kiln", kJobFormat}, {"volume", "volume"}, {"look", look}}.dump(), "look");
@@ -183,7 +188,7 @@ struct ViewSession::Body {
   }
 };
 
-// A frame stops for a newer one, and when nobody reads it.
+// A frame stops for a newer frame, and after the client has gone.
 class ViewSession::FrameStops final : public Progress {
  public:
   FrameStops(const ViewSession& session, std::uint64_t number, std::int64_t seq, ViewClient& client)
@@ -216,7 +221,7 @@ class ViewSession::FrameStops final : public Progress {
   double next_report_s_ = nowSeconds() + kReportEvery;
 };
 
-// Other work stops when nobody reads its answer, and is interrupted by frames.
+// Other work stops after the client has gone, and is interrupted by frames.
 class ViewSession::OtherStops final : public Progress {
  public:
   OtherStops(const ViewSession& session, const ViewClient& client) : session_(session), client_(client) {}
@@ -299,6 +304,11 @@ RenderJob ViewSession::frameJobOf(const Body& body) const {
   return out;
 }
 
+const fs::path& ViewSession::jobFile() const {
+  if (source_.job_file.empty()) throw Error(ErrorCode::kUsage, "this session has no file for its job; give --job");
+  return source_.job_file;
+}
+
 std::size_t ViewSession::volumeOf(const Body& body) const {
   const auto last = static_cast<std::int64_t>(painter_.volumes().all().size()) - 1;
   return static_cast<std::size_t>(body.integer("volume", 0, last, 0));
@@ -324,7 +334,7 @@ void ViewSession::sessionFacts(const Body&, ViewClient& client) {
   sendJson(client, out);
 }
 
-// Two connections may change the order of two frames of one page: the older one must not end the newer one.
+// Two connections may change the order of a page's frames: an older frame must not end a newer frame.
 bool ViewSession::stale(std::int64_t seq) {
   const std::lock_guard lock(frames_);
   const double now = nowSeconds();
@@ -376,7 +386,7 @@ void ViewSession::drawStages(const RenderJob& job, bool moving, std::int64_t seq
     viewed = painter_.prepare(job);
     if (!moving) {
       coarser = painter_.coarserToReadLittle(*viewed);
-      at_once = coarser == 0 && painter_.exactSeconds(*viewed) <= kAtOnce;
+      at_once = coarser == 0 && painter_.exactSeconds(viewed->job.picture.size) <= kAtOnce;
     }
     if (at_once) return std::nullopt;
     return painter_.moving(*viewed, stops);
@@ -504,9 +514,6 @@ void ViewSession::function(const Body& body, ViewClient& client) {
 void ViewSession::command(const Body& body, ViewClient& client) {
   const ImageSize size = body.size();
   const RenderJob job = jobOf(body);
-  const bool animated = moves(job);
-  const fs::path stem =
-      source_.job_file.empty() ? fs::path(source_.title) : fs::path(source_.job_file).replace_extension("");
   std::string text = "kiln render ";
   if (const auto options = optionsOf(job)) {
     text += shellText(source_.named.volume.string());
@@ -514,7 +521,8 @@ void ViewSession::command(const Body& body, ViewClient& client) {
   } else {
     text += shellText(source_.job_file.string());
   }
-  text += fmt::format(" -o {}", shellText(stem.string() + (animated ? "_####.png" : ".png")));
+  const fs::path named = source_.job_file.empty() ? fs::path(source_.title + ".json") : source_.job_file;
+  text += fmt::format(" -o {}", shellText(picturesBeside(named, moves(job)).string()));
   sendJson(client, {{"command", text + fmt::format(" --size {}x{}", size.width, size.height)}});
 }
 
@@ -523,7 +531,7 @@ void ViewSession::estimate(const Body& body, ViewClient& client) {
   const RenderJob job = jobOf(body);
   const auto out = inTurn(client, [&](OtherStops&) -> ordered_json {
     const DryRun run = dryRun(job, painter_.volumes());
-    const double seconds = painter_.exactSeconds(*painter_.prepare(job));
+    const double seconds = painter_.exactSeconds(job.picture.size);
     return {{"memory", run.memory.smallest()},
             {"bricks", run.bricks_in_view},
             {"bytes", run.file_bytes_in_view},
@@ -533,21 +541,19 @@ void ViewSession::estimate(const Body& body, ViewClient& client) {
 }
 
 void ViewSession::save(const Body& body, ViewClient& client) {
-  if (source_.job_file.empty()) throw Error(ErrorCode::kUsage, "this session has no file for its job; give --job");
-  const std::string text = savedJobText(body.job(), body.size(), source_.named, source_.job_file);
-  FileSystem::real().writeAtomic(source_.job_file, text);
-  sendJson(client, {{"path", source_.job_file.string()}, {"bytes", text.size()}});
+  const fs::path& file = jobFile();
+  const std::string text = savedJobText(body.job(), body.size(), source_.named, file);
+  FileSystem::real().writeAtomic(file, text);
+  sendJson(client, {{"path", file.string()}, {"bytes", text.size()}});
 }
 
 // Draws all frames of the job into files beside the job's. Frames of the session come between.
 void ViewSession::render(const Body& body, ViewClient& client) {
-  if (source_.job_file.empty()) throw Error(ErrorCode::kUsage, "this session has no file for its job; give --job");
   body.size();
   RenderJob job = jobOf(body);
   const std::vector<int> frames = framesOf(job);
-  const std::string stem = fs::path(source_.job_file).replace_extension("").string();
   RenderJob to_file = job;
-  to_file.output.path = stem + (frames.size() > 1 ? "_####.png" : ".png");
+  to_file.output.path = picturesBeside(jobFile(), frames.size() > 1);
   requirePlaces(to_file, frames.front());
   std::uint64_t bytes = 0, done = 0;
   try {

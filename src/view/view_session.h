@@ -69,6 +69,8 @@ class ViewSession final : public ViewService {
   /// The job with a single frame, the first if the request names none: other frames take time to prepare.
   RenderJob frameJobOf(const Body& body) const;
   std::size_t volumeOf(const Body& body) const;
+  /// throws: Error kUsage without a file.
+  const std::filesystem::path& jobFile() const;
   bool stale(std::int64_t seq);
 
   const ViewSource source_;
