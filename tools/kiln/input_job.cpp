@@ -113,6 +113,26 @@ RenderJob jobOfInput(const std::string& input, const JobArguments& flags, const 
   return job;
 }
 
+std::vector<fs::path> inputsOf(const RenderJob& job) {
+  std::vector<fs::path> out;
+  const auto add = [&](const TransferFunctionChoice& still, const std::vector<Key<TransferFunctionChoice>>& keys) {
+    const auto addFile = [&](const TransferFunctionChoice& function) {
+      if (const auto* const file = std::get_if<fs::path>(&function)) out.push_back(fileOf(*file));
+    };
+    addFile(still);
+    for (const Key<TransferFunctionChoice>& key : keys) addFile(key.value);
+  };
+  add(job.picture.transfer_function, job.animation.functions);
+  for (const VolumeOptions& volume : job.volumes) add(volume.transfer_function, volume.functions);
+  std::set<fs::path> volumes;
+  for (const fs::path& volume : volumesOf(job)) {
+    volumes.insert(volume);
+    for (const int frame : framesOf(job)) volumes.insert(pathOfFrame(volume, frame));
+  }
+  out.insert(out.end(), volumes.begin(), volumes.end());
+  return out;
+}
+
 InputOptions::InputOptions(const ForeignArguments& source, const RenderJob& job) : described_(source.volume({})) {
   const fs::path input = job.volumes.empty() ? job.volume : job.volumes.front().volume;
   names_ = namesIn(job, input);

@@ -28,6 +28,9 @@ bool isVolumeName(const std::filesystem::path& input);
 /// volumes added. throws: Error kUsage for flags that contradict the job; as readJob and jobOfPicture.
 RenderJob jobOfInput(const std::string& input, const JobArguments& flags, const AddedVolumes& volumes);
 
+/// Returns the files and folders that a job reads: transfer functions, and the volumes of all frames.
+std::vector<std::filesystem::path> inputsOf(const RenderJob& job);
+
 /// Volume files of a job: dimensions and types of the command line belong to INPUT, the folder of stores to all
 /// volumes; labels are known per volume.
 class InputOptions {

@@ -129,30 +129,15 @@ OutputFiles outputsOf(const RenderArguments& a, const RenderJob& job) {
   return out;
 }
 
-void requireNone(const OutputFiles& outputs, const TransferFunctionChoice& read) {
-  if (const auto* const file = std::get_if<fs::path>(&read)) outputs.requireNone(fileOf(*file));
-}
-
 // Checks that no output is an input. The files of a foreign volume are checked later, when the volume is open
 // (SequenceOptions::store_for).
 void requireInputsApart(const RenderArguments& a, const RenderJob& job) {
   const OutputFiles outputs = outputsOf(a, job);
-  const auto requireApart = [&](const TransferFunctionChoice& still,
-                                const std::vector<Key<TransferFunctionChoice>>& keys) {
-    requireNone(outputs, still);
-    for (const Key<TransferFunctionChoice>& key : keys) requireNone(outputs, key.value);
-  };
+  std::vector<fs::path> inputs = inputsOf(job);
+  inputs.insert(inputs.begin(), a.input);
   std::error_code ignored;
-  if (!fs::is_directory(a.input, ignored)) outputs.requireNone(a.input);
-  requireApart(job.picture.transfer_function, job.animation.functions);
-  for (const VolumeOptions& volume : job.volumes) requireApart(volume.transfer_function, volume.functions);
-  std::set<fs::path> volumes;
-  for (const fs::path& volume : volumesOf(job)) {
-    volumes.insert(volume);
-    for (const int frame : framesOf(job)) volumes.insert(pathOfFrame(volume, frame));
-  }
-  for (const fs::path& volume : volumes) {
-    if (isStore(volume) || !fs::is_directory(volume, ignored)) outputs.requireNone(volume);
+  for (const fs::path& input : inputs) {
+    if (isStore(input) || !fs::is_directory(input, ignored)) outputs.requireNone(input);
   }
 }
 

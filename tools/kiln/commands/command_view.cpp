@@ -65,27 +65,6 @@ RenderJob jobOf(const ViewArguments& a) {
   return job;
 }
 
-// Returns the files and folders that the viewer reads, but for the job that it may replace.
-std::vector<fs::path> inputsOf(const ViewArguments& a, const RenderJob& named, const RenderJob& drawn,
-                               const fs::path& job_file) {
-  std::vector<fs::path> out;
-  const auto addFunction = [&](const TransferFunctionChoice& function) {
-    if (const auto* const file = std::get_if<fs::path>(&function)) out.push_back(fileOf(*file));
-  };
-  std::error_code ignored;
-  if (!fs::equivalent(a.input, job_file, ignored)) out.emplace_back(a.input);
-  for (const RenderJob* const job : {&named, &drawn}) {
-    for (const fs::path& volume : volumesOf(*job)) out.push_back(volume);
-    addFunction(job->picture.transfer_function);
-    for (const Key<TransferFunctionChoice>& key : job->animation.functions) addFunction(key.value);
-    for (const VolumeOptions& volume : job->volumes) {
-      addFunction(volume.transfer_function);
-      for (const Key<TransferFunctionChoice>& key : volume.functions) addFunction(key.value);
-    }
-  }
-  return out;
-}
-
 void requireFree(const std::vector<fs::path>& inputs, const fs::path& output) {
   OutputFiles outputs;
   outputs.add(output, "--job");
@@ -118,7 +97,11 @@ ViewSource sourceOf(const ViewArguments& a, Context& context) {
     else
       out.named.volumes.front().volume = out.drawn.volumes.front().volume;
   }
-  const std::vector<fs::path> inputs = inputsOf(a, out.named, out.drawn, out.job_file);
+  std::vector<fs::path> inputs = inputsOf(out.named);
+  for (const fs::path& store : volumesOf(out.drawn)) inputs.push_back(store);
+  std::error_code ignored;
+  // A viewed job may be saved again.
+  if (!fs::equivalent(a.input, out.job_file, ignored)) inputs.emplace_back(a.input);
   if (!out.job_file.empty()) requireFree(inputs, out.job_file);
   out.require_free = [inputs](const fs::path& output) { requireFree(inputs, output); };
   out.title = fs::path(a.input).lexically_normal().filename().string();
