@@ -1,7 +1,8 @@
 // Numbers of the camera, and of the picture: size, background, samples, quality.
 import { button, check, choice, colorField, html, numberField } from './element.js';
 import { hexOf } from './color.js';
-import { withFov, withProjection } from './camera.js';
+import { rounded, withFov, withProjection } from './camera.js';
+import { keyWithProjection } from './keyframes.js';
 import { keyframesOf, withCamera, withKeys, withPart } from './job.js';
 import { distance } from './vector.js';
 
@@ -20,9 +21,9 @@ export function cameraPanel(app) {
     // All keys have one projection, so key frames get the new projection, too.
     state.change('projection', (job) => {
       const changed = withProjection(camera, value, radius());
-      const next = withCamera(job, app.roundedCamera(changed));
+      const next = withCamera(job, rounded(changed));
       const keys = keyframesOf(job);
-      if (keys.length > 0) next.camera.keyframes = keys.map((key) => app.keyWithProjection(key, job.camera, value, radius()));
+      if (keys.length > 0) next.camera.keyframes = keys.map((key) => keyWithProjection(key, job.camera, value, radius()));
       return next;
     });
   } });

@@ -4,7 +4,7 @@ import { heightAtTarget, pixelOf, rayThrough } from './camera.js';
 import { cornersOf, cornersOfWorld, faceMiddle, nearestOn, onSphere, planeThrough, sectionOf, unitPlane, wholeBox } from './box_geometry.js';
 import { edgesPath } from './overlay.js';
 import { follow, replace, svg } from './element.js';
-import { add, distance, length, mix, normalize, rotate, scale, subtract, transformDirection } from './vector.js';
+import { add, clamp, distance, length, mix, normalize, rotate, scale, subtract, transformDirection } from './vector.js';
 import { short } from './numbers.js';
 
 const kAxes = ['x', 'y', 'z'];
@@ -96,7 +96,7 @@ export class ClipHandles {
         const moved = (voxels, key) => {
           const next = [...box];
           const low = side ? box[axis] + 1 : whole[axis], high = side ? whole[axis + 3] : box[axis + 3] - 1;
-          next[place] = Math.min(high, Math.max(low, box[place] + Math.round(voxels)));
+          next[place] = clamp(box[place] + Math.round(voxels), low, high);
           this.#controls.setBox(next, key);
         };
         nodes.push(this.#handle(`box-${place}`, at, `${side ? 'Upper' : 'Lower'} ${kAxes[axis]} face of the clip box`, box[place], `${box[place]} voxels`, {

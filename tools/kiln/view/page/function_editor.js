@@ -4,6 +4,7 @@ import { at, hasSurfaces, itemsOf, rangeOf, simplified, withItem, withNewItem, w
 import { hexOf, hexOfLinear } from './color.js';
 import { button, colorField, follow, html, newId, numberField, replace, svg } from './element.js';
 import { short, ticks } from './numbers.js';
+import { clamp } from './vector.js';
 
 const kHeight = 210, kLeft = 36, kRight = 12, kTop = 10, kBottom = 46;
 const kOpacityTicks = [0, 0.01, 0.05, 0.1, 0.2, 0.5, 1];
@@ -11,8 +12,6 @@ const kCurveSteps = 160;
 const kManyPoints = 48;
 const kPointRadius = 6;
 const kSimplifyTolerance = 0.01;
-
-const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
 
 export class FunctionEditor {
   #onFunction;

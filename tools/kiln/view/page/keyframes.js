@@ -3,7 +3,7 @@
 import { button, choice, html, numberField, replace } from './element.js';
 import { isAnimated, keyframesOf, withKeys, withoutMotion } from './job.js';
 import { short } from './numbers.js';
-import { withProjection } from './camera.js';
+import { rounded, withProjection } from './camera.js';
 
 const kFirstStep = 50; // frames between new keys
 const kEases = { smooth: 'smooth', linear: 'corner', stop: 'stop' };
@@ -75,7 +75,7 @@ export function keyframesPanel(app) {
   }, { merge });
 
   const keyOf = (frame, ease) => {
-    const { projection: _p, ...place_ } = app.roundedCamera(app.camera());
+    const { projection: _p, ...place_ } = rounded(app.camera());
     return { frame, ...(ease ? { ease } : {}), ...place_ };
   };
 

@@ -14,7 +14,7 @@ import { Presets } from './presets.js';
 import { clipPanel } from './clip_panel.js';
 import { lightPanel } from './light_panel.js';
 import { cameraPanel, imagePanel } from './camera_panel.js';
-import { keyframesPanel, keyWithProjection } from './keyframes.js';
+import { keyframesPanel } from './keyframes.js';
 import { Slices } from './slices.js';
 import { outputActions } from './output.js';
 import { startTheme } from './theme.js';
@@ -34,8 +34,6 @@ class App {
   followsMotion = false;    // the shown camera is that of the frame, not the still camera
   presetsOf = null;         // the volume that the pictures of presets show
   resolved = null;          // camera and functions of the newest frame, as the server understood the job
-  keyWithProjection = keyWithProjection;
-  roundedCamera = rounded;
 
   constructor(server, session) {
     this.server = server;

@@ -3,7 +3,7 @@
 import { button, follow, html, numberField, replace, svg } from './element.js';
 import { short } from './numbers.js';
 import { sideTowards } from './orientation.js';
-import { inverseAffine, scale, transformDirection, transformPoint } from './vector.js';
+import { clamp, inverseAffine, scale, transformDirection, transformPoint } from './vector.js';
 
 const kViews = [
   { axis: 2, name: 'z', column: 0, row: 1, up: false },
@@ -89,7 +89,7 @@ export class Slices {
   }
 
   #setCross(voxel) {
-    this.#cross = voxel.map((v, axis) => Math.min(this.#volume.voxels[axis] - 1, Math.max(0, Math.round(v))));
+    this.#cross = voxel.map((v, axis) => clamp(Math.round(v), 0, this.#volume.voxels[axis] - 1));
     for (const view of this.#views) {
       const index = this.#cross[view.axis];
       if (view.index !== index) this.#draw(view);
@@ -205,7 +205,7 @@ export class Slices {
   }
 
   async #probe(voxel) {
-    const inside = voxel.map((v, axis) => Math.min(this.#volume.voxels[axis] - 1, Math.max(0, v)));
+    const inside = voxel.map((v, axis) => clamp(v, 0, this.#volume.voxels[axis] - 1));
     this.#nextProbe = inside;
     if (this.#probing) return;
     this.#probing = true;

@@ -2,8 +2,7 @@
 // {surfaces: [{value, color, opacity}]}, or {unit, labels: [{label, name, color, opacity}]}. Each function returns a new
 // object. An item is a point or a surface; items are sorted by value.
 import { hexOfLinear, linearOf } from './color.js';
-
-const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
+import { clamp } from './vector.js';
 
 const kSurfaceColor = 'ivory', kSurfaceOpacity = 1; // defaults of a surface
 const kSurfaceGap = 1e-6; // share of the value: two surfaces have different values

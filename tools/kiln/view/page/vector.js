@@ -1,4 +1,4 @@
-// Vectors of three numbers, as arrays. No function changes its arguments.
+// Vectors of three numbers, as arrays, and a bound for numbers. No function changes its arguments.
 
 export const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 export const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -42,3 +42,6 @@ export function inverseAffine(rows) {
   const origin = rows.slice(0, 3).map((row) => row[3]);
   return inverse.map((row) => [...row, -dot(row, origin)]);
 }
+
+/** Returns the number, or the nearer of the ends if the number lies outside. */
+export const clamp = (v, low, high) => Math.min(high, Math.max(low, v));
