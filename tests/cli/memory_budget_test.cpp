@@ -263,7 +263,7 @@ std::vector<BudgetRow> moreConversionRows() {
       converted("convert legacy VTK", 48, "IN/noise.vtk"),
       converted("convert PNG stack", 48, "IN/pictures", spacing),
 #ifdef KILN_TEST_OPENJPEG
-      converted("convert JPEG 2000 stack", 48, "IN/jpeg2000", spacing),
+      converted("convert JPEG 2000 stack", 24, "IN/jpeg2000", spacing),
 #endif
 #ifdef KILN_TEST_HDF5
       converted("convert HDF5", 48, "IN/noise.h5:/contiguous", spacing),

@@ -236,18 +236,15 @@ struct OccludedScan {
 };
 class OcclusionOfScans : public ::testing::TestWithParam<OccludedScan> {};
 TEST_P(OcclusionOfScans, IsNearMonteCarlo) {
-  const QualityVolume* volume = nullptr;
-  for (const QualityVolume& each : qualityVolumes()) {
-    if (each.name == GetParam().volume) volume = &each;
-  }
-  const std::filesystem::path file = std::filesystem::path(KILN_TEST_DATA_DIR) / volume->file;
+  const QualityVolume& volume = qualityVolume(GetParam().volume);
+  const std::filesystem::path file = std::filesystem::path(KILN_TEST_DATA_DIR) / volume.file;
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no test data: " << file;
   const DenseVolume dense = readVolume(file);
   const auto store = makeStore(dense, "scan", 64);
   FrameRequest request;
-  request.view = resolve(cameraOf(*volume, dense.geometry, Projection::kOrthographic, 0.35, 80), {80, 80});
+  request.view = resolve(cameraOf(volume, dense.geometry, Projection::kOrthographic, 0.35, 80), {80, 80});
   request.level = 0;
-  request.transfer_function = transferFunctionOf(*volume, Material::kSkin);
+  request.transfer_function = transferFunctionOf(volume, Material::kSkin);
   for (auto& point : request.transfer_function.points) point.color = glm::dvec3(1);
   request.samples = 4;
   request.shading.ambient = 1, request.shading.diffuse = request.shading.specular = 0;
@@ -311,20 +308,17 @@ class ShadowsOfScans : public ::testing::TestWithParam<Scan> {};
 // Pictures of scans against rays. A sheet stays in the test's output: ours, the reference's, and without shadows.
 TEST_P(ShadowsOfScans, AreNearTheReference) {
   const Scan& scan = GetParam();
-  const QualityVolume* volume = nullptr;
-  for (const QualityVolume& each : qualityVolumes()) {
-    if (each.name == scan.volume) volume = &each;
-  }
-  const std::filesystem::path file = std::filesystem::path(KILN_TEST_DATA_DIR) / volume->file;
+  const QualityVolume& volume = qualityVolume(scan.volume);
+  const std::filesystem::path file = std::filesystem::path(KILN_TEST_DATA_DIR) / volume.file;
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no test data: " << file;
   const DenseVolume dense = readVolume(file);
   const auto store = makeStore(dense, "scan", 64);
   FrameRequest request;
-  request.view = resolve(cameraOf(*volume, dense.geometry, Projection::kOrthographic, 0.7, 160), {160, 160});
-  request.transfer_function = transferFunctionOf(*volume, scan.material);
+  request.view = resolve(cameraOf(volume, dense.geometry, Projection::kOrthographic, 0.7, 160), {160, 160});
+  request.transfer_function = transferFunctionOf(volume, scan.material);
   request.samples = 4;
   request.shading.shadows = true;
-  const glm::dvec3 to_eye = glm::normalize(volume->from), up = glm::normalize(volume->up);
+  const glm::dvec3 to_eye = glm::normalize(volume.from), up = glm::normalize(volume.up);
   const glm::dvec3 to_light = glm::normalize(to_eye + 0.7 * up + 0.8 * glm::cross(up, to_eye));
   const glm::dvec3 middle =
       dense.geometry.worldOf(0.5 * glm::dvec3(dense.geometry.dims.x, dense.geometry.dims.y, dense.geometry.dims.z));

@@ -64,6 +64,11 @@ const std::vector<QualityVolume>& qualityVolumes() {
   return volumes;
 }
 
+const QualityVolume& qualityVolume(std::string_view name) {
+  const std::vector<QualityVolume>& all = qualityVolumes();
+  return *std::find_if(all.begin(), all.end(), [&](const QualityVolume& volume) { return volume.name == name; });
+}
+
 DenseVolume readVolume(const std::filesystem::path& file) {
   const auto source = openSource(file);
   DenseVolume volume{source->info().geometry, source->info().type, {}};

@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scene/camera/camera.h"
@@ -32,6 +33,8 @@ struct QualityVolume {
 
 /// "cthead", "vhm_head", "engine".
 const std::vector<QualityVolume>& qualityVolumes();
+/// requires: a name of the list.
+const QualityVolume& qualityVolume(std::string_view name);
 
 /// Reads the whole file into memory. throws: all errors of openSource.
 DenseVolume readVolume(const std::filesystem::path& file);
