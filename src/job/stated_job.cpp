@@ -79,7 +79,7 @@ void putCameraPath(const CameraPath& path, ordered_json& out) {
   }
 }
 
-// The faces of a box of the world are one key, and other planes another.
+// Faces of a box of the world have a key, and other planes have a second key.
 void putPlanes(const Clipping& clipping, ordered_json& out) {
   out.erase("clip");
   constexpr std::size_t kFaces = 6;

@@ -36,7 +36,7 @@ TEST(HttpServerThreads, Requests_fromManyClients) {
   server.end();
 }
 
-// One thread draws at a time; a frame goes before other work.
+// A single thread draws at a time; a frame goes before other work.
 TEST(DrawingTurnsThreads, OneAtATime_framesFirst) {
   DrawingTurns turns;
   std::atomic<int> drawing = 0, most = 0, given = 0;

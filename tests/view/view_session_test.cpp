@@ -349,7 +349,7 @@ TEST_F(ViewSessionTest, StoppedSessions_drawNoMore) {
   expectError([&] { session.answer("frame", bodyOf(jobWith({})).dump(), client); }, ErrorCode::kCancelled, "ended");
 }
 
-// Two volumes, of which the browser's list says nothing but how they look.
+// Two volumes; the browser's list holds looks alone.
 TEST_F(ViewSessionTest, SeveralVolumes_areDrawnAsInBatch) {
   const fs::path other =
       makeStore(slab({.dims = {40, 40, 40}, .type = VoxelType::u8}, 0, 10, 20, 150), "view_other", 16);

@@ -19,7 +19,7 @@ namespace kiln::tool {
 
 namespace {
 
-// Writes the page with its first byte unreadable for others. Returns false on failure.
+// Writes a page that no other user can read at any time. Returns false on failure.
 bool writePage(const std::filesystem::path& page, const std::string& address) {
   const std::string text =
       "<!doctype html><meta charset=\"utf-8\"><title>Kiln</title>"
@@ -40,7 +40,7 @@ OpenedBrowser::OpenedBrowser(const std::string& address) {
   const std::filesystem::path program = findProgram("xdg-open");
   if (program.empty()) return;
   page_ = std::filesystem::path(folder) / ("kiln-view-" + std::to_string(::getpid()) + ".html");
-  ::unlink(page_.c_str());  // of an earlier process of this number
+  ::unlink(page_.c_str());  // an earlier process may have had this number
   if (!writePage(page_, address)) return;
   std::string name = program.string(), argument = page_.string();
   char* const arguments[] = {name.data(), argument.data(), nullptr};

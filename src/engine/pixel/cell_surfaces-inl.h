@@ -160,7 +160,7 @@ class CellSurfaces {
         const V at = hn::Load(d, s_.at + n), excess = hn::Sub(field_.values(n), value);
         V of_a = hn::Load(d, s_.excess[0] + n), of_b = hn::Load(d, s_.excess[1] + n);
         const V moved = hn::Load(d, s_.moved + n);
-        // The new end replaces the end on its side. An end that stays twice counts half, so that it moves next.
+        // The new end replaces the end on the same side. An end kept twice counts half, so that this end moves next.
         const M first = hn::Not(hn::Xor(hn::Ge(excess, zero), hn::Ge(of_a, zero)));
         of_b = hn::IfThenElse(hn::And(first, hn::Lt(moved, zero)), hn::Mul(half, of_b), of_b);
         of_a = hn::IfThenElse(hn::AndNot(first, hn::Gt(moved, zero)), hn::Mul(half, of_a), of_a);

@@ -1,5 +1,5 @@
-// libjpeg reports errors by longjmp, which must not pass over C++ objects with destructors: all of its calls are in one
-// function whose locals are plain data.
+// libjpeg reports errors by longjmp, which must not pass over C++ objects with destructors: all calls are in a single
+// function with locals of plain data.
 #include "image/file/jpeg_file.h"
 
 #include <algorithm>

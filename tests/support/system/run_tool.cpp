@@ -56,7 +56,7 @@ std::ptrdiff_t threadsNow() {
   const std::filesystem::directory_iterator threads("/proc/self/task");
   return std::distance(begin(threads), end(threads));
 }
-// Libraries start idle threads of their own (log4cplus, behind OpenVDB), which a forked child does without.
+// Libraries start idle threads (log4cplus, behind OpenVDB), and a forked child needs none.
 const std::ptrdiff_t kThreadsAtStart = threadsNow();
 
 // A child with limits, or under mpirun, executes the program, as does a child of a test that has started threads.
@@ -153,7 +153,7 @@ ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions&
   for (std::string& word : words) raw.push_back(word.data());
   raw.push_back(nullptr);
   Pipe out, err(options.terminal_columns);
-  std::fflush(nullptr);  // what a child would write, too
+  std::fflush(nullptr);  // a child would write buffered text again
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0 && calls) callTool(raw, out, err, options);
