@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "image/srgb.h"
-#include "job/job_flags.h"
+#include "job/given_flags.h"
 #include "job/job_names.h"
 #include "job/job_options.h"
 #include "job/stated_job.h"
@@ -57,9 +57,6 @@ std::string lightText(const Light& light) {
   if (light.kind != LightKind::kHeadlight) out += fmt::format(":{},{},{}", light.place.x, light.place.y, light.place.z);
   return light.color == Light().color ? out : out + ":" + colorText(light.color);
 }
-
-// The name behind the last comma: "--output" of "-o,--output".
-std::string nameOfFlag(std::string_view flag) { return std::string(flag.substr(flag.rfind(',') + 1)); }
 
 // Adds the flags of values that differ from `plain`.
 void addTexts(const Options<RenderJob>& options, const RenderJob& job, const RenderJob& plain, Texts& out) {

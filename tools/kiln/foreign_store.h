@@ -13,13 +13,13 @@
 namespace kiln::tool {
 
 /// Options of a command that takes a volume file in place of a store.
-struct ForeignArguments : SourceArguments {
+struct ForeignArguments : SourceWords {
   std::string store_directory;
-  /// throws: as SourceArguments::resolve.
+  /// throws: as SourceWords::resolve.
   ForeignVolume volume(const std::filesystem::path& input) const { return {input, resolve(), store_directory}; }
 };
 
-/// Adds the options of SourceArguments, and --store, which the variable KILN_STORE_DIR replaces.
+/// Adds the options of SourceWords, and --store, which the variable KILN_STORE_DIR replaces.
 void addForeignArguments(CLI::App& command, ForeignArguments& arguments);
 
 /// Returns the input if it is a store, else the store of the volume file (storePathOf), which is made if it is missing

@@ -1,8 +1,5 @@
 #include "input_job.h"
 
-#include <fmt/format.h>
-
-#include <utility>
 #include <variant>
 
 #include "base/error.h"
@@ -11,7 +8,7 @@
 #include "image/file/image_file.h"
 #include "job/frame_list.h"
 #include "job/job_facts.h"
-#include "job/job_names.h"
+#include "job_arguments.h"
 #include "picture_job.h"
 #include "scene_arguments.h"
 #include "sequence/sequence_frames.h"
@@ -20,42 +17,8 @@
 
 namespace kiln::tool {
 namespace fs = std::filesystem;
-namespace {
 
-// Checks that a pair of eyes is complete once the flags are applied.
-void requireStereo(const JobArguments& flags, const std::optional<Stereo>& of_job) {
-  if (!of_job && !flags.has("--stereo") && flags.hasAny({"--interocular", "--convergence"}))
-    throw Error(ErrorCode::kUsage, "--interocular, --convergence: no pair is drawn; add --stereo both, left or right");
-  if (!of_job && flags.has("--stereo") && !flags.has("--interocular"))
-    throw Error(ErrorCode::kUsage, "--stereo: how far the eyes are apart, --interocular, is missing");
-}
-
-void requirePicture(const PictureOptions& picture) {
-  drawnPixels(picture.size, picture.crop);
-  requireEngineOptions(picture);
-}
-
-void requireStillCamera(const JobArguments& flags, const RenderJob& job) {
-  const bool keys = std::holds_alternative<CameraKeyframes>(job.animation.camera);
-  const bool matrices = std::holds_alternative<CameraMatrices>(job.animation.camera);
-  if ((!keys && !matrices) || flags.has("--turntable")) return;
-  for (const char* flag : {"--eye", "--target", "--up", "--view", "--azimuth", "--elevation", "--zoom"}) {
-    if (flags.has(flag))
-      throw Error(ErrorCode::kUsage, fmt::format("{}: the job says by {} where the camera is in each frame; change it "
-                                                 "there, or give --turntable",
-                                                 flag, keys ? "keyframes" : "matrices"));
-  }
-  for (const char* flag : {"--fov", "--height"}) {
-    if (keys && flags.has(flag))
-      throw Error(ErrorCode::kUsage, fmt::format("{}: the job says by keyframes where the camera is in each frame; "
-                                                 "change it there, or give --turntable",
-                                                 flag));
-  }
-}
-
-}  // namespace
-
-void AddedVolumes::addTo(CLI::App& command) {
+void AddedArguments::addTo(CLI::App& command) {
   const auto option = [&](const char* name, const char* type, std::vector<std::string>& value, const char* help) {
     command.add_option(name, value, help)->type_name(type)->group(nameOf(OptionGroup::kShown))->allow_extra_args(false);
   };
@@ -66,33 +29,17 @@ void AddedVolumes::addTo(CLI::App& command) {
          "Transfer function of each --add, then of each --labels, in their order (default auto). Repeatable.");
 }
 
-void AddedVolumes::apply(const JobArguments& flags, RenderJob& job) const {
-  const std::size_t more = added.size() + labels.size();
-  if (functions.size() > more)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--add-tf: {} given for {} volumes of --add and --labels; the first is of the first",
-                            functions.size(), more));
-  if (job.volumes.empty() && more == 0) return;
-  if (job.volumes.empty()) makeFirstOfSeveral(job);
-  VolumeOptions& first = job.volumes.front();
-  if (flags.has("--tf")) {
-    first.transfer_function = job.picture.transfer_function;
-    first.functions.clear();
-  }
-  if (flags.has("--window")) first.window = job.picture.window;
-  if (auto region = std::exchange(job.picture.clipping.region, std::nullopt)) first.clipping.region = region;
-  for (std::size_t i = 0; i < more; ++i) {
-    VolumeOptions volume;
-    volume.labels = i >= added.size();
-    volume.volume = volume.labels ? labels[i - added.size()] : added[i];
-    if (i < functions.size()) volume.transfer_function = transferFunctionNamed(functions[i], "--add-tf");
-    job.volumes.push_back(std::move(volume));
-  }
+AddedVolumes AddedArguments::resolve() const {
+  AddedVolumes out;
+  out.added.assign(added.begin(), added.end());
+  out.labels.assign(labels.begin(), labels.end());
+  for (const std::string& function : functions) out.functions.push_back(transferFunctionNamed(function, "--add-tf"));
+  return out;
 }
 
 bool isVolumeName(const fs::path& input) { return extensionOf(input) != ".json" && !isPictureName(input); }
 
-RenderJob jobOfInput(const std::string& input, const JobArguments& flags, const AddedVolumes& volumes) {
+RenderJob jobOfInput(const std::string& input, const GivenFlags& flags, const AddedArguments& volumes) {
   RenderJob job;
   if (extensionOf(input) == ".json") {
     job = readJob(input);
@@ -101,15 +48,9 @@ RenderJob jobOfInput(const std::string& input, const JobArguments& flags, const 
   } else {
     job.volume = input;
   }
-  requireStillCamera(flags, job);
-  requireStereo(flags, job.picture.stereo);
   if (const auto name = flags.text("--tf")) transferFunctionNamed(*name, "--tf");
-  flags.apply(job);
-  if (flags.hasAny({"--interocular", "--convergence"})) job.animation.stereo.clear();
-  if (flags.text("--projection") == kProjectionNames[2] && !flags.has("--size") && isVolumeName(input))
-    job.picture.size = kPanoramaSize;
-  requirePicture(job.picture);
-  volumes.apply(flags, job);
+  applyGiven(flags, isVolumeName(input), job);
+  addVolumes(volumes.resolve(), flags, job);
   return job;
 }
 

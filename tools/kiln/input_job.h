@@ -8,17 +8,17 @@
 #include <vector>
 
 #include "foreign_store.h"
+#include "job/given_flags.h"
 #include "job/render_job.h"
-#include "job_arguments.h"
 
 namespace kiln::tool {
 
 /// The options --add, --labels and --add-tf.
-struct AddedVolumes {
+struct AddedArguments {
   std::vector<std::string> added, functions, labels;
   void addTo(CLI::App& command);
-  /// Adds the volumes to the job. Options of a volume replace the options of the first volume. throws: Error kUsage.
-  void apply(const JobArguments& flags, RenderJob& job) const;
+  /// throws: Error kUsage for a function that is none.
+  AddedVolumes resolve() const;
 };
 
 /// Returns whether INPUT is a volume, and no job.
@@ -26,7 +26,7 @@ bool isVolumeName(const std::filesystem::path& input);
 
 /// Returns the job of INPUT (a volume, a job, or a picture of Kiln's, whose job it is) with the flags applied and the
 /// volumes added. throws: Error kUsage for flags that contradict the job; as readJob and jobOfPicture.
-RenderJob jobOfInput(const std::string& input, const JobArguments& flags, const AddedVolumes& volumes);
+RenderJob jobOfInput(const std::string& input, const GivenFlags& flags, const AddedArguments& volumes);
 
 /// Returns the files and folders that a job reads: transfer functions, and the volumes of all frames.
 std::vector<std::filesystem::path> inputsOf(const RenderJob& job);

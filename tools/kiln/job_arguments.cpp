@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "job/render_job.h"
-
 namespace kiln::tool {
 
 void JobArguments::addTo(CLI::App& command, OptionGroup group) {
@@ -25,23 +23,12 @@ void JobArguments::addTo(CLI::App& command, OptionGroup group) {
   std::sort(arguments_.begin(), arguments_.end(), [](const Argument& a, const Argument& b) { return a.flag < b.flag; });
 }
 
-std::optional<std::string> JobArguments::text(std::string_view flag) const {
-  for (const auto& [row, option] : arguments_) {
-    if (option->count() > 0 && option->check_name(std::string(flag))) return option->results().front();
-  }
-  return std::nullopt;
-}
-
-bool JobArguments::has(std::string_view flag) const { return text(flag).has_value(); }
-
-bool JobArguments::hasAny(std::initializer_list<std::string_view> flags) const {
-  return std::any_of(flags.begin(), flags.end(), [&](std::string_view flag) { return has(flag); });
-}
-
-void JobArguments::apply(RenderJob& job) const {
+GivenFlags JobArguments::given() const {
+  GivenFlags out;
   for (const auto& [flag, option] : arguments_) {
-    if (option->count() > 0) flag->apply(option->results(), job);
+    if (option->count() > 0) out.add(*flag, option->results());
   }
+  return out;
 }
 
 }  // namespace kiln::tool

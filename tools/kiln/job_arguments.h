@@ -2,13 +2,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <optional>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
-#include "job/job_flags.h"
+#include "job/given_flags.h"
 
 namespace kiln::tool {
 
@@ -17,12 +14,8 @@ inline std::string nameOf(OptionGroup group) { return std::string(kOptionGroupNa
 class JobArguments {
  public:
   void addTo(CLI::App& command, OptionGroup group);
-  /// Returns true if the flag is on the command line.
-  bool has(std::string_view flag) const;
-  bool hasAny(std::initializer_list<std::string_view> flags) const;
-  std::optional<std::string> text(std::string_view flag) const;
-  /// Replaces the options of the job for which a flag is given. throws: Error kUsage naming the flag.
-  void apply(RenderJob& job) const;
+  /// Returns the flags that are on the command line.
+  GivenFlags given() const;
 
  private:
   struct Argument {

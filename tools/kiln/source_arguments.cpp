@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/shell_text.h"
 #include "image/pixel_rect.h"
-#include "ingest/source/placement.h"
 #include "ingest/volume_format.h"
 #include "job_arguments.h"
 
@@ -25,13 +24,6 @@ std::vector<double> parseNumbers(const std::string& text, char separator, const 
     out.push_back(*value);
   }
   return out;
-}
-
-glm::dvec3 parseTriple(const std::string& text, const char* option) {
-  const std::vector<double> values = parseNumbers(text, ',', option, "three numbers X,Y,Z");
-  if (values.size() != 3)
-    throw Error(ErrorCode::kUsage, fmt::format("{}: expected three numbers X,Y,Z, found '{}'", option, text));
-  return {values[0], values[1], values[2]};
 }
 
 std::pair<int, int> parseSize(const std::string& text, const char* option) {
@@ -86,77 +78,7 @@ void refuseVolumeFile(const std::filesystem::path& path, const char* wanted) {
 
 std::string timeNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
-namespace {
-
-std::array<bool, 3> parseFlip(const std::string& text) {
-  constexpr std::string_view kAxes = "xyz";
-  std::array<bool, 3> out{};
-  for (const std::string_view axis : splitAt(text, ',')) {
-    const std::size_t at = axis.size() == 1 ? kAxes.find(axis.front()) : std::string_view::npos;
-    if (at == std::string_view::npos || out[at])
-      throw Error(ErrorCode::kUsage, fmt::format("--flip: expected x, y, z or a list such as x,z, found '{}'", text));
-    out[at] = true;
-  }
-  return out;
-}
-
-Placement parsePlacement(const SourceArguments& a) {
-  Placement out;
-  if (!a.flip.empty()) out.flip = parseFlip(a.flip);
-  if (!a.orient.empty()) {
-    out.axes = axisLettersOf(a.orient);
-    if (!out.axes)
-      throw Error(ErrorCode::kUsage, fmt::format("--orient: expected three letters, one of R or L, A or P, and S or I, "
-                                                 "such as LPS (found '{}')",
-                                                 a.orient));
-  }
-  if (!a.up.empty() && a.up != "y" && a.up != "z")
-    throw Error(ErrorCode::kUsage, fmt::format("--up-axis: expected y or z, found '{}'", a.up));
-  if (a.up == "y") out.up = UpAxis::kY;
-  return out;
-}
-
-}  // namespace
-
-SourceOptions SourceArguments::resolve() const {
-  SourceOptions out;
-  if (!dims.empty()) {
-    const glm::dvec3 d = parseTriple(dims, "--dims");
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!(d[axis] >= 1) || d[axis] != std::floor(d[axis]) || d[axis] > 2147483647.0) {
-        throw Error(ErrorCode::kUsage, fmt::format("--dims: expected three positive whole numbers, found '{}'", dims));
-      }
-    }
-    out.dims = Extent3{static_cast<std::int64_t>(d.x), static_cast<std::int64_t>(d.y), static_cast<std::int64_t>(d.z)};
-  }
-  if (!type.empty()) {
-    out.type = voxelTypeNamed(type);
-    if (!out.type)
-      throw Error(ErrorCode::kUsage, fmt::format("--type: '{}' is not one of u8 i8 u16 i16 u32 i32 f32 f64", type));
-  }
-  if (!endian.empty()) {
-    if (endian != "little" && endian != "big")
-      throw Error(ErrorCode::kUsage, fmt::format("--endian: expected little or big, found '{}'", endian));
-    out.big_endian = endian == "big";
-  }
-  out.skip_bytes = skip;
-  if (!spacing.empty()) {
-    out.spacing = parseTriple(spacing, "--spacing");
-    if (!(out.spacing->x > 0 && out.spacing->y > 0 && out.spacing->z > 0))
-      throw Error(ErrorCode::kUsage, fmt::format("--spacing: expected three positive numbers, found '{}'", spacing));
-  }
-  if (!grid.empty()) out.grid_name = grid;
-  if (!series.empty()) out.series = series;
-  out.channel = channel;
-  out.time = time;
-  out.scale = scale;
-  out.placement = parsePlacement(*this);
-  out.allow_irregular = allow_irregular;
-  out.luminance = luminance;
-  return out;
-}
-
-void addSourceArguments(CLI::App& command, SourceArguments& a) {
+void addSourceArguments(CLI::App& command, SourceWords& a) {
   const std::string group = nameOf(OptionGroup::kForeign);
   const auto add = [&](const char* name, const char* type, auto& value, const char* help) {
     return command.add_option(name, value, help)->type_name(type)->group(group);

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,7 +11,7 @@
 #include <type_traits>
 
 #include "base/text.h"
-#include "ingest/source/volume_source.h"
+#include "ingest/source_words.h"
 #include "job/render_job.h"
 
 namespace kiln::tool {
@@ -44,20 +43,8 @@ CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional
   return command.add_option(name, value, help)->check(decimalNumber<T>());
 }
 
-struct SourceArguments {
-  std::string dims, type, endian, spacing, grid, series, flip, orient, up;
-  std::optional<std::string> channel;
-  std::optional<std::int64_t> time, scale;
-  std::uint64_t skip = 0;
-  bool allow_irregular = false, luminance = false;
-  /// True if an option is given.
-  bool any() const { return !(*this == SourceArguments()); }
-  bool operator==(const SourceArguments&) const = default;
-  /// throws: Error kUsage naming the option.
-  SourceOptions resolve() const;
-};
-
-void addSourceArguments(CLI::App& command, SourceArguments& arguments);
+/// Adds an option for each word.
+void addSourceArguments(CLI::App& command, SourceWords& words);
 
 /// Adds the option --memory. `text` is a std::string with the default, or a std::optional if a job may set the memory.
 /// `holds` ends the help text "the most memory, for …".
@@ -69,8 +56,6 @@ inline constexpr const char* kDefaultMemory = "2G";
 
 /// Returns the finite numbers between separators. throws: Error kUsage "OPTION: expected …, found …".
 std::vector<double> parseNumbers(const std::string& text, char separator, const char* option, const char* expected);
-/// Returns the three numbers of "a,b,c". throws: Error kUsage naming `option`.
-glm::dvec3 parseTriple(const std::string& text, const char* option);
 /// Returns the two integers of "AxB" or "A,B". unit: pixels. throws: Error kUsage naming `option`.
 std::pair<int, int> parseSize(const std::string& text, const char* option);
 /// throws: Error kUsage if the file is a volume and no store. The message names the expected kind of file (`wanted`,

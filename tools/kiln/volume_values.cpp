@@ -33,7 +33,7 @@ Window windowOver(const ValueRange& range) { return {0.5 * (range.lo + range.hi)
 
 }  // namespace
 
-bool namesVolumeFile(const fs::path& path, const SourceArguments& arguments) {
+bool namesVolumeFile(const fs::path& path, const SourceWords& arguments) {
   if (namesPhantom(path) || !arguments.dims.empty()) return true;
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) return !isForStoreReader(path);

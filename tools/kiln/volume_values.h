@@ -12,7 +12,7 @@
 namespace kiln::tool {
 
 /// True if the path is a volume that is no store: a file, a folder of slices, or a phantom.
-bool namesVolumeFile(const std::filesystem::path& path, const SourceArguments& arguments);
+bool namesVolumeFile(const std::filesystem::path& path, const SourceWords& arguments);
 
 struct VolumeValues {
   /// Geometry, type, range and histogram.

@@ -32,7 +32,7 @@ struct ConvertArguments {
   std::int64_t brick_size = kDefaultBrickSize;
   bool overwrite = false, resume = false, half = false, labels = false, dry_run = false, list = false, json = false;
   int levels = 0;
-  SourceArguments source;
+  SourceWords source;
 };
 
 std::string firstLine(const SourceInfo& info) {

@@ -47,16 +47,16 @@ struct RenderArguments {
   bool quiet = false, verbose = false, strict = false, dry_run = false, resume = false, checkpoint = false;
   int repeat = 1, sheet = 0;
   JobArguments job;
-  AddedVolumes volumes;
+  AddedArguments volumes;
   ForeignArguments source;
 };
 
 void findEncoder(const RenderArguments& a, RenderJob& job) {
   VideoOptions& video = job.output.video;
-  if (a.job.has("--rate") && video.path.empty())
+  if (a.job.given().has("--rate") && video.path.empty())
     throw Error(ErrorCode::kUsage, "--rate: no video is made; name one, such as -o turn.mp4");
   if (video.path.empty()) return;
-  if (framesOf(job).size() == 1 && !a.job.has("--frames"))
+  if (framesOf(job).size() == 1 && !a.job.given().has("--frames"))
     throw Error(
         ErrorCode::kUsage, video.path, "",
         "a video needs frames (found 1); add --turntable 120, give a job with frames, or name a picture, .exr or "
@@ -99,7 +99,7 @@ void applySheet(const RenderArguments& a, RenderJob& job) {
     throw Error(ErrorCode::kUsage,
                 "--sheet: a sheet is drawn at once; leave --resume, --checkpoint, --repeat and --stats out");
   job.frames = framesOfSheet(framesOf(job), a.sheet);
-  if (!a.job.has("--size") && isVolumeName(a.input)) job.picture.size = kSheetFrameSize;
+  if (!a.job.given().has("--size") && isVolumeName(a.input)) job.picture.size = kSheetFrameSize;
   requireSheet(job);
 }
 
@@ -182,14 +182,14 @@ void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
 }
 
 RenderJob jobOf(const RenderArguments& a) {
-  RenderJob job = jobOfInput(a.input, a.job, a.volumes);
+  RenderJob job = jobOfInput(a.input, a.job.given(), a.volumes);
   requireOutput(a, job.output);
   if (a.share) applyShare(*a.share, job);
   findEncoder(a, job);
   requirePart(job);
   requireVolumes(job);
   requireViews(job);
-  if (a.job.hasAny({"--deep-samples", "--deep-error"}) && !drawsDeep(job))
+  if (a.job.given().hasAny({"--deep-samples", "--deep-error"}) && !drawsDeep(job))
     throw Error(ErrorCode::kUsage, "--deep-samples, --deep-error: no deep image is drawn; add --deep");
   if (a.sheet > 0)
     applySheet(a, job);
@@ -251,7 +251,7 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
       formatBytes(memory.least_slabs));
   const std::uint64_t left = cacheBytes(memory, cost.budget_bytes, job.volume);
   say("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
-      a.job.text("--memory").value_or(roundedUpBytes(cost.budget_bytes)), formatBytes(left),
+      a.job.given().text("--memory").value_or(roundedUpBytes(cost.budget_bytes)), formatBytes(left),
       formatBytes(cost.decoded_bytes_in_view));
   if (cost.empty != EmptyFrame::kShows)
     progress.warn(fmt::format("the picture is empty: {}", emptyText(cost.empty)));
@@ -376,7 +376,7 @@ Error inJob(const RenderArguments& a, const Error& error) {
   const std::string text = error.what();
   const bool of_camera = error.path().empty() && text.find("camera: ") != std::string::npos;
   const bool changed =
-      a.job.hasAny({"--projection", "--view", "--eye", "--target", "--up", "--azimuth", "--elevation"});
+      a.job.given().hasAny({"--projection", "--view", "--eye", "--target", "--up", "--azimuth", "--elevation"});
   if (!of_camera || changed || extensionOf(a.input) != ".json") return error;
   return Error(error.code(), a.input, "", text);
 }

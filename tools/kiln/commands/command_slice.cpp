@@ -86,7 +86,7 @@ void drawSlices(const SliceArguments& a, const StoreReader& store, SliceRequest 
 void drawSheet(const SliceArguments& a, const StoreReader& store, const SliceRequest& slice, Context& context) {
   SliceSheetRequest request{std::nullopt, slice.window, slice.colormap, slice.memory_bytes};
   if (a.at) {
-    const glm::dvec3 at = parseTriple(*a.at, "--at");
+    const glm::dvec3 at = tripleOfText(*a.at, "--at");
     request.at = VoxelCoord{std::llround(at.x), std::llround(at.y), std::llround(at.z)};
   }
   const SliceSheet sheet = renderSliceSheet(store, request, context.progress);

@@ -9,6 +9,7 @@
 #include "examples.h"
 #include "input_job.h"
 #include "job/job_facts.h"
+#include "job_arguments.h"
 #include "open_browser.h"
 #include "say.h"
 #include "scene_arguments.h"
@@ -28,7 +29,7 @@ struct ViewArguments {
   std::vector<std::string> hosts;
   bool no_browser = false;
   JobArguments job;
-  AddedVolumes volumes;
+  AddedArguments volumes;
   ForeignArguments source;
 };
 
@@ -55,7 +56,7 @@ fs::path jobFileOf(const ViewArguments& a) {
 }
 
 RenderJob jobOf(const ViewArguments& a) {
-  RenderJob job = jobOfInput(a.input, a.job, a.volumes);
+  RenderJob job = jobOfInput(a.input, a.job.given(), a.volumes);
   if (drawsPart(job.picture))
     throw Error(ErrorCode::kUsage, "--part: a part of a volume has no background to be seen on; leave it out");
   if (!job.trace.empty()) throw Error(ErrorCode::kUsage, "--trace: is for kiln render; leave it out");
