@@ -81,6 +81,34 @@ Aovs drawnAovs(const RenderJob& job) {
   return out;
 }
 
+std::vector<Doubt> doubtsOf(const RenderJob& job, const OpenedVolumes& volumes, const SceneOfJob& scenes) {
+  std::vector<Doubt> out;
+  const auto add = [&](std::size_t v, const std::string& sentence) {
+    if (!sentence.empty())
+      out.push_back({std::to_string(v) + " " + sentence, volumes.all()[v]->path().string() + ": " + sentence});
+  };
+  for (std::size_t v = 0; v < volumes.all().size(); ++v) {
+    const Manifest& manifest = volumes.all()[v]->manifest();
+    add(v, unknownLabelsText(scenes.functionsOf(v), manifest));
+    add(v, mergedValuesText(manifest));
+    add(v, manifest.assumption);
+    if (v > 0 && isAuto(job.volumes[v])) add(v, likelyLabelsText(manifest));
+  }
+  const Shading& shading = job.picture.shading;
+  if (shading.shadows && std::none_of(shading.lights.begin(), shading.lights.end(),
+                                      [&](const Light& light) { return castsShadows(shading, light); }))
+    out.push_back({"headlights",
+                   "--shadows: the eye sees no shadow of a headlight (found no other light); add a light, "
+                   "such as --light cam:-1,1,1"});
+  return out;
+}
+
+void judge(DrawnFrame& drawn, const FrameRequest& request, const OpenedVolumes& volumes) {
+  if (drawn.continued) return;
+  drawn.statistics.empty = emptinessOf(drawn.statistics, drawn.scene, request, volumes.manifests());
+  drawn.statistics.one_colour = isOfOneColour(drawn.scene, volumes.manifests());
+}
+
 unsigned readersOfCache() { return ThreadLimit::active() > 1 ? ThreadLimit::active() : 0; }
 
 FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed, const FrameMemory& memory) {
@@ -151,34 +179,6 @@ OpenedJob::OpenedJob(const RenderJob& job, OpenedVolumes volumes, Progress& prog
       cache_(volumes_.all(), cacheBytes(memory_, job_.speed.memory_bytes, firstVolume().path()), readersOfCache(),
              skipperOf(job_, progress), for_ranks_.supplier()) {
   boundSparePages(sparePagesBytes(memory_, job_.speed.memory_bytes));
-}
-
-std::vector<OpenedJob::Doubt> OpenedJob::doubts() const {
-  std::vector<Doubt> out;
-  const auto add = [&](std::size_t v, const std::string& sentence) {
-    if (!sentence.empty())
-      out.push_back({std::to_string(v) + " " + sentence, volumes_.all()[v]->path().string() + ": " + sentence});
-  };
-  for (std::size_t v = 0; v < volumes_.all().size(); ++v) {
-    const Manifest& manifest = volumes_.all()[v]->manifest();
-    add(v, unknownLabelsText(scenes_.functionsOf(v), manifest));
-    add(v, mergedValuesText(manifest));
-    add(v, manifest.assumption);
-    if (v > 0 && isAuto(job_.volumes[v])) add(v, likelyLabelsText(manifest));
-  }
-  const Shading& shading = job_.picture.shading;
-  if (shading.shadows && std::none_of(shading.lights.begin(), shading.lights.end(),
-                                      [&](const Light& light) { return castsShadows(shading, light); }))
-    out.push_back({"headlights",
-                   "--shadows: the eye sees no shadow of a headlight (found no other light); add a light, "
-                   "such as --light cam:-1,1,1"});
-  return out;
-}
-
-void OpenedJob::judge(DrawnFrame& drawn) const {
-  if (drawn.continued) return;
-  drawn.statistics.empty = emptinessOf(drawn.statistics, drawn.scene, requestFor(drawn.scene), volumes_.manifests());
-  drawn.statistics.one_colour = isOfOneColour(drawn.scene, volumes_.manifests());
 }
 
 void OpenedJob::noteLook(Progress& progress) const {

@@ -27,6 +27,13 @@ struct DrawnView {
 
 struct FrameTiles;
 
+/// A reason to doubt the picture. Volumes with equal doubts cause one warning.
+struct Doubt {
+  std::string kind, sentence;
+};
+/// Finds labels without an entry, unknown frames of reference and units, amounts that look like labels.
+std::vector<Doubt> doubtsOf(const RenderJob& job, const OpenedVolumes& volumes, const SceneOfJob& scenes);
+
 struct DrawnFrame {
   std::vector<DrawnView> views;  // one view, or the left and the right eye's
   std::shared_ptr<FrameTiles>
@@ -35,6 +42,9 @@ struct DrawnFrame {
   FrameStatistics statistics;
   bool continued = false;  // an earlier run drew some tiles; times cover all runs, other statistics the last
 };
+
+/// Sets the reason for an empty frame. `request` is made of the frame's scene.
+void judge(DrawnFrame& drawn, const FrameRequest& request, const OpenedVolumes& volumes);
 
 class OpenedJob {
  public:
@@ -66,14 +76,9 @@ class OpenedJob {
   const BrickedVolume& firstVolume() const { return volumes_.first(); }
   /// The job as given to the constructor.
   const RenderJob& job() const { return job_; }
-  /// A reason to doubt the picture. Volumes with equal doubts cause one warning.
-  struct Doubt {
-    std::string kind, sentence;
-  };
-  /// Finds labels without an entry, unknown frames of reference and units, amounts that look like labels.
-  std::vector<Doubt> doubts() const;
+  std::vector<Doubt> doubts() const { return doubtsOf(job_, volumes_, scenes_); }
   /// Sets the reason for an empty frame.
-  void judge(DrawnFrame& drawn) const;
+  void judge(DrawnFrame& drawn) const { kiln::judge(drawn, requestFor(drawn.scene), volumes_); }
   /// Notes that a deep picture differs from the flat picture of equal options, unless both are drawn; and that a PNG of
   /// bright fog looks pale on a white page, unless the job has a background.
   void noteLook(Progress& progress) const;

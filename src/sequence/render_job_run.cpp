@@ -27,7 +27,7 @@ void requireDrawable(const RenderJob& job) {
 
 RenderResult drawFirstFrame(const RenderJob& job, OpenedJob& opened, int repeat, Progress& progress) {
   const int number = framesOf(job).front();
-  for (const OpenedJob::Doubt& doubt : opened.doubts()) progress.warn(doubt.sentence);
+  for (const Doubt& doubt : opened.doubts()) progress.warn(doubt.sentence);
   opened.noteLook(progress);
   RenderResult result;
   DrawnFrame drawn;

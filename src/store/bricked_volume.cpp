@@ -30,6 +30,11 @@ void BrickedVolume::requireLevel(int level) const {
 
 BrickDesc BrickedVolume::frame(const BrickKey& key) const { return descOf(manifest_, key); }
 
+std::optional<double> BrickedVolume::constantOf(const BrickKey& key) const {
+  const BrickEntry& entry = index_->at(key);
+  return entry.constant ? std::optional<double>(entry.core.lo) : std::nullopt;
+}
+
 std::uint64_t BrickedVolume::largestReadBytes() const {
   return index_->largest([this](const BrickKey& key) { return readBytes(key); });
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "grid/coords.h"
 #include "store/manifest/manifest.h"
@@ -41,6 +42,9 @@ class BrickedVolume {
 
   /// Returns a brick. thread: safe. throws: the errors of the volume's kind.
   virtual BrickBlock read(const BrickKey& key) const = 0;
+  /// Returns the value of a brick whose voxels are equal, which costs no `read`; nothing for other bricks. throws: as
+  /// `read`.
+  virtual std::optional<double> constantOf(const BrickKey& key) const;
   /// Peak memory of `read`, including the result. unit: bytes.
   virtual std::size_t readBytes(const BrickKey& key) const = 0;
   /// The largest `readBytes` of all bricks: the least memory that can read a picture. unit: bytes.

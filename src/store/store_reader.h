@@ -28,9 +28,8 @@ class StoreReader final : public BrickedVolume {
   /// throws: Error kDamaged, naming the file and both checksums, kNotFound, kIo; kReplaced, as requireUnchanged, if a
   /// file is missing or does not match the index.
   BrickBlock read(const BrickKey& key) const override;
-  /// Returns the value of a constant brick; nothing for other bricks. throws: Error kDamaged if the volume's type has
-  /// no such value.
-  std::optional<double> constantOf(const BrickKey& key) const;
+  /// throws: Error kDamaged if the volume's type has no such value.
+  std::optional<double> constantOf(const BrickKey& key) const override;
   /// The two steps of `read` for a brick that is not constant, for bytes that come from elsewhere: the checked file,
   /// and its decoded brick. requires: `file` passes `check`. thread: safe. throws: as `read`.
   std::vector<std::byte> readFile(const BrickKey& key) const;

@@ -84,9 +84,9 @@ bool isOpaque(const Background& background) { return background.top[3] >= 1 && b
 
 }  // namespace
 
-ViewPainter::ViewPainter(const RenderJob& job, Progress& progress)
+ViewPainter::ViewPainter(const RenderJob& job, OpenedVolumes volumes, Progress& progress)
     : session_(job),
-      volumes_(job),
+      volumes_(std::move(volumes)),
       bricks_bytes_(bricksBytes(job, volumes_)),
       cache_(volumes_.all(), bricks_bytes_, readersOfCache(), skipperOf(job, progress)) {}
 
@@ -233,6 +233,7 @@ DrawnFrame ViewPainter::exact(const ViewedJob& job, Progress& progress) {
     return request;
   };
   DrawnFrame out = drawFrame(cache_, job.scene, request_for, job.frame, progress);
+  judge(out, request_for(out.scene), volumes_);
   if (out.statistics.bricks_read == 0) exact_pixel_s_ = out.statistics.wall_s / pixelsOf(job.job.picture.size);
   return out;
 }

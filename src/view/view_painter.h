@@ -42,7 +42,9 @@ struct ViewPicture {
 class ViewPainter {
  public:
   /// Opens the volumes of the job, which are stores. `job` outlives the object. throws: as OpenedJob.
-  ViewPainter(const RenderJob& job, Progress& progress);
+  ViewPainter(const RenderJob& job, Progress& progress) : ViewPainter(job, OpenedVolumes(job), progress) {}
+  /// Draws volumes of the caller.
+  ViewPainter(const RenderJob& job, OpenedVolumes volumes, Progress& progress);
 
   const OpenedVolumes& volumes() const { return volumes_; }
   /// Makes every choice of the job's first frame, or of another. throws: Error kUsage, kBudget; as SceneOfJob.
@@ -54,6 +56,8 @@ class ViewPainter {
   ViewPicture moving(const ViewedJob& job, const Progress& progress);
   /// Draws a preview of all pixels, `coarser` levels coarser than the finished picture.
   ViewPicture refined(const ViewedJob& job, int coarser, const Progress& progress);
+  /// Returns the reasons to doubt pictures of the job.
+  std::vector<Doubt> doubts(const ViewedJob& job) const { return doubtsOf(job.job, volumes_, *job.scenes); }
   /// Draws the frame as `kiln render` does.
   DrawnFrame exact(const ViewedJob& job, Progress& progress);
   /// Returns the PNG of an exact frame.

@@ -9,7 +9,7 @@
 
 namespace kiln {
 
-BricksOfBox::BricksOfBox(const StoreReader& store, int level, const VoxelBox& box)
+BricksOfBox::BricksOfBox(const BrickedVolume& store, int level, const VoxelBox& box)
     : store_(store), level_(level), box_(box), bricks_(coarseBox(box, store.manifest().brick_size)) {}
 
 BricksOfBox::Part BricksOfBox::at(std::size_t i) const {
@@ -18,7 +18,7 @@ BricksOfBox::Part BricksOfBox::at(std::size_t i) const {
   return {key, intersection(store_.frame(key).core(), box_)};
 }
 
-void readBox(const StoreReader& store, int level, const VoxelBox& box, const Progress& progress,
+void readBox(const BrickedVolume& store, int level, const VoxelBox& box, const Progress& progress,
              std::span<std::byte> out) {
   const BricksOfBox bricks(store, level, box);
   const VoxelType type = store.manifest().type;

@@ -1,11 +1,11 @@
-// Boxes of voxels out of the bricks of a store.
+// Boxes of voxels out of the bricks of a volume.
 #pragma once
 
 #include <cstddef>
 #include <span>
 
 #include "base/progress.h"
-#include "store/store_reader.h"
+#include "store/bricked_volume.h"
 
 namespace kiln {
 
@@ -13,7 +13,7 @@ namespace kiln {
 class BricksOfBox {
  public:
   /// requires: the box lies in the level.
-  BricksOfBox(const StoreReader& store, int level, const VoxelBox& box);
+  BricksOfBox(const BrickedVolume& store, int level, const VoxelBox& box);
 
   struct Part {
     BrickKey key;
@@ -24,15 +24,15 @@ class BricksOfBox {
   Part at(std::size_t i) const;
 
  private:
-  const StoreReader& store_;
+  const BrickedVolume& store_;
   int level_;
   VoxelBox box_, bricks_;
 };
 
 /// Fills `out` with the voxels of a box of a level. Bricks are decoded on all threads, a brick a thread; bricks
-/// of a single value are not decoded. shape: x fastest, densely packed, in the store's type. requires: the box lies in the
-/// level. throws: as StoreReader::read; Error kCancelled.
-void readBox(const StoreReader& store, int level, const VoxelBox& box, const Progress& progress,
+/// of a single value are not decoded. shape: x fastest, densely packed, in the volume's type. requires: the box lies in
+/// the level. throws: as BrickedVolume::read; Error kCancelled.
+void readBox(const BrickedVolume& store, int level, const VoxelBox& box, const Progress& progress,
              std::span<std::byte> out);
 
 }  // namespace kiln
