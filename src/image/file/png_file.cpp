@@ -15,7 +15,6 @@
 
 #include "base/error.h"
 #include "base/thread/parallel.h"
-#include "image/dither.h"
 #include "image/image_memory.h"
 #include "image/pixel_rect.h"
 #include "image/srgb.h"
@@ -74,39 +73,6 @@ void onRead(png_structp png, png_bytep out, png_size_t count) {
   if (count > reader->data.size() - reader->place) png_error(png, "the file ends too early");
   std::memcpy(out, reader->data.data() + reader->place, count);
   reader->place += count;
-}
-
-// Writes a big-endian 16-bit sample and returns the position behind the sample.
-png_byte* putSixteen(double v, png_byte* out) noexcept {
-  const auto sample = static_cast<unsigned>(v * 65535 + 0.5);
-  *out++ = static_cast<png_byte>(sample >> 8);
-  *out++ = static_cast<png_byte>(sample & 255);
-  return out;
-}
-
-// Converts row `y` of linear premultiplied light, row `file_y` of the file, to straight sRGB. shape: 4 samples of
-// `bits` per pixel, big-endian. NaN becomes 0.
-void encodeRow(const Image& image, int y, int file_y, const PatternPlace& place, int bits, png_byte* out) noexcept {
-  const SrgbBytes& bytes = SrgbBytes::all();
-  // All channels of a pixel have one threshold, so that grey stays grey.
-  const DitherRow dither(place.y + file_y);
-  const int view_width = image.width / place.views;
-  for (int x = 0; x < image.width; ++x) {
-    const double threshold = dither.at(place.x + x % view_width);
-    const float* const rgba = image.pixel(x, y);
-    const double alpha = rgba[3] > 0 ? std::min<double>(rgba[3], 1) : 0;
-    for (int channel = 0; channel < 3; ++channel) {
-      const double straight = alpha > 0 ? rgba[channel] / alpha : 0;
-      if (bits == 8)
-        *out++ = bytes.dithered(straight, threshold);
-      else
-        out = putSixteen(straight > 0 ? srgbFromLinear(std::min(straight, 1.0)) : 0, out);
-    }
-    if (bits == 8)
-      *out++ = static_cast<png_byte>(alpha * 255 + 0.5);
-    else
-      out = putSixteen(alpha, out);
-  }
 }
 
 // Filter and deflate strategy: three times as fast as the libraries' defaults, with files equally large within some per
@@ -342,7 +308,7 @@ void encodePng(ImageRows& picture, int bits, const std::filesystem::path& path,
     const int rows = std::min(kRows, band.end() - y);
     parallelFor(static_cast<std::size_t>(rows), [&](std::size_t i) {
       const int row = y + static_cast<int>(i);
-      encodeRow(*band.image, row - band.first_row, row, place, bits, samples.data() + i * row_bytes);
+      encodeShownRow(*band.image, row - band.first_row, row, place, bits, samples.data() + i * row_bytes);
     });
     require(writeRows(writer.png, samples.data(), rows, row_bytes));
     y += rows;

@@ -12,16 +12,11 @@
 
 #include "image/image.h"
 #include "image/image_rows.h"
+#include "image/shown_row.h"
 
 namespace kiln {
 
 bool looksLikePng(std::span<const std::byte> data);
-
-/// Position of a file's first pixel in the pattern of dithering. Views side by side have the pattern of a view each.
-struct PatternPlace {
-  int x = 0, y = 0;
-  int views = 1;  // of equal width, in the file
-};
 
 /// Encodes RGBA and texts (UTF-8; keys of 1 to 79 Latin-1 characters) with `bits` (8 or 16) per channel, straight
 /// alpha, sRGB. Values outside the range of PNG are clamped. Colours of 8 bits are dithered (image/dither.h), alpha is
