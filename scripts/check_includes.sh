@@ -68,7 +68,7 @@ FOLDERS=$folders awk '
         next
       }
       from = header; sub(/\/[^\/]*$/, "", from)
-      if (from ~ /^bench(\/|$)/) from = "tools/" from
+      if (from ~ /^(bench|python)(\/|$)/) from = "tools/" from
       if (from != folder && !allows(may[folder], header, from)) complain(where, folder " may not include \"" header "\"")
       else if (!exists("src/" header) && !exists("tools/" header)) complain(where, "\"" header "\" is not a header of src/")
     } else {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that are missing: install_packages.sh [build|mpi|test|browser|bench|demo|peers|chroot ...], `build` if nothing is named.
+# Installs the Debian packages that are missing: install_packages.sh [build|mpi|python|test|browser|bench|demo|peers|chroot ...], `build` if nothing is named.
 # Where all are there it changes nothing and needs no root. Debian 12 and its successors.
 set -euo pipefail
 
@@ -9,8 +9,9 @@ build=(g++ cmake ninja-build pkg-config
        libopenexr-dev libimath-dev libpng-dev libtiff-dev libjpeg-dev libbz2-dev liblzma-dev libexpat1-dev libgdcm-dev libhdf5-dev libopenjp2-7-dev libxxhash-dev libhwy-dev
        libglm-dev libfmt-dev libcli11-dev nlohmann-json3-dev)
 mpi=(libopenmpi-dev openmpi-bin)
+python=(pybind11-dev python3-dev python3-numpy)
 # Tests hold Kiln's files and its schema against other programs.
-test=(libgtest-dev openimageio-tools ffmpeg lowdown libopenjp2-tools
+test=(libgtest-dev openimageio-tools ffmpeg lowdown libopenjp2-tools "${python[@]}" python3-pytest
       python3-jsonschema python3-zarr python3-h5py python3-mrcfile python3-nibabel python3-tifffile)
 # Tests of the page of kiln view (tests/browser/viewer.mjs).
 browser=(chromium nodejs npm)
@@ -27,13 +28,14 @@ for group in "$@"; do
   case $group in
     build) wanted+=("${build[@]}") ;;
     mpi) wanted+=("${mpi[@]}") ;;
+    python) wanted+=("${python[@]}") ;;
     test) wanted+=("${test[@]}") ;;
     browser) wanted+=("${browser[@]}") ;;
     bench) wanted+=("${bench[@]}") ;;
     demo) wanted+=("${demo[@]}") ;;
     peers) wanted+=("${peers[@]}") ;;
     chroot) wanted+=("${chroot[@]}") ;;
-    *) echo "install_packages.sh: '$group' is not one of build mpi test browser bench demo peers chroot" >&2; exit 2 ;;
+    *) echo "install_packages.sh: '$group' is not one of build mpi python test browser bench demo peers chroot" >&2; exit 2 ;;
   esac
 done
 

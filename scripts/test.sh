@@ -38,7 +38,7 @@ scripts/install_packages.sh build mpi test
 scripts/check_includes.sh
 scripts/check_definitions.sh
 
-configure=(-DKILN_TESTS=ON -DKILN_MPI=ON -DKILN_HDF5=ON -DKILN_OPENJPEG=ON -DKILN_VIEW=ON "-DKILN_NIGHTLY=$nightly")
+configure=(-DKILN_TESTS=ON -DKILN_MPI=ON -DKILN_HDF5=ON -DKILN_OPENJPEG=ON -DKILN_VIEW=ON -DKILN_PYTHON=ON "-DKILN_NIGHTLY=$nightly")
 if [ "$nightly" = ON ]; then
   scripts/install_packages.sh bench
   configure+=(-DKILN_BENCH=ON)
@@ -70,14 +70,18 @@ build_and_start_tests() {
   case $preset in
     asan) labels=(unit property format fault) ;;
     tsan) labels=(threads) ;;
-    release | dev) labels=(frames fault known_answer cli consumer browser) ;;
+    release | dev) labels=(frames fault known_answer cli consumer browser python) ;;
   esac
   if [ "$nightly" = ON ] && [ "$preset" = asan ]; then labels+=(threads frames cli); fi
   if [ "$nightly" = ON ] && [ "$preset" = tsan ]; then labels+=(frames); fi
   if [ "$whole" = ON ] && [[ $preset = release || $preset = dev ]]; then labels+=(unit threads property format); fi
   for label in "${labels[@]}"; do
     # An installed Kiln has the program, too.
-    if [[ $label = consumer || $label = browser ]]; then targets+=(kiln_tool); else targets+=("kiln_${label}_tests"); fi
+    case $label in
+      consumer | browser) targets+=(kiln_tool) ;;
+      python) targets+=(kiln_python) ;;
+      *) targets+=("kiln_${label}_tests") ;;
+    esac
   done
   # Everything that README's command builds, and the benchmarks.
   if [ "$nightly" = ON ] && [ "$preset" = release ]; then targets=(); fi

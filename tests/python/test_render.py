@@ -1,0 +1,171 @@
+"""Pictures equal those of the program: known because both describe one job, and the program writes its files."""
+
+import subprocess
+import sys
+
+import numpy
+import pytest
+
+import kiln
+from conftest import run_tool
+
+SIZE = {"size": (96, 72)}
+JOBS = [
+    {},
+    {"view": "front", "azimuth": 20, "elevation": 10.5, "tf": "ct-bone"},
+    {"eye": (400, -500, 1700), "fov": 25, "samples": 4},
+    {"projection": "orthographic", "tf": "1100:0,1300:0.5:#f80,2000:0.9:white"},
+    {"mode": "mip", "window": (1100, 800), "tf": "viridis", "aov": ["value"]},
+    {"lattice": "voxel", "tf": "grayscale", "background": "navy"},
+    {"tf": "iso:1300", "light": ["cam:-1,1,1", "headlight"], "shadows": True, "aov": ["depth", "normal"]},
+    {"region": "10,10,10,80,70,60", "level": 1, "interpolation": "cubic"},
+    {"look": "studio", "exposure": 0.5, "crop": "10,5,90,60", "background": "black:#336"},
+    {"stereo": "both", "interocular": 60, "tf": None},
+]
+
+
+def flags_of(words):
+    """The words as flags, written here once more so that the package's own translation is tested."""
+    out = []
+    for word, value in words.items():
+        flag = "--" + word.replace("_", "-")
+        if value is True:
+            out.append(flag)
+        elif value is not None:
+            items = value if isinstance(value, (tuple, list)) else [value]
+            if word == "light":
+                out += [argument for item in items for argument in (flag, item)]
+            else:
+                out += [flag, ("x" if word == "size" else ",").join(map(str, items))]
+    return out
+
+
+@pytest.mark.parametrize("words", JOBS, ids=lambda words: "-".join(words) or "plain")
+def test_picture_equals_the_programs(head, words):
+    words = {**words, **SIZE}
+    run_tool("render", head, "-o", "tool.exr", "--exr-type", "float", *flags_of(words), cwd=".")
+    image = kiln.open(head).render(**words)
+    image.save("python.exr", exr_type="float")
+    assert open("tool.exr", "rb").read() == open("python.exr", "rb").read()
+    flat = {word: value for word, value in words.items() if word != "aov"}
+    run_tool("render", head, "-o", "tool.png", *flags_of(flat), cwd=".")
+    image.save("python.png")
+    assert open("tool.png", "rb").read() == open("python.png", "rb").read()
+    assert open("tool.png", "rb").read() == image._repr_png_()
+
+
+def test_pixels_are_those_of_the_files(head):
+    image = kiln.open(head).render(tf="ct-bone", background="navy", exposure=1, **SIZE)
+    light = numpy.asarray(image)
+    assert light.shape == image.shape == (72, 96, 4) and light.dtype == numpy.float32
+    assert light.ctypes.data == numpy.asarray(image).ctypes.data, "the picture was copied"
+    assert not light.flags.writeable
+    assert (light[..., 3] == 1).all()
+    image.save("a.png")
+    shown = subprocess.run(["oiiotool", "a.png", "-o", "a.ppm"], capture_output=True, text=True)
+    assert shown.returncode == 0, shown.stderr
+    bytes_of_file = numpy.frombuffer(open("a.ppm", "rb").read()[-72 * 96 * 3 :], dtype=numpy.uint8).reshape(72, 96, 3)
+    assert (image.srgb8()[..., :3] == bytes_of_file).all()
+
+
+def test_pixels_outlive_picture_and_volume(head):
+    pixels = numpy.asarray(kiln.open(head).render(**SIZE))
+    kept = pixels.copy()
+    kiln.open(head).render(view="back", **SIZE)
+    assert (pixels == kept).all()
+
+
+def test_planes(head):
+    image = kiln.open(head).render(tf="iso:1300", aov=["depth", "normal"], **SIZE)
+    seen = numpy.isfinite(image.depth)
+    assert 0.1 < seen.mean() < 0.9
+    assert numpy.allclose(numpy.linalg.norm(image.normal[seen], axis=-1), 1, atol=1e-5)
+    assert set(image.planes) >= {"Z", "depth.mean", "N.X", "N.Y", "N.Z"}
+    with pytest.raises(AttributeError, match='aov=\\["value"\\]'):
+        image.value
+
+
+def test_objects_of_a_job_are_words(head):
+    s = kiln.open(head)
+    camera = {"view": "left", "fov": 40}
+    assert (numpy.asarray(s.render(camera=camera, **SIZE)) == numpy.asarray(s.render(view="left", fov=40, **SIZE))).all()
+
+
+def test_job_draws_the_picture_again(head):
+    s = kiln.open(head)
+    image = s.render(tf="ct-bone", azimuth=30, **SIZE)
+    job = image.job
+    again = s.render(**{key: job[key] for key in ("camera", "image", "transferFunction")})
+    assert (numpy.asarray(image) == numpy.asarray(again)).all()
+
+
+def test_memory_bounds_bricks_and_changes_no_pixel(head):
+    s = kiln.open(head)
+    assert (numpy.asarray(s.render(memory="24M", **SIZE)) == numpy.asarray(s.render(memory=1 << 30, **SIZE))).all()
+
+
+def test_voxels(head):
+    s = kiln.open(head)
+    whole = s[...]
+    assert whole.shape == s.shape == (64, 80, 96) and whole.dtype == s.dtype == numpy.uint16
+    for key in [
+        (slice(3, 20), slice(None, None, 2), 5),
+        (slice(60, 2, -7), Ellipsis),
+        (-1, slice(5, 5), slice(None)),
+        (Ellipsis, slice(90, 200)),
+        7,
+    ]:
+        assert (s[key] == whole[key]).all() and s[key].shape == whole[key].shape
+    assert s.levels == ((64, 80, 96), (32, 40, 48), (16, 20, 24))
+    assert s.read(1).shape == s.levels[1]
+    assert s.read(1, ((1, 4), (2, 9), (3, 5))).shape == (3, 7, 2)
+    with pytest.raises(IndexError):
+        s[64]
+    with pytest.raises(kiln.Error) as failure:
+        s.read(0, ((0, 65), (0, 1), (0, 1)))
+    assert failure.value.code == "usage"
+
+
+def test_facts(head):
+    s = kiln.open(head)
+    whole = s[...]
+    assert s.range == (whole.min(), whole.max())
+    counts, edges = s.histogram()
+    assert counts.sum() == whole.size and len(edges) == len(counts) + 1
+    assert edges[0] == whole.min() and edges[-1] == whole.max()
+    assert s.unit == "mm" and s.labels is None
+    assert numpy.allclose(numpy.linalg.norm(s.affine[:3, :3], axis=0), s.spacing[::-1])
+
+
+def test_errors_have_code_and_path(head):
+    cases = [
+        (lambda: kiln.open("absent.kiln"), "not_found", "absent.kiln"),
+        (lambda: kiln.open(head).render(memory="1M"), "budget", str(head)),
+        (lambda: kiln.open(head).render(fov=400), "usage", None),
+        (lambda: kiln.open(head).render(azimut=3), "usage", None),
+        (lambda: kiln.open(head, dims="1,2,3"), "usage", str(head)),
+    ]
+    for call, code, path in cases:
+        with pytest.raises(kiln.Error) as failure:
+            call()
+        assert (failure.value.code, failure.value.path) == (code, path), str(failure.value)
+    with pytest.raises(kiln.Error, match="nearest is --azimuth"):
+        kiln.open(head).render(azimut=3)
+    open("damaged.kiln", "w").close()
+    with pytest.raises(kiln.Error):
+        kiln.open("damaged.kiln")
+
+
+def test_doubtful_picture_warns(head):
+    with pytest.warns(kiln.Warning, match="empty"):
+        kiln.open(head).render(tf="iso:9999", **SIZE)
+
+
+def test_import_is_quick():
+    """Measured: 0.14 s on two busy cores; a bound that only a blocking import exceeds."""
+    seconds = subprocess.run(
+        [sys.executable, "-c", "import time; t = time.time(); import kiln; print(time.time() - t)"],
+        capture_output=True, text=True, check=True,
+    )
+    print("import takes", seconds.stdout)
+    assert float(seconds.stdout) < 3

@@ -1,0 +1,159 @@
+#include "python/call.h"
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "base/error.h"
+
+namespace kiln::python {
+namespace {
+
+constexpr auto kLookEvery = std::chrono::milliseconds(50);
+
+// Owned by the module, which is never unloaded.
+PyObject* error_type = nullptr;
+PyObject* warning_type = nullptr;
+
+// In the order of ErrorCode.
+constexpr std::array<std::string_view, 11> kCodes = {"usage",       "not_found", "exists",   "format",
+                                                     "unsupported", "damaged",   "replaced", "budget",
+                                                     "io",          "no_space",  "cancelled"};
+
+void raise(const Error& error) {
+  const py::object instance = py::reinterpret_borrow<py::object>(error_type)(error.what());
+  instance.attr("code") = kCodes[static_cast<std::size_t>(error.code())];
+  if (error.path().empty())
+    instance.attr("path") = py::none();
+  else
+    instance.attr("path") = error.path().string();
+  PyErr_SetObject(error_type, instance.ptr());
+}
+
+class CallProgress final : public Progress {
+ public:
+  void advance(const char* step, const char*, std::uint64_t done, std::uint64_t total) override {
+    const std::lock_guard lock(mutex_);
+    latest_ = Latest{step, done, total};
+  }
+  void note(const std::string& sentence) override { keep(false, sentence); }
+  void warn(const std::string& sentence) override { keep(true, sentence); }
+  bool cancelled() const override { return cancelled_; }
+
+  void cancel() { cancelled_ = true; }
+  void end() {
+    {
+      const std::lock_guard lock(mutex_);
+      ended_ = true;
+    }
+    changed_.notify_all();
+  }
+  // Returns true once the work has ended.
+  bool wait() {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, kLookEvery, [&] { return ended_; });
+  }
+
+  // Calls `on_progress` with the news since the last call.
+  void report(const py::object& on_progress) {
+    std::optional<Latest> latest;
+    {
+      const std::lock_guard lock(mutex_);
+      latest = std::exchange(latest_, std::nullopt);
+    }
+    if (latest && !on_progress.is_none()) on_progress(latest->step, latest->done, latest->total);
+  }
+  void tellSentences() {
+    for (const auto& [warns, sentence] : sentences_) {
+      if (!warns)
+        py::module_::import("logging").attr("getLogger")("kiln").attr("info")("%s", sentence);
+      else if (PyErr_WarnEx(warning_type, sentence.c_str(), 3) != 0)
+        throw py::error_already_set();
+    }
+  }
+
+ private:
+  struct Latest {
+    std::string step;
+    std::uint64_t done, total;
+  };
+  void keep(bool warns, const std::string& sentence) {
+    const std::lock_guard lock(mutex_);
+    sentences_.emplace_back(warns, sentence);
+  }
+
+  std::atomic<bool> cancelled_ = false;
+  std::mutex mutex_;  // guards the members below until the work has ended
+  std::condition_variable changed_;
+  bool ended_ = false;
+  std::optional<Latest> latest_;
+  std::vector<std::pair<bool, std::string>> sentences_;
+};
+
+}  // namespace
+
+void bindErrors(py::module_& module) {
+  error_type = PyErr_NewExceptionWithDoc(
+      "kiln.Error",
+      "A failure that the caller can act on.\n\n"
+      "code: 'usage', 'not_found', 'exists', 'format', 'unsupported', 'damaged', 'replaced', 'budget', 'io',\n"
+      "'no_space' or 'cancelled'. path: the file or folder, or None.",
+      nullptr, nullptr);
+  warning_type =
+      PyErr_NewExceptionWithDoc("kiln.Warning", "A result that differs from the request.", PyExc_UserWarning, nullptr);
+  if (error_type == nullptr || warning_type == nullptr) throw py::error_already_set();
+  module.attr("Error") = py::reinterpret_borrow<py::object>(error_type);
+  module.attr("Warning") = py::reinterpret_borrow<py::object>(warning_type);
+  py::register_exception_translator([](std::exception_ptr failure) {
+    try {
+      if (failure) std::rethrow_exception(failure);
+    } catch (const Error& error) {
+      raise(error);
+    }
+  });
+}
+
+void runForCall(const py::object& on_progress, const std::function<void(Progress&)>& work) {
+  CallProgress progress;
+  std::exception_ptr failure;
+  std::thread worker([&] {
+    try {
+      work(progress);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    progress.end();
+  });
+  std::optional<py::error_already_set> raised;
+  for (bool ended = false; !ended;) {
+    {
+      const py::gil_scoped_release unlocked;
+      ended = progress.wait();
+    }
+    if (raised) continue;
+    try {
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      progress.report(on_progress);
+    } catch (const py::error_already_set& error) {
+      raised = error;
+      progress.cancel();
+    }
+  }
+  {
+    const py::gil_scoped_release unlocked;
+    worker.join();
+  }
+  if (raised) throw py::error_already_set(*raised);
+  if (failure) std::rethrow_exception(failure);
+  progress.tellSentences();
+}
+
+}  // namespace kiln::python

@@ -1,0 +1,106 @@
+#include "python/job_words.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <ctime>
+#include <functional>
+#include <utility>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "job/job_options.h"
+#include "job/json/job_json.h"
+#include "job/transfer_function_json.h"
+
+namespace kiln::python {
+namespace {
+
+std::int64_t wholeOf(const std::string& name, const std::string& text) {
+  const std::optional<std::int64_t> value = decimalOf<std::int64_t>(text);
+  if (!value || *value < 0)
+    throw Error(ErrorCode::kUsage, fmt::format("{}: expected a whole number from 0 on, found '{}'", name, text));
+  return *value;
+}
+
+bool isOn(const std::string& text) { return text == "on"; }
+
+}  // namespace
+
+GivenFlags givenFlags(const Texts& texts) {
+  GivenFlags out;
+  std::size_t found = 0;
+  for (const JobFlag& flag : jobFlags()) {
+    if (const auto given = texts.find(nameOfFlag(flag.flag)); given != texts.end())
+      out.add(flag, given->second), ++found;
+  }
+  if (found == texts.size()) return out;
+  std::vector<std::string> names;
+  for (const JobFlag& flag : jobFlags()) names.push_back(nameOfFlag(flag.flag));
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  for (const auto& [name, unused] : texts) {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{}: is no option of a picture; the nearest is {}", name, nearestWord(name, known)));
+  }
+  return out;
+}
+
+RenderJob jobOf(const std::filesystem::path& volume, const JobWords& words) {
+  RenderJob job = words.json.empty() ? RenderJob() : parseJob(words.json, {});
+  job.volume = volume;
+  applyGiven(givenFlags(words.flags), true, job);
+  if (!words.function.empty())
+    job.picture.transfer_function = transferFunctionFrom(JobObject::parse(words.function, "tf"));
+  return job;
+}
+
+SourceWords sourceWords(const std::map<std::string, std::string>& texts) {
+  SourceWords out;
+  const std::map<std::string_view, std::function<void(const std::string&)>> members = {
+      {"dims", [&](const std::string& text) { out.dims = text; }},
+      {"type", [&](const std::string& text) { out.type = text; }},
+      {"endian", [&](const std::string& text) { out.endian = text; }},
+      {"spacing", [&](const std::string& text) { out.spacing = text; }},
+      {"grid", [&](const std::string& text) { out.grid = text; }},
+      {"series", [&](const std::string& text) { out.series = text; }},
+      {"flip", [&](const std::string& text) { out.flip = text; }},
+      {"orient", [&](const std::string& text) { out.orient = text; }},
+      {"up_axis", [&](const std::string& text) { out.up = text; }},
+      {"channel", [&](const std::string& text) { out.channel = text; }},
+      {"time", [&](const std::string& text) { out.time = wholeOf("time", text); }},
+      {"scale", [&](const std::string& text) { out.scale = wholeOf("scale", text); }},
+      {"skip", [&](const std::string& text) { out.skip = static_cast<std::uint64_t>(wholeOf("skip", text)); }},
+      {"allow_irregular", [&](const std::string& text) { out.allow_irregular = isOn(text); }},
+      {"luminance", [&](const std::string& text) { out.luminance = isOn(text); }}};
+  for (const auto& [name, text] : texts) {
+    const auto member = members.find(name);
+    if (member == members.end()) {
+      std::vector<std::string_view> known;
+      for (const auto& [word, unused] : members) known.push_back(word);
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("{}: is no option of a volume file; the nearest is {}", name, nearestWord(name, known)));
+    }
+    member->second(text);
+  }
+  return out;
+}
+
+std::string timeNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
+
+void bindWords(py::module_& module) {
+  module.attr("job_format") = kJobFormat;
+  module.def("flags", [] {
+    py::list out;
+    for (const JobFlag& flag : jobFlags()) {
+      const char* const kinds[] = {"none", "one", "several", "list"};
+      out.append(py::make_tuple(nameOfFlag(flag.flag), kinds[static_cast<std::size_t>(flag.arguments)],
+                                kOptionGroupNames[static_cast<std::size_t>(flag.group)], flag.value_name, flag.help));
+    }
+    return out;
+  });
+}
+
+}  // namespace kiln::python

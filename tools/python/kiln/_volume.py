@@ -1,0 +1,212 @@
+"""Volumes: stores, files and arrays."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any, Callable, Sequence
+
+from kiln import _kiln
+from kiln._arrays import is_array, source_of
+from kiln._image import Image
+from kiln._words import source_texts, text_of, texts_of
+
+if TYPE_CHECKING:
+    import numpy
+
+Progress = Callable[[str, int, int], Any]
+Box = Sequence[Sequence[int]]
+
+_TYPES = {"u8": "uint8", "i8": "int8", "u16": "uint16", "i16": "int16", "u32": "uint32", "i32": "int32", "f32": "float32", "f64": "float64"}
+
+
+class Volume:
+    """An open volume; made by kiln.open. Threads may use one volume at once: they draw in turn, on all cores."""
+
+    def __init__(self, volume: Any):
+        self._volume = volume
+        self._facts = volume.facts()
+
+    @property
+    def path(self) -> str:
+        """The store's folder; "array" for an array."""
+        return self._facts["path"]
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Voxels along z, y, x."""
+        return self._facts["shape"]
+
+    @property
+    def ndim(self) -> int:
+        return 3
+
+    @property
+    def dtype(self) -> "numpy.dtype[Any]":
+        """The type of voxels."""
+        import numpy
+
+        return numpy.dtype(_TYPES[self._facts["type"]])
+
+    @property
+    def affine(self) -> "numpy.ndarray":
+        """World (x, y, z, 1) from voxel (x, y, z, 1). shape: (4, 4). unit: `unit`."""
+        import numpy
+
+        return numpy.array(self._facts["affine"])
+
+    @property
+    def spacing(self) -> tuple[float, float, float]:
+        """Lengths of a voxel's edges along z, y, x. unit: `unit`."""
+        return self._facts["spacing"]
+
+    @property
+    def unit(self) -> str:
+        """The unit of length in the world, such as "mm"; empty if unknown."""
+        return self._facts["unit"]
+
+    @property
+    def frame(self) -> str:
+        """The patient's directions of the world's axes: "RAS", "LPS" or "unknown"."""
+        return self._facts["frame"]
+
+    @property
+    def levels(self) -> tuple[tuple[int, int, int], ...]:
+        """The shapes of all levels of the pyramid, the finest first."""
+        return self._facts["levels"]
+
+    @property
+    def range(self) -> tuple[float, float] | None:
+        """The least and the greatest value; None if all are NaN."""
+        return self._facts["range"]
+
+    @property
+    def labels(self) -> dict[int, int] | None:
+        """Voxels of each label, for a volume of labels; else None."""
+        return self._facts["labels"]
+
+    def histogram(self) -> "tuple[numpy.ndarray, numpy.ndarray]":
+        """Returns counts of voxels and edges of bins, as numpy.histogram. shape: (n,) and (n + 1,)."""
+        import numpy
+
+        low, high, counts = self._facts["histogram"]
+        return numpy.array(counts, dtype=numpy.uint64), numpy.linspace(low, high, len(counts) + 1)
+
+    def read(self, level: int = 0, box: Box | None = None, progress: Progress | None = None) -> "numpy.ndarray":
+        """Reads the voxels of a box of a level: ((z0, z1), (y0, y1), (x0, x1)), by default all.
+
+        shape: (z1 - z0, y1 - y0, x1 - x0), in `dtype`.
+        """
+        import numpy
+
+        if box is None:
+            if not 0 <= level < len(self.levels):
+                raise IndexError(f"level: expected 0 to {len(self.levels) - 1} (found {level})")
+            box = [(0, length) for length in self.levels[level]]
+        edges = [(int(low), int(high)) for low, high in box]
+        if len(edges) != 3:
+            raise ValueError(f"box: expected 3 pairs, along z, y and x (found {len(edges)})")
+        data = self._volume.read(level, edges, progress)
+        return numpy.frombuffer(data, dtype=self.dtype).reshape([high - low for low, high in edges])
+
+    def __getitem__(self, key: Any) -> Any:
+        """Reads voxels of level 0: s[z0:z1, y0:y1, x0:x1], with numbers, steps and ... as in NumPy."""
+        keys = list(key) if isinstance(key, tuple) else [key]
+        if Ellipsis in keys:
+            at = keys.index(Ellipsis)
+            keys[at : at + 1] = [slice(None)] * (4 - len(keys))
+        if len(keys) > 3:
+            raise IndexError(f"a volume has 3 axes (found {len(keys)} indices)")
+        keys += [slice(None)] * (3 - len(keys))
+        box, inside = [], []
+        for axis, (one, length) in enumerate(zip(keys, self.shape)):
+            if isinstance(one, slice):
+                places = range(*one.indices(length))
+                if not places:
+                    box.append((0, 0))
+                    inside.append(slice(None))
+                    continue
+                low, high = min(places[0], places[-1]), max(places[0], places[-1])
+                box.append((low, high + 1))
+                begin = places[0] - low
+                end = None if one.indices(length)[2] < 0 else high + 1 - low
+                inside.append(slice(begin, end, one.indices(length)[2]))
+            else:
+                place = one.__index__()
+                if not -length <= place < length:
+                    raise IndexError(f"index {place} is out of bounds for axis {axis} of {length} voxels")
+                place %= length
+                box.append((place, place + 1))
+                inside.append(0)
+        return self.read(0, box)[tuple(inside)]
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> "numpy.ndarray":
+        array = self.read()
+        return array if dtype is None else array.astype(dtype, copy=False)
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def render(self, *, progress: Progress | None = None, **words: Any) -> Image:
+        """Draws a picture; `words` are the options of `kiln render` (kiln.options lists them).
+
+        view="front", azimuth=20, fov=30, size=(width, height) in pixels, samples=4, memory="1G",
+        aov=["depth", "normal"], and others. A word whose value is a dict is an object of a job: camera={"eye": ...}.
+        tf: a preset, points, a file, or kiln.transfer_function(...).
+        progress: called with (step, done, total). Ctrl-C cancels. throws: kiln.Error.
+        """
+        return Image(self._volume.draw(*self._texts(words), progress))
+
+    def _texts(self, words: dict[str, Any]) -> Any:
+        for word in ("output", "deep", "trace"):
+            if words.get(word):
+                raise TypeError(f"{word}: a picture in memory has no file; save it, or use kiln.render")
+        return texts_of(words, self.range)
+
+    def __repr__(self) -> str:
+        z, y, x = self.shape
+        return f"<kiln.Volume {self.path}: {z} x {y} x {x} voxels of {self.dtype}, {len(self.levels)} levels>"
+
+
+def open(
+    source: Any,
+    *,
+    labels: bool = False,
+    memory: str | int = "2G",
+    progress: Progress | None = None,
+    store: str | os.PathLike[str] | None = None,
+    axes: str | None = None,
+    spacing: Any = None,
+    affine: Any = None,
+    unit: str = "",
+    frame: str = "",
+    brick_size: int = 128,
+    **words: Any,
+) -> Volume:
+    """Opens a store, a volume file or an array.
+
+    A volume file becomes a store beside it first, or in the folder `store`; `words` describe the file as options of
+    `kiln convert` do: dims, type, channel, time, .... An array (anything with shape, dtype and slices) is drawn without a
+    file: a NumPy array in place, anything else sliced brick by brick; coarser levels are made within `memory`.
+
+    axes: the array's, by default "zyx"; c and t are chosen by channel and time. spacing: along z, y and x of `axes`, in
+    this order. affine: world (x, y, z) from voxel (x, y, z), 4 x 4. labels: values are labels. The array must not change.
+    """
+    if is_array(source) and not isinstance(source, (str, os.PathLike)):
+        described = source_of(source, axes=axes, spacing=spacing, affine=affine, unit=unit, frame=frame, labels=labels, **words)
+        return Volume(_kiln.Volume.open_array(described, brick_size, text_of(memory), progress))
+    folder = os.fspath(store) if store is not None else os.environ.get("KILN_STORE_DIR", "")
+    texts = source_texts(dict(words, **file_words(axes, spacing, affine)))
+    return Volume(_kiln.Volume.open_file(os.fspath(source), texts, folder, labels, text_of(memory), progress))
+
+
+def file_words(axes: str | None, spacing: Any, affine: Any) -> dict[str, Any]:
+    """Returns the words of a file for the place of its voxels; the command line has spacings along x, y, z."""
+    if affine is not None:
+        raise ValueError("affine: is for arrays (found a file); a file has its own, or spacing")
+    if spacing is None or isinstance(spacing, str):
+        return {"spacing": spacing}
+    order = axes or "zyx"
+    by_axis = dict(zip(order, spacing))
+    if set(by_axis) != set("xyz"):
+        raise ValueError(f"spacing: expected three numbers, along {', '.join(order)}")
+    return {"spacing": [by_axis[axis] for axis in "xyz"]}

@@ -1,0 +1,99 @@
+"""The words of a call as options of the command line, and as keys of a job."""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+from typing import Any, NamedTuple
+
+from kiln import _kiln
+from kiln._functions import TransferFunction
+
+
+class Option(NamedTuple):
+    """An option of pictures: its word in Python, its flag, the values it takes, and its help."""
+
+    word: str
+    flag: str
+    arguments: str  # "none", "one", "several" or "list"
+    group: str
+    values: str
+    help: str
+
+
+@functools.lru_cache(maxsize=None)
+def _by_word() -> dict[str, Option]:
+    rows = (Option(flag[2:].replace("-", "_"), flag, *rest) for flag, *rest in _kiln.flags())
+    return {row.word: row for row in rows}
+
+
+def options() -> list[Option]:
+    """Returns all options of pictures, in the order of `kiln render --help`."""
+    return list(_by_word().values())
+
+
+def text_of(value: Any) -> str:
+    """Returns a value as the command line writes it: (1, 2.5) is "1,2.5"."""
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, str):
+        return value
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if hasattr(value, "item") and getattr(value, "ndim", 0) == 0:  # a number of NumPy's
+        value = value.item()
+    if isinstance(value, float):
+        return repr(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
+    if isinstance(value, int):
+        return str(value)
+    try:
+        return ",".join(text_of(item) for item in value)
+    except TypeError:
+        raise TypeError(f"expected a text, a number or a sequence of these, found {type(value).__name__}") from None
+
+
+def _is_json(value: Any) -> bool:
+    return isinstance(value, dict) or (
+        isinstance(value, (list, tuple)) and len(value) > 0 and all(isinstance(item, dict) for item in value)
+    )
+
+
+class Texts(NamedTuple):
+    json: str  # a job with the objects among the words
+    flags: dict[str, list[str]]
+    function: str  # a transfer function as JSON
+
+
+def texts_of(words: dict[str, Any], value_range: tuple[float, float] | None = None) -> Texts:
+    """Divides words into flags and objects of a job. `value_range` stretches a colour map without values."""
+    known = _by_word()
+    objects: dict[str, Any] = {}
+    flags: dict[str, list[str]] = {}
+    function = ""
+    for word, value in words.items():
+        if value is None:
+            continue
+        row = known.get(word)
+        if word == "tf" and isinstance(value, TransferFunction):
+            function = value.json(value_range)
+            if not function:
+                flags["--tf"] = [value.name]
+        elif _is_json(value):
+            objects[word] = value
+        elif row is None:
+            flags["--" + word.replace("_", "-")] = [text_of(value)]  # refused with the nearest option
+        elif row.arguments == "none":
+            if value:
+                flags[row.flag] = [""]
+        elif row.arguments != "one" and isinstance(value, (list, set)):
+            flags[row.flag] = [text_of(item) for item in value]
+        else:
+            flags[row.flag] = [text_of(value)]
+    text = json.dumps({"kiln": _kiln.job_format, "volume": "volume", **objects}) if objects else ""
+    return Texts(text, flags, function)
+
+
+def source_texts(words: dict[str, Any]) -> dict[str, str]:
+    """Returns the words of a volume file as texts."""
+    return {word: text_of(value) for word, value in words.items() if value is not None}

@@ -1,0 +1,15 @@
+// The extension module kiln._kiln. What users call is written in Python, in the folder kiln.
+#include "python/arrays.h"
+#include "python/call.h"
+#include "python/job_words.h"
+#include "python/picture.h"
+#include "python/volume.h"
+
+PYBIND11_MODULE(_kiln, module) {
+  module.attr("version") = KILN_VERSION;
+  kiln::python::bindErrors(module);
+  kiln::python::bindWords(module);
+  kiln::python::bindPicture(module);
+  kiln::python::bindArrays(module);
+  kiln::python::bindVolume(module);
+}

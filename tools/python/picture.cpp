@@ -1,0 +1,136 @@
+#include "python/picture.h"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <utility>
+
+#include "frame/background.h"
+#include "image/file/image_file.h"
+#include "image/image_rows.h"
+#include "image/shown_row.h"
+#include "job/job_facts.h"
+#include "python/job_words.h"
+
+namespace kiln::python {
+namespace {
+
+Finish finishOf(const DrawnFrame& drawn) { return kiln::finishOf(drawn.scene.picture, drawn.scene.transfer_function); }
+
+PixelRect pixelsOf(const PictureOptions& picture) { return drawnPixels(picture.size, picture.crop); }
+
+// Floats of a picture, which they keep.
+struct Floats {
+  std::shared_ptr<const Picture> picture;
+  const float* values;
+  std::vector<py::ssize_t> shape;
+
+  py::buffer_info buffer() const {
+    std::vector<py::ssize_t> strides(shape.size(), sizeof(float));
+    for (std::size_t i = shape.size() - 1; i-- > 0;) strides[i] = strides[i + 1] * shape[i + 1];
+    return {const_cast<float*>(values),
+            sizeof(float),
+            py::format_descriptor<float>::format(),
+            static_cast<py::ssize_t>(shape.size()),
+            shape,
+            strides,
+            true};
+  }
+};
+
+}  // namespace
+
+Picture::Picture(RenderJob job, int frame, DrawnFrame drawn, std::shared_ptr<const BrickedVolume> volume)
+    : job_(std::move(job)), frame_(frame), drawn_(std::move(drawn)), volume_(std::move(volume)) {
+  const Finish finish = finishOf(drawn_);
+  if (finish.none()) return;
+  for (const DrawnView& view : drawn_.views) {
+    light_.push_back(view.image);
+    finishPicture(light_.back(), pixelsOf(drawn_.scene.picture).y0, finish, Medium::kLight);
+  }
+}
+
+std::vector<std::uint8_t> Picture::srgbBytes(std::size_t view) const {
+  const Image& image = drawn_.views[view].image;
+  const PixelRect drawn = pixelsOf(drawn_.scene.picture);
+  const std::unique_ptr<ImageRows> rows = shownRows(image, drawn.y0, finishOf(drawn_));
+  const auto row_bytes = static_cast<std::size_t>(image.width) * 4;
+  std::vector<std::uint8_t> out(row_bytes * static_cast<std::size_t>(image.height));
+  for (int y = 0; y < image.height; ++y) {
+    const ImageRows::Band band = rows->bandAt(y);
+    encodeShownRow(*band.image, y - band.first_row, y, {drawn.x0, drawn.y0, 1}, 8,
+                   out.data() + static_cast<std::size_t>(y) * row_bytes);
+  }
+  return out;
+}
+
+std::vector<std::byte> Picture::png() const {
+  RenderJob job = job_;
+  job.picture.aovs = {};  // no PNG holds planes
+  return pngOf(job, drawn_, *volume_);
+}
+
+void Picture::save(const std::filesystem::path& path, const GivenFlags& flags) const {
+  RenderJob job = job_;
+  flags.apply(job);
+  job.output.files.clear();
+  job.output.video = {};
+  job.output.path = path;
+  if (!isExrPath(path)) job.picture.aovs = {};
+  requireOutputs(job, {frame_});
+  requirePlaces(job, frame_);
+  DrawnFrame drawn = drawn_;
+  writeFrame(job, frame_, drawn, *volume_, job.speed.memory_bytes);
+}
+
+void Picture::writeFiles() const {
+  if (filesOf(job_, frame_).empty()) return;
+  requirePlaces(job_, frame_);
+  DrawnFrame drawn = drawn_;
+  writeFrame(job_, frame_, drawn, *volume_, job_.speed.memory_bytes);
+}
+
+std::string Picture::jobText() const { return frameText(job_, {}, drawn_.scene); }
+
+void bindPicture(py::module_& module) {
+  using Shared = const std::shared_ptr<Picture>&;
+  py::class_<Floats>(module, "Floats", py::buffer_protocol()).def_buffer(&Floats::buffer);
+  py::class_<Picture, std::shared_ptr<Picture>>(module, "Picture")
+      .def_property_readonly("views", &Picture::views)
+      .def_property_readonly("frame", &Picture::frame)
+      .def_property_readonly("job", &Picture::jobText)
+      .def("size",
+           [](const Picture& self, std::size_t view) {
+             const Image& image = self.light(view);
+             return py::make_tuple(image.height, image.width);
+           })
+      .def("colors",
+           [](Shared self, std::size_t view) {
+             const Image& image = self->light(view);
+             return Floats{self, image.rgba.data(), {image.height, image.width, 4}};
+           })
+      .def("planes",
+           [](Shared self, std::size_t view) {
+             const Image& image = self->light(view);
+             py::dict out;
+             for (const Plane& plane : image.planes)
+               out[py::str(plane.name)] = Floats{self, plane.values.data(), {image.height, image.width}};
+             return out;
+           })
+      .def("srgb",
+           [](Shared self, std::size_t view) {
+             const auto bytes = resultForCall(py::none(), [&](Progress&) { return self->srgbBytes(view); });
+             return py::bytearray(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+           })
+      .def("png",
+           [](Shared self) {
+             const auto bytes = resultForCall(py::none(), [&](Progress&) { return self->png(); });
+             return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+           })
+      .def("save", [](Shared self, const std::filesystem::path& path, const Texts& texts) {
+        const GivenFlags flags = givenFlags(texts);
+        runForCall(py::none(), [&](Progress&) { self->save(path, flags); });
+      });
+}
+
+}  // namespace kiln::python

@@ -1,0 +1,204 @@
+#include "python/volume.h"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/memory/memory.h"
+#include "base/shell_text.h"
+#include "base/thread/parallel.h"
+#include "convert/foreign_cache.h"
+#include "convert/source_volume.h"
+#include "export/source/store_boxes.h"
+#include "frame/empty_frame.h"
+#include "scene/transfer/label_styles.h"
+#include "store/store_reader.h"
+
+namespace kiln::python {
+namespace {
+
+// Passes reports on to the call that draws.
+class Relay final : public Progress {
+ public:
+  void advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) override {
+    if (call_ != nullptr) call_->advance(step, unit, done, total);
+  }
+  void note(const std::string& sentence) override {
+    if (call_ != nullptr) call_->note(sentence);
+  }
+  void warn(const std::string& sentence) override {
+    if (call_ != nullptr) call_->warn(sentence);
+  }
+  bool cancelled() const override { return call_ != nullptr && call_->cancelled(); }
+
+  // Sets the call until destruction.
+  class Scope {
+   public:
+    Scope(Relay& relay, Progress& call) : relay_(relay) { relay_.call_ = &call; }
+    ~Scope() { relay_.call_ = nullptr; }
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    Relay& relay_;
+  };
+
+ private:
+  Progress* call_ = nullptr;
+};
+
+std::vector<const BrickedVolume*> pointersTo(const std::vector<std::shared_ptr<const BrickedVolume>>& volumes) {
+  std::vector<const BrickedVolume*> out;
+  for (const auto& volume : volumes) out.push_back(volume.get());
+  return out;
+}
+
+py::tuple zyx(const Extent3& dims) { return py::make_tuple(dims.z, dims.y, dims.x); }
+
+py::list rowsOf(const glm::dmat4& affine) {
+  py::list out;
+  for (int row = 0; row < 4; ++row)
+    out.append(py::make_tuple(affine[0][row], affine[1][row], affine[2][row], affine[3][row]));
+  return out;
+}
+
+py::object labelsOfVolume(const Manifest& manifest) {
+  if (manifest.volume_class != VolumeClass::kLabels) return py::none();
+  py::dict out;
+  if (const auto counts = labelsOf(manifest)) {
+    for (const LabelCount& label : *counts) out[py::int_(static_cast<std::int64_t>(label.label))] = label.voxels;
+  }
+  return out;
+}
+
+py::dict factsOf(const BrickedVolume& volume) {
+  const Manifest& manifest = volume.manifest();
+  const VolumeGeometry& geometry = manifest.geometry();
+  const glm::dvec3 spacing = geometry.spacing();
+  py::list levels;
+  for (const LevelInfo& level : manifest.levels) levels.append(zyx(level.geometry.dims));
+  py::dict out;
+  out["path"] = volume.path().string();
+  out["shape"] = zyx(geometry.dims);
+  out["type"] = nameOf(manifest.type);
+  out["affine"] = rowsOf(geometry.world_from_index);
+  out["spacing"] = py::make_tuple(spacing.z, spacing.y, spacing.x);
+  out["unit"] = geometry.unit;
+  out["frame"] = wordOf(geometry.frame);
+  out["levels"] = py::tuple(levels);
+  out["range"] = manifest.range.empty() ? py::object(py::none()) : py::make_tuple(manifest.range.lo, manifest.range.hi);
+  out["nan_count"] = manifest.nan_count;
+  out["histogram"] = py::make_tuple(manifest.histogram.lo, manifest.histogram.hi, manifest.histogram.counts);
+  out["labels"] = labelsOfVolume(manifest);
+  return out;
+}
+
+using Box = std::array<std::array<std::int64_t, 2>, 3>;  // z, y, x
+
+VoxelBox boxIn(const BrickedVolume& volume, int level, const Box& box) {
+  volume.requireLevel(level);
+  const VoxelBox out{{box[2][0], box[1][0], box[0][0]}, {box[2][1], box[1][1], box[0][1]}};
+  const Extent3& dims = volume.level(level).geometry.dims;
+  if (out.lo.x < 0 || out.lo.y < 0 || out.lo.z < 0 || out.hi.x > dims.x || out.hi.y > dims.y || out.hi.z > dims.z ||
+      out.lo.x > out.hi.x || out.lo.y > out.hi.y || out.lo.z > out.hi.z)
+    throw Error(ErrorCode::kUsage, volume.path(), "box",
+                fmt::format("is not in level {} of {} x {} x {} voxels along z, y, x", level, dims.z, dims.y, dims.x));
+  return out;
+}
+
+py::bytearray voxelsOf(const Volume& volume, int level, const Box& box, const py::object& on_progress) {
+  const std::shared_ptr<const BrickedVolume>& bricks = volume.bricks();
+  const VoxelBox voxels = boxIn(*bricks, level, box);
+  const Extent3 n = voxels.extent();
+  py::bytearray out(nullptr, static_cast<py::size_t>(n.x * n.y * n.z) * sizeOf(bricks->manifest().type));
+  const std::span<std::byte> bytes(reinterpret_cast<std::byte*>(PyByteArray_AS_STRING(out.ptr())),
+                                   static_cast<std::size_t>(PyByteArray_GET_SIZE(out.ptr())));
+  if (!bytes.empty())
+    runForCall(on_progress, [&](Progress& progress) { readBox(*bricks, level, voxels, progress, bytes); });
+  return out;
+}
+
+}  // namespace
+
+struct Drawing::Session {
+  Session(const RenderJob& for_job, const std::vector<const BrickedVolume*>& volumes)
+      : job(for_job), painter(job, OpenedVolumes(job, volumes), relay) {}
+  bool serves(const RenderJob& other) const {
+    return other.speed.memory_bytes == job.speed.memory_bytes && other.picture.skip_damaged == job.picture.skip_damaged;
+  }
+
+  const RenderJob job;
+  Relay relay;
+  ViewPainter painter;
+};
+
+std::shared_ptr<Picture> Drawing::draw(const RenderJob& job, Progress& progress) {
+  const DrawingTurns::Turn turn(turns_, true, [&] { return progress.cancelled(); });
+  if (!turn.given()) throw Error(ErrorCode::kCancelled, "interrupted while another picture of the volume was drawn");
+  const ThreadLimit threads(job.speed.threads);
+  if (!session_ || !session_->serves(job)) {
+    session_.reset();  // frees memory before the next cache takes it
+    session_ = std::make_shared<Session>(job, pointersTo(volumes_));
+  }
+  const Relay::Scope scope(session_->relay, progress);
+  ViewPainter& painter = session_->painter;
+  const std::unique_ptr<ViewedJob> ready = painter.prepare(job);
+  for (const Doubt& doubt : painter.doubts(*ready)) progress.warn(doubt.sentence);
+  painter.makeRoom(*ready);
+  DrawnFrame drawn = painter.exact(*ready, progress);
+  noteDamage(drawn.statistics, progress);
+  warnOfDoubtfulFrames({drawn.statistics}, false, progress);
+  return std::make_shared<Picture>(ready->job, ready->frame, std::move(drawn), volumes_.front());
+}
+
+std::shared_ptr<const BrickedVolume> openFile(const std::filesystem::path& path, const SourceWords& words,
+                                              const std::filesystem::path& store_directory, bool labels,
+                                              std::uint64_t memory_bytes, Progress& progress) {
+  ConvertOptions conversion;
+  conversion.memory_bytes = memory_bytes;
+  conversion.labels = labels;
+  conversion.command = "kiln render " + shellText(path.string());
+  conversion.time = timeNow();
+  const std::filesystem::path store = storeFor({path, words.resolve(), store_directory}, conversion, progress);
+  return std::make_shared<StoreReader>(store, memory_bytes);
+}
+
+void bindVolume(py::module_& module) {
+  py::class_<Volume, UnlockedPointer<Volume>>(module, "Volume")
+      .def_static("open_file",
+                  [](const std::filesystem::path& path, const std::map<std::string, std::string>& texts,
+                     const std::filesystem::path& store, bool labels, const std::string& memory,
+                     const py::object& on_progress) {
+                    const SourceWords words = sourceWords(texts);
+                    const std::uint64_t bytes = parseBytes(memory, "memory");
+                    return UnlockedPointer<Volume>(new Volume(resultForCall(on_progress, [&](Progress& progress) {
+                      return openFile(path, words, store, labels, bytes, progress);
+                    })));
+                  })
+      .def_static(
+          "open_array",
+          [](ArraySource& source, std::int64_t brick_size, const std::string& memory, const py::object& on_progress) {
+            ArrayOptions options;
+            options.brick_size = brick_size;
+            options.labels = source.labels();
+            options.memory_bytes = parseBytes(memory, "memory");
+            std::unique_ptr<VolumeSource> taken = source.take();
+            std::shared_ptr<const BrickedVolume> out;
+            source.run(on_progress, [&](Progress& progress) {
+              out = std::make_shared<SourceVolume>(std::move(taken), options, progress);
+            });
+            return UnlockedPointer<Volume>(new Volume(std::move(out)));
+          })
+      .def("facts", [](const Volume& volume) { return factsOf(*volume.bricks()); })
+      .def("read", &voxelsOf)
+      .def("draw", [](const Volume& volume, const std::string& json, const Texts& flags, const std::string& function,
+                      const py::object& on_progress) {
+        const RenderJob job = jobOf(volume.bricks()->path(), {json, flags, function});
+        return resultForCall(on_progress, [&](Progress& progress) { return volume.drawing().draw(job, progress); });
+      });
+}
+
+}  // namespace kiln::python
