@@ -19,7 +19,7 @@ JOBS = [
     {"lattice": "voxel", "tf": "grayscale", "background": "navy"},
     {"tf": "iso:1300", "light": ["cam:-1,1,1", "headlight"], "shadows": True, "aov": ["depth", "normal"]},
     {"region": "10,10,10,80,70,60", "level": 1, "interpolation": "cubic"},
-    {"look": "studio", "exposure": 0.5, "crop": "10,5,90,60", "background": "black:#336"},
+    {"look": "studio", "exposure": 0.5, "crop": "10,5,80,60", "background": "black:#336"},
     {"stereo": "both", "interocular": 60, "tf": None},
 ]
 

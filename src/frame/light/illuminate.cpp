@@ -162,6 +162,7 @@ std::vector<FrameRequest> latticeRequests(const std::vector<const BrickedVolume*
   LatticeView lattice = latticeOf(volumes.front()->manifest().geometry(), extentOf(volumes, clippingsOf(request)));
   FrameRequest along = request;
   along.view = lattice.view;
+  along.crop.reset();
   if (along.volumes.empty()) along.volumes = {{request.transfer_function, request.shading, request.clipping}};
   along.sample_distance = kMostSampleDistance;
   std::vector<FrameRequest> out = {along};
