@@ -58,7 +58,7 @@ struct CodecCase {
 std::vector<CodecCase> codecs() {
   const auto blosc = [](const BloscSpec& spec) { return [=](std::string_view b) { return bloscFrame(b, spec); }; };
   return {
-      {"gzip", &gzipCodec, &gzipped, true},
+      {"gzip", &gzipCodec, [](std::string_view b) { return gzipped(b); }, true},
       {"zlib", &zlibCodec, &zlibbed, true},
       {"zstd", &zstdCodec, [](std::string_view b) { return zstdFrame(b); }},
       {"zstd, size unknown", &zstdCodec, [](std::string_view b) { return zstdFrame(b, false); }},
