@@ -53,7 +53,9 @@ constexpr int kBacklog = 64;
 constexpr std::string_view kServer = "kiln";
 constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    "base-uri 'none'; form-action 'none'; frame-ancestors ";
+// Pages that may show the page in a frame.
+constexpr std::string_view kNobody = "'none'", kThisMachine = "http://127.0.0.1:* http://localhost:*";
 
 Clock::time_point after(double seconds) {
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -268,8 +270,8 @@ Status statusOf(ErrorCode code) {
 
 class Client final : public ViewClient {
  public:
-  Client(Stream& stream, bool keep_alive, double seconds)
-      : stream_(stream), keep_alive_(keep_alive), seconds_(seconds) {}
+  Client(Stream& stream, bool keep_alive, double seconds, bool framed)
+      : stream_(stream), keep_alive_(keep_alive), seconds_(seconds), framed_(framed) {}
 
   void document(std::string_view type, std::span<const std::byte> bytes) override { whole(Status::ok, type, bytes); }
   void record(std::string_view json, std::span<const std::byte> payload) override {
@@ -318,9 +320,9 @@ class Client final : public ViewClient {
     head.set(http::field::server, text(kServer));
     head.set(http::field::content_type, text(type));
     head.set(http::field::cache_control, "no-store");
-    head.set("Content-Security-Policy", text(kPolicy));
+    head.set("Content-Security-Policy", text(std::string(kPolicy).append(framed_ ? kThisMachine : kNobody)));
     head.set("X-Content-Type-Options", "nosniff");
-    head.set("X-Frame-Options", "DENY");
+    if (!framed_) head.set("X-Frame-Options", "DENY");
     head.set("Referrer-Policy", "no-referrer");
     head.set("Cross-Origin-Resource-Policy", "same-origin");
     head.set("Cross-Origin-Opener-Policy", "same-origin");
@@ -350,6 +352,7 @@ class Client final : public ViewClient {
   Stream& stream_;
   const bool keep_alive_;
   const double seconds_;
+  const bool framed_;
   bool begun_ = false, streams_ = false;
   std::atomic<bool> failed_ = false;
 };
@@ -547,9 +550,9 @@ class HttpServer final : public ViewServer {
     error_code error;
     http::read_header(stream, buffer, parser, error);
     const bool keeps = !error && parser.keep_alive();
-    Client client(stream, keeps, options_.request_s);
+    Client client(stream, keeps, options_.request_s, options_.framed);
     const auto refused = [&](const Refusal& refusal) {
-      Client last(stream, false, options_.header_s);
+      Client last(stream, false, options_.header_s, options_.framed);
       last.error(refusal.status, refusal.sentence);
       return false;
     };

@@ -116,6 +116,13 @@ ordered_json pictureRecord(std::int64_t seq, const char* stage, const ViewPictur
           {"asRendered", std::string_view(stage) == "final"}};
 }
 
+OpenedVolumes openedVolumes(const ViewSource& source) {
+  if (source.volumes.empty()) return OpenedVolumes(source.drawn);
+  std::vector<const BrickedVolume*> volumes;
+  for (const std::shared_ptr<const BrickedVolume>& volume : source.volumes) volumes.push_back(volume.get());
+  return OpenedVolumes(source.drawn, volumes);
+}
+
 }  // namespace
 
 // A request's JSON. throws: every member throws Error kUsage naming the key.
@@ -248,7 +255,9 @@ auto ViewSession::inTurn(ViewClient& client, const Work& work) {
 }
 
 ViewSession::ViewSession(ViewSource source, Progress& progress)
-    : source_(std::move(source)), threads_(source_.drawn.speed.threads), painter_(source_.drawn, progress) {
+    : source_(std::move(source)),
+      threads_(source_.drawn.speed.threads),
+      painter_(source_.drawn, openedVolumes(source_), progress) {
   RenderJob job = source_.drawn;
   job.picture.aovs = {};
   job.output = {};

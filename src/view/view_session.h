@@ -8,8 +8,10 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "base/thread/parallel.h"
 #include "view/drawing_turns.h"
@@ -19,9 +21,10 @@
 namespace kiln {
 
 struct ViewSource {
-  RenderJob drawn;                 // its volumes are stores
-  RenderJob named;                 // with the volumes as the user named them, for saved jobs
-  std::filesystem::path job_file;  // the only file that `save` writes
+  RenderJob drawn;                                            // its volumes are stores, or `volumes`
+  std::vector<std::shared_ptr<const BrickedVolume>> volumes;  // open volumes of the job; empty: the session opens them
+  RenderJob named;                                            // with the volumes as the user named them, for saved jobs
+  std::filesystem::path job_file;                             // the only file that `save` writes
   /// Throws Error kUsage if writing `output` would replace a file that the session reads. thread: any.
   std::function<void(const std::filesystem::path& output)> require_free = [](const std::filesystem::path&) {};
   std::string title;

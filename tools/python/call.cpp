@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <exception>
 #include <mutex>
+#include <set>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -98,6 +99,52 @@ class CallProgress final : public Progress {
   std::vector<std::pair<bool, std::string>> sentences_;
 };
 
+// The calls under way. At Python's end a thread of Python that waits for the lock ends in the middle of its functions,
+// so that all calls must have ended before.
+class Calls {
+ public:
+  void add(CallProgress& call) {
+    const std::lock_guard lock(mutex_);
+    calls_.insert(&call);
+    if (ending_) call.cancel();
+  }
+  void remove(CallProgress& call) {
+    const std::lock_guard lock(mutex_);
+    calls_.erase(&call);
+    changed_.notify_all();
+  }
+  void end() {
+    const py::gil_scoped_release unlocked;
+    std::unique_lock lock(mutex_);
+    ending_ = true;
+    for (CallProgress* call : calls_) call->cancel();
+    changed_.wait_for(lock, kLongestEnd, [&] { return calls_.empty(); });
+  }
+
+ private:
+  static constexpr auto kLongestEnd = std::chrono::seconds(10);
+  std::mutex mutex_;  // guards the members below
+  std::condition_variable changed_;
+  std::set<CallProgress*> calls_;
+  bool ending_ = false;
+};
+
+Calls& calls() {
+  static Calls* const out = new Calls();  // used until the process ends
+  return *out;
+}
+
+class CallUnderWay {
+ public:
+  explicit CallUnderWay(CallProgress& progress) : progress_(progress) { calls().add(progress_); }
+  ~CallUnderWay() { calls().remove(progress_); }
+  CallUnderWay(const CallUnderWay&) = delete;
+  CallUnderWay& operator=(const CallUnderWay&) = delete;
+
+ private:
+  CallProgress& progress_;
+};
+
 }  // namespace
 
 void bindErrors(py::module_& module) {
@@ -112,6 +159,7 @@ void bindErrors(py::module_& module) {
   if (error_type == nullptr || warning_type == nullptr) throw py::error_already_set();
   module.attr("Error") = py::reinterpret_borrow<py::object>(error_type);
   module.attr("Warning") = py::reinterpret_borrow<py::object>(warning_type);
+  py::module_::import("atexit").attr("register")(py::cpp_function([] { calls().end(); }));
   py::register_exception_translator([](std::exception_ptr failure) {
     try {
       if (failure) std::rethrow_exception(failure);
@@ -123,6 +171,7 @@ void bindErrors(py::module_& module) {
 
 void runForCall(const py::object& on_progress, const std::function<void(Progress&)>& work) {
   CallProgress progress;
+  const CallUnderWay under_way(progress);
   std::exception_ptr failure;
   std::thread worker([&] {
     try {

@@ -2,6 +2,7 @@
 #include "python/arrays.h"
 #include "python/call.h"
 #include "python/job_words.h"
+#include "python/modules.h"
 #include "python/picture.h"
 #include "python/volume.h"
 
@@ -12,4 +13,7 @@ PYBIND11_MODULE(_kiln, module) {
   kiln::python::bindPicture(module);
   kiln::python::bindArrays(module);
   kiln::python::bindVolume(module);
+  kiln::python::bindConvert(module);
+  kiln::python::bindFrames(module);
+  kiln::python::bindViewer(module);
 }

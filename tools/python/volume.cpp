@@ -20,42 +20,6 @@
 namespace kiln::python {
 namespace {
 
-// Passes reports on to the call that draws.
-class Relay final : public Progress {
- public:
-  void advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) override {
-    if (call_ != nullptr) call_->advance(step, unit, done, total);
-  }
-  void note(const std::string& sentence) override {
-    if (call_ != nullptr) call_->note(sentence);
-  }
-  void warn(const std::string& sentence) override {
-    if (call_ != nullptr) call_->warn(sentence);
-  }
-  bool cancelled() const override { return call_ != nullptr && call_->cancelled(); }
-
-  // Sets the call until destruction.
-  class Scope {
-   public:
-    Scope(Relay& relay, Progress& call) : relay_(relay) { relay_.call_ = &call; }
-    ~Scope() { relay_.call_ = nullptr; }
-    Scope(const Scope&) = delete;
-    Scope& operator=(const Scope&) = delete;
-
-   private:
-    Relay& relay_;
-  };
-
- private:
-  Progress* call_ = nullptr;
-};
-
-std::vector<const BrickedVolume*> pointersTo(const std::vector<std::shared_ptr<const BrickedVolume>>& volumes) {
-  std::vector<const BrickedVolume*> out;
-  for (const auto& volume : volumes) out.push_back(volume.get());
-  return out;
-}
-
 py::tuple zyx(const Extent3& dims) { return py::make_tuple(dims.z, dims.y, dims.x); }
 
 py::list rowsOf(const glm::dmat4& affine) {
@@ -123,6 +87,12 @@ py::bytearray voxelsOf(const Volume& volume, int level, const Box& box, const py
 
 }  // namespace
 
+std::vector<const BrickedVolume*> pointersTo(const std::vector<std::shared_ptr<const BrickedVolume>>& volumes) {
+  std::vector<const BrickedVolume*> out;
+  for (const auto& volume : volumes) out.push_back(volume.get());
+  return out;
+}
+
 struct Drawing::Session {
   Session(const RenderJob& for_job, const std::vector<const BrickedVolume*>& volumes)
       : job(for_job), painter(job, OpenedVolumes(job, volumes), relay) {}
@@ -154,16 +124,16 @@ std::shared_ptr<Picture> Drawing::draw(const RenderJob& job, Progress& progress)
   return std::make_shared<Picture>(ready->job, ready->frame, std::move(drawn), volumes_.front());
 }
 
-std::shared_ptr<const BrickedVolume> openFile(const std::filesystem::path& path, const SourceWords& words,
-                                              const std::filesystem::path& store_directory, bool labels,
-                                              std::uint64_t memory_bytes, Progress& progress) {
+std::filesystem::path storeForCall(const std::filesystem::path& path, const SourceWords& words,
+                                   const std::filesystem::path& store_directory, bool labels,
+                                   std::uint64_t memory_bytes, Progress& progress) {
   ConvertOptions conversion;
   conversion.memory_bytes = memory_bytes;
   conversion.labels = labels;
+  // Names the command whose stores may be made anew.
   conversion.command = "kiln render " + shellText(path.string());
   conversion.time = timeNow();
-  const std::filesystem::path store = storeFor({path, words.resolve(), store_directory}, conversion, progress);
-  return std::make_shared<StoreReader>(store, memory_bytes);
+  return storeFor({path, words.resolve(), store_directory}, conversion, progress);
 }
 
 void bindVolume(py::module_& module) {
@@ -175,7 +145,8 @@ void bindVolume(py::module_& module) {
                     const SourceWords words = sourceWords(texts);
                     const std::uint64_t bytes = parseBytes(memory, "memory");
                     return UnlockedPointer<Volume>(new Volume(resultForCall(on_progress, [&](Progress& progress) {
-                      return openFile(path, words, store, labels, bytes, progress);
+                      const std::filesystem::path made = storeForCall(path, words, store, labels, bytes, progress);
+                      return std::shared_ptr<const BrickedVolume>(std::make_shared<StoreReader>(made, bytes));
                     })));
                   })
       .def_static(

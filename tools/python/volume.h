@@ -17,6 +17,38 @@
 
 namespace kiln::python {
 
+/// Passes reports on to the call that draws. thread: as Progress, but for Scope.
+class Relay final : public Progress {
+ public:
+  void advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) override {
+    if (call_ != nullptr) call_->advance(step, unit, done, total);
+  }
+  void note(const std::string& sentence) override {
+    if (call_ != nullptr) call_->note(sentence);
+  }
+  void warn(const std::string& sentence) override {
+    if (call_ != nullptr) call_->warn(sentence);
+  }
+  bool cancelled() const override { return call_ != nullptr && call_->cancelled(); }
+
+  /// Sets the call until destruction. thread: while nobody reports.
+  class Scope {
+   public:
+    Scope(Relay& relay, Progress& call) : relay_(relay) { relay_.call_ = &call; }
+    ~Scope() { relay_.call_ = nullptr; }
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    Relay& relay_;
+  };
+
+ private:
+  Progress* call_ = nullptr;
+};
+
+std::vector<const BrickedVolume*> pointersTo(const std::vector<std::shared_ptr<const BrickedVolume>>& volumes);
+
 /// Pictures of one list of volumes.
 class Drawing {
  public:
@@ -46,10 +78,11 @@ class Volume {
   const std::unique_ptr<Drawing> drawing_;
 };
 
-/// Opens a store, or a volume file, whose store is made first if it is missing. `store_directory`: as `--store`.
-std::shared_ptr<const BrickedVolume> openFile(const std::filesystem::path& path, const SourceWords& words,
-                                              const std::filesystem::path& store_directory, bool labels,
-                                              std::uint64_t memory_bytes, Progress& progress);
+/// Returns a store, or the store of a volume file, which is made first if it is missing. `store_directory`: as
+/// `--store`. throws: as storeFor.
+std::filesystem::path storeForCall(const std::filesystem::path& path, const SourceWords& words,
+                                   const std::filesystem::path& store_directory, bool labels,
+                                   std::uint64_t memory_bytes, Progress& progress);
 
 void bindVolume(py::module_& module);
 

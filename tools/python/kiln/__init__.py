@@ -11,9 +11,26 @@ The manual's page is python.md.
 """
 
 from kiln._kiln import Error, Warning, version as __version__
+from kiln._convert import convert
 from kiln._functions import TransferFunction, transfer_function
 from kiln._image import Image
+from kiln._jobs import Frames, render
+from kiln._viewer import Viewer, view
 from kiln._volume import Volume, open
 from kiln._words import options
 
-__all__ = ["Error", "Image", "TransferFunction", "Volume", "Warning", "open", "options", "transfer_function"]
+__all__ = [
+    "Error",
+    "Frames",
+    "Image",
+    "TransferFunction",
+    "Viewer",
+    "Volume",
+    "Warning",
+    "convert",
+    "open",
+    "options",
+    "render",
+    "transfer_function",
+    "view",
+]

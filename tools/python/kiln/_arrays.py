@@ -117,8 +117,8 @@ def source_of(
     text, files, trees = _state(array)
     if identity is not None:
         text, files, trees = identity, [], []
-    kind = type(array)
-    words.name = f"{kind.__module__.split('.')[0]} {kind.__name__}" + (f", {text}" if text else "")
+    kind = f"{type(array).__module__.split('.')[0]} {type(array).__name__}" if identity is None else "array"
+    words.name = f"{kind}, {text}" if text else kind
     words.known = identity is not None
     words.files, words.trees = files, trees
     words.number = dtype.newbyteorder("=").name

@@ -1,0 +1,249 @@
+"""Arrays as volumes. Known because an array holds the voxels of a file whose pictures and stores are known, or because
+the array counts what is read of it."""
+
+import threading
+
+import numpy
+import pytest
+
+import kiln
+from conftest import run_tool
+
+SIZE = {"size": (64, 48), "tf": "grayscale"}
+SPACING = (2.0, 1.0, 0.5)
+
+
+def ramp(dtype, shape=(20, 30, 40)):
+    """Values that differ along each axis, and fit all types."""
+    z, y, x = numpy.indices(shape)
+    return ((3 * z + 2 * y + x) % 120).astype(dtype)
+
+
+def picture(volume, **words):
+    return numpy.asarray(volume.render(**{**SIZE, **words}))
+
+
+def same_voxels(volume, expected):
+    return volume.shape == expected.shape and (volume[...] == expected).all()
+
+
+@pytest.mark.parametrize(
+    "dtype, stored",
+    [(name, name) for name in ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")]
+    + [("int64", "int32"), ("uint64", "uint32"), ("float16", "float32"), ("bool", "uint8")]
+    + [(">u2", "uint16"), (">i4", "int32"), (">f4", "float32"), (">f8", "float64")],
+)
+def test_types(dtype, stored):
+    array = ramp(dtype)
+    s = kiln.open(array, spacing=SPACING)
+    assert s.dtype == stored and same_voxels(s, array.astype(stored))
+    assert s.spacing == SPACING and s.shape == array.shape
+    native = kiln.open(array.astype(stored), spacing=SPACING)
+    assert (picture(s) == picture(native)).all()
+    store = kiln.convert(array, "a.kiln", spacing=SPACING)
+    assert same_voxels(store, array.astype(stored)) and store.spacing == SPACING
+    assert (picture(s) == picture(store)).all()
+
+
+def test_numbers_that_do_not_fit_are_refused():
+    array = ramp("int64")
+    array[3, 4, 5] = 1 << 40
+    with pytest.raises(kiln.Error, match="1099511627776") as failure:
+        kiln.convert(array, "a.kiln")
+    assert failure.value.code == "format"
+    for dtype in ("complex64", "U3"):
+        with pytest.raises(kiln.Error) as failure:
+            kiln.open(numpy.zeros((4, 4, 4), dtype))
+        assert failure.value.code == "unsupported"
+
+
+@pytest.mark.parametrize(
+    "view",
+    [
+        lambda a: numpy.asfortranarray(a),
+        lambda a: a[::-1, ::-1, ::-1],
+        lambda a: a[::2, 1:-1:3, 5:],
+        lambda a: numpy.ascontiguousarray(a.transpose(1, 2, 0)).transpose(2, 0, 1),
+        lambda a: numpy.broadcast_to(a[0], a.shape),
+        lambda a: numpy.lib.stride_tricks.sliding_window_view(a[0], (3, 4))[:, 0],
+    ],
+    ids=["fortran", "reversed", "steps", "transposed", "broadcast", "overlapping"],
+)
+@pytest.mark.parametrize("dtype", ["uint16", ">u2"])
+def test_orders_and_strides(view, dtype):
+    array = view(ramp(dtype))
+    s = kiln.open(array)
+    plain = kiln.open(numpy.array(array, dtype="uint16", order="C"))
+    assert same_voxels(s, numpy.asarray(array)) and (picture(s) == picture(plain)).all()
+
+
+def test_axes():
+    array = ramp("uint8")
+    plain = kiln.open(array, spacing=SPACING)
+    for axes in ("xyz", "yzx", "xzy"):
+        order = ["zyx".index(axis) for axis in axes]
+        other = kiln.open(array.transpose(order), axes=axes, spacing=[SPACING[i] for i in order])
+        assert same_voxels(other, array) and other.spacing == SPACING
+    several = numpy.stack([array, array + 1, array + 2])[:, None]
+    for dtype in ("uint8", "int64"):
+        assert same_voxels(kiln.open(several.astype(dtype), axes="ctzyx", channel=1), array + 1)
+    assert kiln.open(array[0]).shape == (1, 30, 40)
+    affine = numpy.diag([0.5, 1, 2, 1]) + numpy.eye(4, k=3) * 7
+    assert (kiln.open(array, affine=affine).affine == affine).all()
+    assert plain.affine[0, 0] == 0.5 and plain.affine[2, 2] == 2
+    for words in ({"axes": "zy"}, {"axes": "zzx"}, {"spacing": (1, 1)}, {"spacing": (1, 1, 1), "affine": affine}, {"affine": [[1]]}):
+        with pytest.raises(ValueError, match=next(iter(words)).split("_")[0]):
+            kiln.open(array, **words)
+
+
+def test_array_equals_its_conversion_by_the_program():
+    array = ramp("uint16", (70, 60, 50))
+    numpy.save("a.npy", array)
+    run_tool("convert", "a.npy", "tool.kiln", "--brick-size", 32, "--spacing", "0.5,1,2", cwd=".")
+    run_tool("render", "tool.kiln", "-o", "tool.exr", "--exr-type", "float", "--size", "64x48", "--tf", "viridis", cwd=".")
+    for volume in (
+        kiln.open(array, spacing=SPACING, brick_size=32),
+        kiln.convert(array, "python.kiln", spacing=SPACING, brick_size=32),
+        kiln.convert("a.npy", "file.kiln", spacing=SPACING, brick_size=32),
+    ):
+        image = volume.render(size=(64, 48), tf="viridis")
+        image.save("python.exr", exr_type="float")
+        tool = kiln.open("tool.kiln").render(size=(64, 48), tf="viridis")
+        assert (numpy.asarray(image) == numpy.asarray(tool)).all()
+        assert volume.levels == kiln.open("tool.kiln").levels
+        assert (volume.read(1) == kiln.open("tool.kiln").read(1)).all()
+
+
+def test_labels():
+    array = ramp("int64") // 40
+    s = kiln.open(array, labels=True)
+    assert s.labels == {value: int((array == value).sum()) for value in range(3)}
+    assert kiln.convert(array, "a.kiln", labels=True).labels == s.labels
+
+
+class Counting:
+    """An array like dask's: chunks, a shape, a dtype, and slices that are made when they are read."""
+
+    def __init__(self, array, chunks):
+        self.array, self.shape, self.dtype = array, array.shape, array.dtype
+        self.chunks = tuple(
+            tuple(min(edge, length - at) for at in range(0, length, edge)) for edge, length in zip(chunks, array.shape)
+        )
+        self.boxes, self.lock, self.most_bytes = [], threading.Lock(), 0
+
+    def __getitem__(self, key):
+        piece = numpy.array(self.array[key])
+        with self.lock:
+            self.boxes.append(tuple((one.start, one.stop) for one in key))
+            self.most_bytes = max(self.most_bytes, piece.nbytes)
+        return piece
+
+    def times_read(self):
+        """How often each voxel was read."""
+        counts = numpy.zeros(self.shape, dtype=int)
+        for box in self.boxes:
+            counts[tuple(slice(*edges) for edges in box)] += 1
+        return counts
+
+
+@pytest.mark.parametrize("chunks", [(32, 64, 64), (20, 30, 70), (7, 100, 120)])
+def test_each_box_is_read_once(chunks):
+    array = ramp("uint16", (80, 100, 120))
+    counting = Counting(array, chunks)
+    s = kiln.convert(counting, "a.kiln", brick_size=32)
+    assert same_voxels(s, array)
+    assert (counting.times_read() == 1).all()
+    assert s.report["decodings"] == 1
+    for low, high in (edges for box in counting.boxes for edges in [box[0]]):
+        assert low % chunks[0] == 0, "a chunk was cut"
+
+
+def test_little_memory_is_kept_to():
+    array = ramp("uint16", (128, 128, 128))
+    counting = Counting(array, (64, 64, 64))
+    s = kiln.convert(counting, "a.kiln", brick_size=32, memory="24M", threads=1)
+    assert same_voxels(s, array)
+    assert s.report["buffer_bytes"] <= 24 << 20 and counting.most_bytes <= 64**3 * 2
+    with pytest.raises(kiln.Error) as failure:
+        kiln.convert(counting, "b.kiln", memory="1M")
+    assert failure.value.code == "budget"
+
+
+def test_drawing_slices_on_demand():
+    array = ramp("uint16", (80, 100, 120))
+    counting = Counting(array, (40, 50, 60))
+    s = kiln.open(counting, brick_size=32)
+    assert (counting.times_read() >= 1).all(), "coarser levels need all voxels"
+    assert (picture(s) == picture(kiln.open(array, brick_size=32))).all()
+
+
+def test_exception_of_an_array_is_the_callers():
+    class Failing(Counting):
+        def __getitem__(self, key):
+            if key[0].start > 0:
+                raise RuntimeError("the tape is gone")
+            return super().__getitem__(key)
+
+    failing = Failing(ramp("uint16", (80, 40, 40)), (16, 40, 40))
+    with pytest.raises(RuntimeError, match="the tape is gone"):
+        kiln.convert(failing, "a.kiln", brick_size=16)
+    with pytest.raises(RuntimeError, match="the tape is gone"):
+        kiln.open(failing)
+
+    class Short(Counting):
+        def __getitem__(self, key):
+            return super().__getitem__(key)[:1]
+
+    with pytest.raises(ValueError, match="instead of"):
+        kiln.convert(Short(ramp("uint16"), (10, 10, 10)), "short.kiln")
+
+
+def test_interrupted_conversion_is_resumed():
+    array = ramp("uint16", (320, 64, 64))
+    plain = Counting(array, (16, 64, 64))
+    kiln.convert(plain, "whole.kiln", brick_size=16)
+
+    class Breaking(Counting):
+        def __getitem__(self, key):
+            if len(self.boxes) == 3:
+                raise OSError("a cable")
+            return super().__getitem__(key)
+
+    with pytest.raises(OSError):
+        kiln.convert(Breaking(array, (16, 64, 64)), "a.kiln", brick_size=16, threads=1, identity="ramp")
+    again = Counting(array, (16, 64, 64))
+    with pytest.raises(kiln.Error, match="identity"):
+        kiln.convert(again, "a.kiln", brick_size=16, resume=True)
+    s = kiln.convert(again, "a.kiln", brick_size=16, resume=True, identity="ramp")
+    assert same_voxels(s, array)
+    assert len(again.boxes) < len(plain.boxes)
+    with pytest.raises(kiln.Error) as failure:
+        kiln.convert(Counting(array, (16, 64, 64)), "a.kiln", identity="other")
+    assert failure.value.code == "exists"
+
+
+def test_memmap_h5py_and_zarr():
+    import h5py
+    import zarr
+
+    array = ramp("int16", (40, 50, 60))
+    mapped = numpy.memmap("a.raw", dtype="int16", mode="w+", shape=array.shape)
+    mapped[...] = array
+    mapped.flush()
+    with h5py.File("a.h5", "w") as file:
+        file.create_dataset("x", data=array, chunks=(16, 16, 16))
+    zarr.save_array("a.zarr", array, chunks=(16, 25, 60))
+    with h5py.File("a.h5", "r") as file:
+        for name, source in (("m", mapped), ("h", file["x"]), ("z", zarr.open("a.zarr", mode="r"))):
+            out = name + ".kiln"
+            assert same_voxels(kiln.convert(source, out), array)
+            assert same_voxels(kiln.convert(source, out, resume=True), array)
+
+
+def test_damaged_words_are_refused():
+    with pytest.raises(ValueError, match="affine"):
+        kiln.convert("a.npy", "a.kiln", affine=numpy.eye(4))
+    with pytest.raises(kiln.Error, match="nearest is dims"):
+        kiln.convert("a.npy", "a.kiln", dim="1,2,3")
+    with pytest.raises(kiln.Error):
+        kiln.open(numpy.zeros((0, 4, 4), "uint8"))

@@ -1,0 +1,136 @@
+// The frames of a job, drawn one by one, or all to files as `kiln render JOB.json` does.
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <utility>
+
+#include "base/thread/parallel.h"
+#include "frame/empty_frame.h"
+#include "job/job_facts.h"
+#include "python/modules.h"
+#include "python/volume.h"
+#include "sequence/sequence.h"
+#include "sequence/sequence_frames.h"
+#include "sequence/series_volumes.h"
+
+namespace kiln::python {
+namespace {
+
+// thread: one caller at a time.
+class Frames {
+ public:
+  // `volumes` are open volumes of the job, or none: then the job's stores and files are opened.
+  Frames(RenderJob job, std::filesystem::path store_directory,
+         std::vector<std::shared_ptr<const BrickedVolume>> volumes)
+      : job_(std::move(job)),
+        numbers_(framesOf(job_)),
+        store_directory_(std::move(store_directory)),
+        volumes_(std::move(volumes)) {
+    requirePart(job_);
+    requireVolumes(job_);
+    requireViews(job_);
+    requireEngineOptions(job_.picture);
+  }
+
+  std::size_t count() const { return numbers_.size(); }
+
+  // Draws the next frame and writes its files, if the job names any. Null after the last frame.
+  std::shared_ptr<Picture> next(Progress& progress) {
+    if (place_ == numbers_.size()) return nullptr;
+    const ThreadLimit threads(job_.speed.threads);
+    const Relay::Scope scope(relay_, progress);
+    const int frame = numbers_[place_];
+    OpenedJob& opened = openedFor(frame);
+    DrawnFrame drawn = opened.draw(frame, progress);
+    opened.judge(drawn);
+    noteDamage(drawn.statistics, progress);
+    warnOfDoubtfulFrames({drawn.statistics}, numbers_.size() > 1, progress);
+    auto out = std::make_shared<Picture>(opened.job(), frame, std::move(drawn), opened.firstVolume().share());
+    out->writeFiles();
+    ++place_;
+    if (place_ == numbers_.size() && frames_ && hasFiles()) frames_->makeVideo();
+    return out;
+  }
+
+  // Draws all frames to files. Returns the numbers of frames drawn, kept and failed.
+  SequenceResult run(bool resume, bool checkpoint, Progress& progress) {
+    if (!volumes_.empty())
+      throw Error(ErrorCode::kUsage, "run: needs stores or volume files (found open volumes); iterate over the frames");
+    SequenceOptions options;
+    options.resume = resume;
+    options.checkpoint = checkpoint;
+    options.store_for = [&](const std::filesystem::path& volume) { return storeOf(volume, progress); };
+    SequenceListener silent;
+    return runSequence(job_, options, progress, silent);
+  }
+
+ private:
+  bool hasFiles() const {
+    return !job_.output.path.empty() || !job_.output.files.empty() || !job_.output.video.path.empty();
+  }
+
+  std::filesystem::path storeOf(const std::filesystem::path& volume, Progress& progress) const {
+    bool labels = false;
+    for (const VolumeOptions& of_job : job_.volumes) labels = labels || (of_job.labels && of_job.volume == volume);
+    return storeForCall(volume, SourceWords(), store_directory_, labels, job_.speed.memory_bytes, progress);
+  }
+
+  OpenedJob& openedFor(int frame) {
+    if (!volumes_.empty()) {
+      if (!opened_) {
+        opened_ = std::make_unique<OpenedJob>(job_, OpenedVolumes(job_, pointersTo(volumes_)), relay_);
+        for (const Doubt& doubt : opened_->doubts()) relay_.warn(doubt.sentence);
+        if (hasFiles()) requireOutputs(job_, numbers_);
+      }
+      return *opened_;
+    }
+    if (!frames_) {
+      const StoreFor store_for = [this](const std::filesystem::path& volume) { return storeOf(volume, relay_); };
+      if (!job_.series) job_.series = seriesLook(job_, store_for);
+      if (job_.series) relay_.note(job_.series->choice);
+      frames_ = std::make_unique<SequenceFrames>(job_, store_for, relay_, 0, FramesRole{.has_files = hasFiles()});
+      if (hasFiles()) frames_->makeFolders();
+      frames_->requireScenes();
+    }
+    return frames_->openedFor(frame);
+  }
+
+  RenderJob job_;
+  const std::vector<int> numbers_;
+  const std::filesystem::path store_directory_;
+  const std::vector<std::shared_ptr<const BrickedVolume>> volumes_;
+  std::size_t place_ = 0;
+  Relay relay_;
+  std::unique_ptr<SequenceFrames> frames_;
+  std::unique_ptr<OpenedJob> opened_;
+};
+
+}  // namespace
+
+void bindFrames(py::module_& module) {
+  py::class_<Frames, UnlockedPointer<Frames>>(module, "Frames")
+      .def_static("of_file",
+                  [](const std::filesystem::path& path, const std::filesystem::path& store) {
+                    return UnlockedPointer<Frames>(new Frames(readJob(path), store, {}));
+                  })
+      .def_static("of_text",
+                  [](const std::string& json, const std::filesystem::path& store, const std::vector<Volume*>& volumes) {
+                    std::vector<std::shared_ptr<const BrickedVolume>> bricks;
+                    for (const Volume* volume : volumes) bricks.push_back(volume->bricks());
+                    return UnlockedPointer<Frames>(new Frames(parseJob(json, {}), store, std::move(bricks)));
+                  })
+      .def_property_readonly("count", &Frames::count)
+      .def("next",
+           [](Frames& self, const py::object& on_progress) {
+             return resultForCall(on_progress, [&](Progress& progress) { return self.next(progress); });
+           })
+      .def("run", [](Frames& self, bool resume, bool checkpoint, const py::object& on_progress) {
+        const SequenceResult result =
+            resultForCall(on_progress, [&](Progress& progress) { return self.run(resume, checkpoint, progress); });
+        std::vector<int> drawn;
+        for (const FrameStatistics& frame : result.statistics.frames) drawn.push_back(frame.frame);
+        return py::make_tuple(drawn, result.statistics.kept, result.statistics.failed, result.first_failure);
+      });
+}
+
+}  // namespace kiln::python

@@ -1,0 +1,65 @@
+"""Conversion to stores."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from kiln import _kiln
+from kiln._arrays import is_array, source_of
+from kiln._volume import Progress, Volume, file_words, open
+from kiln._words import source_texts, text_of
+
+
+def convert(
+    source: Any,
+    out: str | os.PathLike[str],
+    *,
+    spacing: Any = None,
+    affine: Any = None,
+    axes: str | None = None,
+    unit: str = "",
+    frame: str = "",
+    labels: bool = False,
+    memory: str | int = "2G",
+    overwrite: bool = False,
+    resume: bool = False,
+    half: bool = False,
+    levels: int = 0,
+    brick_size: int = 128,
+    threads: int = 0,
+    identity: str | None = None,
+    progress: Progress | None = None,
+    **words: Any,
+) -> Volume:
+    """Converts a file or an array to a store, and opens the store.
+
+    source: a path, as for `kiln convert` (`words` describe the file: dims, type, channel, time, ...), or anything with
+    shape, dtype and slices: NumPy arrays and memmaps, h5py, zarr, dask. It is read box by box, in whole chunks of its own,
+    each once where `memory` has room for the chunks that neighbouring bricks share.
+
+    axes, spacing, affine, unit, frame, labels: as for kiln.open. half: round to half floats.
+    resume: continue an interrupted conversion. Kiln compares the state of the files of memmap, h5py and zarr; for other
+    arrays `identity` is a text that is another for other voxels.
+    progress: called with (step, done, total). Ctrl-C cancels and keeps finished bricks. throws: kiln.Error, and what the
+    array raises.
+    """
+    options = _kiln.ConvertWords()
+    options.memory = text_of(memory)
+    options.brick_size, options.levels, options.threads = brick_size, levels, threads
+    options.overwrite, options.resume, options.half, options.labels = overwrite, resume, half, labels
+    target = os.fspath(out)
+    if is_array(source) and not isinstance(source, (str, os.PathLike)):
+        options.command = f"kiln.convert({type(source).__name__}, {target!r})"
+        described = source_of(
+            source, axes=axes, spacing=spacing, affine=affine, unit=unit, frame=frame, labels=labels, identity=identity, **words
+        )
+        report = _kiln.convert_array(described, target, options, progress)
+    else:
+        path = os.fspath(source)
+        options.command = f"kiln.convert({path!r}, {target!r})"
+        texts = source_texts(dict(words, **file_words(axes, spacing, affine)))
+        report = _kiln.convert_file(path, texts, target, options, progress)
+    volume = open(target, memory=memory)
+    volume.report = report
+    return volume

@@ -1,0 +1,83 @@
+"""Jobs of any kind, and their frames."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import Any, Iterator, NamedTuple
+
+from kiln import _kiln
+from kiln._functions import TransferFunction
+from kiln._image import Image
+from kiln._volume import Progress, Volume
+
+
+class Finished(NamedTuple):
+    """The numbers of the frames that were drawn, kept from an earlier run, and failed; the first error."""
+
+    drawn: list[int]
+    kept: list[int]
+    failed: list[int]
+    first_failure: str
+
+
+class Frames(Iterator[Image]):
+    """The frames of a job; made by kiln.render. Each is drawn when it is asked for, from one cache."""
+
+    def __init__(self, frames: Any, progress: Progress | None):
+        self._frames = frames
+        self._progress = progress
+
+    def __len__(self) -> int:
+        """The number of all frames of the job."""
+        return self._frames.count
+
+    def __iter__(self) -> "Frames":
+        return self
+
+    def __next__(self) -> Image:
+        picture = self._frames.next(self._progress)
+        if picture is None:
+            raise StopIteration
+        return Image(picture)
+
+    def run(self, *, resume: bool = False, checkpoint: bool = False) -> Finished:
+        """Draws all frames to the job's files and keeps none, as `kiln render JOB.json`; the video, too."""
+        return Finished(*self._frames.run(resume, checkpoint, self._progress))
+
+
+def _plain(value: Any, volumes: list[Volume]) -> Any:
+    if isinstance(value, Volume):
+        volumes.append(value)
+        return value.path
+    if isinstance(value, TransferFunction):
+        text = value.json()
+        return json.loads(text) if text else value.name
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, dict):
+        return {key: _plain(inner, volumes) for key, inner in value.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    return [_plain(inner, volumes) for inner in value] if isinstance(value, (list, tuple)) else value
+
+
+def render(
+    job: dict[str, Any] | str | os.PathLike[str],
+    *,
+    progress: Progress | None = None,
+    store: str | os.PathLike[str] | None = None,
+) -> Frames:
+    """Returns the frames of a job, drawn as they are iterated.
+
+    job: the file of a job, or its object (the manual's page jobs.md); its volumes are names of stores and files, or
+    open volumes, then all of them. A frame's files are written, if the job names any ("output", "outputs"), when the frame
+    is drawn; the video after the last frame. store: folder for stores of volume files.
+    progress: called with (step, done, total). throws: kiln.Error.
+    """
+    folder = os.fspath(store) if store is not None else os.environ.get("KILN_STORE_DIR", "")
+    if not isinstance(job, dict):
+        return Frames(_kiln.Frames.of_file(os.fspath(job), folder), progress)
+    volumes: list[Volume] = []
+    text = json.dumps({"kiln": _kiln.job_format, **_plain(job, volumes)})
+    return Frames(_kiln.Frames.of_text(text, folder, [volume._volume for volume in volumes]), progress)

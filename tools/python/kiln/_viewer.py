@@ -1,0 +1,62 @@
+"""The viewer in a browser."""
+
+from __future__ import annotations
+
+import html
+import os
+import weakref
+from typing import Any
+
+from kiln import _kiln
+from kiln._volume import Volume, open
+from kiln._words import texts_of
+
+
+class Viewer:
+    """A running viewer; made by kiln.view. It runs until `stop`, or until Python ends. A notebook shows its page."""
+
+    def __init__(self, viewer: Any, height: int):
+        self._viewer = viewer
+        self._height = height
+        weakref.finalize(self, viewer.stop)  # at Python's end, too
+
+    @property
+    def url(self) -> str:
+        """The address for a browser of this machine. It holds the token: show it to nobody else."""
+        return self._viewer.address
+
+    def stop(self) -> None:
+        """Ends the viewer."""
+        self._viewer.stop()
+
+    def __enter__(self) -> "Viewer":
+        return self
+
+    def __exit__(self, *failure: Any) -> None:
+        self.stop()
+
+    def _repr_html_(self) -> str:
+        return f'<iframe src="{html.escape(self.url)}" width="100%" height="{self._height}" style="border:0"></iframe>'
+
+    def __repr__(self) -> str:
+        return f"<kiln.Viewer {self.url}>"
+
+
+def view(
+    volume: Any,
+    *,
+    job: str | os.PathLike[str] | None = None,
+    port: int = 0,
+    height: int = 640,
+    **words: Any,
+) -> Viewer:
+    """Starts the viewer of a volume, or of what kiln.open opens, and returns it: its `url`, or an iframe in a notebook.
+
+    job: the only file that the viewer writes, ending in .json. port: of 127.0.0.1; 0 takes a free one. height: of the
+    iframe, in pixels. words: the first look, as for Volume.render.
+    """
+    if not isinstance(volume, Volume):
+        volume = open(volume)
+    title = os.path.basename(os.path.normpath(volume.path))
+    name = os.fspath(job) if job is not None else ""
+    return Viewer(_kiln.Viewer(volume._volume, *texts_of(words, volume.range), name, title, port), height)
