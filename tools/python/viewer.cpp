@@ -21,21 +21,25 @@ class Viewer {
   Viewer(ViewSource source, const ViewServerOptions& options)
       : session_(std::move(source), silent_),
         server_(makeViewServer(session_, options)),
+        address_(server_->address()),
         thread_([this] { server_->run([this] { return stopped_.load(); }); }) {}
   ~Viewer() { stop(); }
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
-  std::string address() const { return server_->address(); }
+  const std::string& address() const { return address_; }
+  // Ends the server and closes its port.
   void stop() {
     stopped_ = true;
     if (thread_.joinable()) thread_.join();
+    server_.reset();
   }
 
  private:
   Progress silent_;
   ViewSession session_;
-  const std::unique_ptr<ViewServer> server_;
+  std::unique_ptr<ViewServer> server_;
+  const std::string address_;
   std::atomic<bool> stopped_ = false;
   std::thread thread_;  // last: begins with all other members made
 };

@@ -90,9 +90,11 @@ def transfer_function(
             ],
             stretched=range is None,
         )
-    points = []
-    for point in source:
-        value, alpha, *color = point
-        points.append({"value": float(value), "opacity": float(alpha), **({"color": _color(color[0])} if color else {})})
-    return TransferFunction(name="points", points=points)
-
+    points = [tuple(point) for point in source]
+    # As in the text of points: a point without a color has that of the point before, or of the first with one.
+    color = next((_color(point[2]) for point in points if len(point) > 2), "white")
+    out = []
+    for point in points:
+        color = _color(point[2]) if len(point) > 2 else color
+        out.append({"value": float(point[0]), "opacity": float(point[1]), "color": color})
+    return TransferFunction(name="points", points=out)

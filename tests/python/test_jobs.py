@@ -1,0 +1,112 @@
+"""Jobs, transfer functions and the viewer, against the program."""
+
+import json
+import os
+import subprocess
+import urllib.request
+
+import numpy
+import pytest
+
+import kiln
+from conftest import run_tool
+
+JOB = {"image": {"width": 64, "height": 48}, "camera": {"turntable": {"frames": 4}}, "transferFunction": "ct-bone"}
+
+
+def test_frames_equal_the_programs(head):
+    job = {"kiln": 2, "volume": str(head), **JOB, "output": "python_####.png"}
+    json.dump({**job, "output": "tool_####.png"}, open("job.json", "w"))
+    run_tool("render", "job.json", cwd=".")
+    frames = kiln.render(job)
+    assert len(frames) == 4
+    drawn = list(frames)
+    assert [image.frame for image in drawn] == [1, 2, 3, 4]
+    for i in range(1, 5):
+        assert open(f"tool_{i:04}.png", "rb").read() == open(f"python_{i:04}.png", "rb").read() == drawn[i - 1]._repr_png_()
+    again = [numpy.asarray(image) for image in kiln.render({**job, "volume": kiln.open(head), "output": "open_####.png"})]
+    assert all((a == numpy.asarray(b)).all() for a, b in zip(again, drawn)) and os.path.exists("open_0004.png")
+    os.remove("tool_0002.png")
+    assert kiln.render("job.json").run(resume=True)[:3] == ([2], [1, 3, 4], [])
+
+
+def test_several_volumes(head):
+    array = kiln.open(head)[...]
+    spacing = kiln.open(head).spacing
+    job = {"image": {"width": 64, "height": 48}, "volumes": [{"volume": kiln.open(head)}, {"volume": kiln.open(array, spacing=spacing)}]}
+    of_program = {**job, "kiln": 2, "volumes": [{"volume": str(head)}, {"volume": "b.kiln"}], "output": "tool.exr", "exr": {"type": "float"}}
+    kiln.convert(array, "b.kiln", spacing=spacing)
+    json.dump(of_program, open("job.json", "w"))
+    run_tool("render", "job.json", cwd=".")
+    (image,) = kiln.render(job)
+    (of_files,) = kiln.render("job.json")
+    assert (numpy.asarray(image) == numpy.asarray(of_files)).all()
+
+
+def test_wrong_jobs(head):
+    for job in ({"volume": str(head), "imag": {}}, {"volume": "absent.kiln"}, {"volume": str(head), "output": "a.txt"}):
+        with pytest.raises(kiln.Error):
+            list(kiln.render(job))
+    with pytest.raises(kiln.Error) as failure:
+        kiln.render("absent.json")
+    assert (failure.value.code, failure.value.path) == ("not_found", "absent.json")
+    with pytest.raises(kiln.Error, match="open volumes"):
+        kiln.render({"volume": kiln.open(head)}).run()
+
+
+def test_transfer_functions(head):
+    s = kiln.open(head)
+    size = {"size": (64, 48)}
+
+    def pixels(tf):
+        return numpy.asarray(s.render(tf=tf, **size))
+
+    assert (pixels(kiln.transfer_function("ct-bone")) == pixels("ct-bone")).all()
+    points = kiln.transfer_function([(1100, 0), (1300, 0.5, "#ff8800"), (2000, 0.9, (1, 1, 1))])
+    assert (pixels(points) == pixels("1100:0,1300:0.5:#f80,2000:0.9:white")).all()
+    points.save("points.json")
+    assert (pixels("points.json") == pixels(points)).all()
+
+    def grey(place):  # as a colour map of Matplotlib
+        return (place, place, place, 1.0)
+
+    low, high = s.range
+    stretched = kiln.transfer_function(grey, opacity=(0, 0.5))
+    fixed = kiln.transfer_function(grey, range=(low, high), opacity=lambda place: 0.5 * place)
+    assert numpy.abs(pixels(stretched) - pixels(fixed)).max() < 1e-5 and pixels(fixed).max() > 0
+    with pytest.raises(kiln.Error):
+        s.render(tf=kiln.transfer_function([(2, 0), (1, 1)]), **size)
+
+
+def test_files_become_stores_once(head):
+    numpy.save("a.npy", kiln.open(head)[...])
+    s = kiln.open("a.npy", spacing=(2, 1, 1))
+    assert s.path == "a.npy.kiln" and s.spacing == (2, 1, 1)
+    made = os.stat("a.npy.kiln/manifest.json").st_mtime_ns
+    kiln.open("a.npy", spacing=(2, 1, 1))
+    assert os.stat("a.npy.kiln/manifest.json").st_mtime_ns == made
+    assert kiln.open("a.npy", store="stores").path.startswith("stores")
+    run_tool("render", "a.npy", "-o", "a.png", "--size", "32x32", cwd=".")
+
+
+def test_viewer_answers(head):
+    with kiln.view(kiln.open(kiln.open(head)[...]), tf="ct-bone", job="look.json") as viewer:
+        address, token = viewer.url.split("#")
+        with urllib.request.urlopen(address, timeout=20) as page:
+            assert b"<html" in page.read()
+            assert "localhost" in page.headers["Content-Security-Policy"] and page.headers["X-Frame-Options"] is None
+        assert viewer.url in viewer._repr_html_() and "<iframe" in viewer._repr_html_()
+    with pytest.raises(OSError):
+        urllib.request.urlopen(address, timeout=20)
+    with pytest.raises(kiln.Error, match="json"):
+        kiln.view(head, job="look.txt")
+    assert not os.path.exists("look.json")
+
+
+def test_documentation_and_types():
+    for name in kiln.__all__:
+        assert getattr(kiln, name).__doc__, name
+    for option in kiln.options():
+        assert option.help and option.flag.startswith("--")
+    folder = os.path.dirname(kiln.__file__)
+    assert os.path.exists(os.path.join(folder, "py.typed"))
