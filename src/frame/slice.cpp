@@ -3,16 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/vec3.hpp>
-#include <string_view>
 #include <vector>
 
 #include "base/error.h"
 #include "base/memory/memory.h"
-#include "image/srgb.h"
-#include "scene/transfer/named_color_maps.h"
+#include "frame/slice_palette.h"
 #include "store/brick_index.h"
 #include "store/codec/brick_block.h"
 
@@ -20,21 +17,6 @@ namespace kiln {
 namespace {
 
 constexpr std::int64_t kLargestSide = 65535;
-
-// Returns the value below which the share `part` of all voxels lies.
-double quantile(const ValueHistogram& histogram, double part) {
-  double total = 0;
-  for (const std::uint64_t count : histogram.counts) total += static_cast<double>(count);
-  double below = 0;
-  for (std::size_t bin = 0; bin < histogram.counts.size(); ++bin) {
-    below += static_cast<double>(histogram.counts[bin]);
-    if (below >= part * total) {
-      return histogram.lo + (histogram.hi - histogram.lo) * (static_cast<double>(bin) + 0.5) /
-                                static_cast<double>(histogram.counts.size());
-    }
-  }
-  return histogram.hi;
-}
 
 // The axes of the volume along the picture's columns and rows.
 struct Layout {
@@ -69,31 +51,6 @@ std::vector<std::int64_t> voxelsAlong(std::int64_t pixels, double voxels_per_pix
   return out;
 }
 
-constexpr std::string_view kGray = "gray";
-
-// The colours of a map in equal steps, in linear light. A step is a quarter of a step of a 8-bit picture.
-class Palette {
- public:
-  Palette(const std::string& name, const Window& window) : window_(window) {
-    const ColorMap map =
-        name == kGray ? ColorMap{ColorSpace::kRgb, {{0, glm::dvec3(0)}, {1, glm::dvec3(1)}}} : namedColorMap(name);
-    for (std::size_t i = 0; i < kSteps; ++i) {
-      const glm::dvec3 srgb = map.at(static_cast<double>(i) / (kSteps - 1));
-      for (int channel = 0; channel < 3; ++channel)
-        colors_[i][channel] = static_cast<float>(linearFromSrgb(srgb[channel]));
-    }
-  }
-  const glm::vec3& of(double value) const {
-    const double part = std::clamp((value - window_.centre) / window_.width + 0.5, 0.0, 1.0);
-    return colors_[static_cast<std::size_t>(part * (kSteps - 1) + 0.5)];
-  }
-
- private:
-  static constexpr std::size_t kSteps = 1024;
-  Window window_;
-  std::array<glm::vec3, kSteps> colors_;
-};
-
 // The pixels of a line whose voxels are in [lo, hi).
 struct Pixels {
   std::int64_t begin, end;
@@ -105,7 +62,7 @@ Pixels pixelsIn(const std::vector<std::int64_t>& voxels, std::int64_t lo, std::i
 
 // Draws the pixels whose voxels are in the brick; `columns` and `rows` are the voxels along the picture's sides.
 void drawBrick(const BrickBlock& block, const Layout& layout, const std::vector<std::int64_t>& columns,
-               const std::vector<std::int64_t>& rows, std::int64_t index, const Palette& palette, Image& image) {
+               const std::vector<std::int64_t>& rows, std::int64_t index, const SlicePalette& palette, Image& image) {
   const VoxelBox& core = block.core;
   const Pixels across = pixelsIn(columns, core.lo[layout.right], core.hi[layout.right]);
   const Pixels along = pixelsIn(rows, core.lo[layout.down], core.hi[layout.down]);
@@ -131,18 +88,6 @@ void drawBrick(const BrickBlock& block, const Layout& layout, const std::vector<
 
 }  // namespace
 
-std::vector<std::string> sliceColorMaps() {
-  std::vector<std::string> out = {std::string(kGray)};
-  out.insert(out.end(), colorMapNames().begin(), colorMapNames().end());
-  return out;
-}
-
-Window defaultWindow(const ValueHistogram& histogram) {
-  const double lo = quantile(histogram, 0.005);
-  const double hi = quantile(histogram, 0.995);
-  return {(lo + hi) / 2, hi > lo ? hi - lo : 1};
-}
-
 std::pair<std::int64_t, std::int64_t> sliceSize(const VolumeGeometry& level, int axis) {
   const Layout layout = layoutOf(level, axis);
   return {layout.width, layout.height};
@@ -163,13 +108,7 @@ Image renderSlice(const BrickedVolume& store, const SliceRequest& request, const
   if (index < 0 || index >= count)
     throw Error(ErrorCode::kUsage, fmt::format("--index: {} is not between 0 and {}", index, count - 1));
   const Window window = request.window.value_or(defaultWindow(store.manifest().histogram));
-  if (!(window.width > 0) || !std::isfinite(window.centre))
-    throw Error(ErrorCode::kUsage, "--window: the width must be positive");
-  const std::vector<std::string> maps = sliceColorMaps();
-  if (std::find(maps.begin(), maps.end(), request.colormap) == maps.end())
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--colormap: expected {} (found '{}')", fmt::join(maps, ", "), request.colormap));
-  const Palette palette(request.colormap, window);
+  const SlicePalette palette(request.colormap, window);
   const Layout layout = layoutOf(volume, request.axis);
   if (layout.width > kLargestSide || layout.height > kLargestSide) {
     throw Error(ErrorCode::kUsage,

@@ -25,10 +25,6 @@ struct SliceRequest {
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
 };
 
-/// "gray", and the colour maps of scene/transfer/named_color_maps.h.
-std::vector<std::string> sliceColorMaps();
-/// Returns the window of the middle 99 % of the values.
-Window defaultWindow(const ValueHistogram& histogram);
 /// Returns the size of a slice along `axis` on a level. shape: columns and rows. unit: pixels.
 std::pair<std::int64_t, std::int64_t> sliceSize(const VolumeGeometry& level, int axis);
 

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "frame/histogram_bars.h"
+#include "frame/slice_palette.h"
 #include "image/plot_image.h"
 #include "store/brick_index.h"
 #include "store/codec/brick_block.h"

@@ -59,6 +59,22 @@ TEST_F(SlicesCli, Sheet_showsTheSlicesThroughAVoxel) {
   EXPECT_NEAR(sheet.pixel(8 + 12, 8 + 14 + 3)[0], linearFromSrgb(0.53), 2e-3);
 }
 
+// The plane x + z = 9, seen along its normal: the middle of the volume, with z up, has the value 2x + 3y + 5z.
+TEST_F(SlicesCli, Plane_isDrawnWhereItWasAsked) {
+  const ToolResult result =
+      done({"slice", in("v.kiln"), "-o", in("o.exr"), "--plane", "1,0,1,-9", "--window", "50,100", "--mode", "mip"});
+  EXPECT_NE(result.out.find("pixels of 1, 1 sample across the slice"), std::string::npos) << result.out;
+  const Image slice = readImage(in("o.exr"));
+  EXPECT_EQ(slice.width, 15);
+  // The middle row is 4.5,y,4.5; right is -y.
+  EXPECT_NEAR(slice.pixel(12, slice.height / 2)[0], linearFromSrgb((3 * 2 + 7 * 4.5) / 100.0), 0.03);
+  refused({"slice", in("v.kiln"), "-o", in("o.png"), "--plane", "1,0,1"}, 2, "NX,NY,NZ,OFFSET");
+  refused({"slice", in("v.kiln"), "-o", in("o.png"), "--plane", "1,0,1,40"}, 2, "beside the volume");
+  refused({"slice", in("v.kiln"), "-o", in("o.png"), "--plane", "1,0,1,-9", "--axis", "x"}, 2, "--axis");
+  refused({"slice", in("v.kiln"), "-o", in("o.png"), "--thickness", "3"}, 2, "--plane");
+  refused({"slice", in("v.kiln"), "-o", in("o.png"), "--plane", "1,0,1,-9", "--mode", "composite"}, 2, "minip");
+}
+
 TEST_F(SlicesCli, VolumeFile_isConvertedBesideIt) {
   writeText(in("a.raw"), "abcdefghijklmnopqrstuvwx");  // 2 x 3 x 4 voxels
   done({"slice", in("a.raw"), "-o", in("a.png"), "--dims", "2,3,4", "--type", "u8"});

@@ -4,6 +4,7 @@
 
 #include "convert/volume_sample.h"
 #include "frame/slice.h"
+#include "frame/slice_palette.h"
 #include "histogram_text.h"
 #include "ingest/open_source.h"
 #include "ingest/source/formats.h"

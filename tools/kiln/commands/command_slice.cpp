@@ -5,10 +5,13 @@
 
 #include "base/file/file.h"
 #include "base/memory/memory.h"
+#include "base/text.h"
 #include "commands.h"
 #include "examples.h"
 #include "foreign_store.h"
+#include "frame/plane_slice.h"
 #include "frame/slice.h"
+#include "frame/slice_palette.h"
 #include "frame/slice_sheet.h"
 #include "image/file/image_file.h"
 #include "job/frame_list.h"
@@ -25,7 +28,9 @@ namespace {
 struct SliceArguments {
   std::string store, output, axis = "z", window, colormap = "gray", memory = kDefaultMemory;
   int level = 0;
-  std::optional<std::string> index, at;
+  std::optional<std::string> index, at, plane;
+  double thickness = 0;  // world
+  std::string mode = "average";
   bool sheet = false;
   ForeignArguments source;
 };
@@ -43,6 +48,13 @@ int axisOf(const std::string& name) {
   if (name.size() != 1 || axes.find(name) == std::string::npos)
     throw Error(ErrorCode::kUsage, fmt::format("--axis: expected x, y or z, found '{}'", name));
   return static_cast<int>(axes.find(name));
+}
+
+Mode modeOf(const std::string& name) {
+  const auto found = std::find(kModeNames.begin(), kModeNames.end(), name);
+  if (found == kModeNames.end() || name == kModeNames[0])
+    throw Error(ErrorCode::kUsage, fmt::format("--mode: expected average, mip or minip (found '{}')", name));
+  return static_cast<Mode>(found - kModeNames.begin());
 }
 
 void write(const Image& image, const StoreReader& store, std::uint64_t memory_bytes,
@@ -83,6 +95,38 @@ void drawSlices(const SliceArguments& a, const StoreReader& store, SliceRequest 
   }
 }
 
+// "NX,NY,NZ,OFFSET".
+void setPlane(const std::string& text, PlaneSliceRequest& request) {
+  const std::vector<std::string_view> parts = splitAt(text, ',');
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::optional<double> value = parts.size() == 4 ? decimalOf<double>(parts[i]) : std::nullopt;
+    if (!value)
+      throw Error(ErrorCode::kUsage, fmt::format("--plane: expected four numbers NX,NY,NZ,OFFSET (found '{}')", text));
+    (i < 3 ? request.normal[static_cast<int>(i)] : request.offset) = *value;
+  }
+}
+
+void drawPlane(const SliceArguments& a, const StoreReader& store, const SliceRequest& slice, Context& context) {
+  PlaneSliceRequest request;
+  request.window = slice.window;
+  request.colormap = slice.colormap;
+  request.memory_bytes = slice.memory_bytes;
+  request.level = a.level;
+  request.thickness = a.thickness;
+  request.mode = modeOf(a.mode);
+  setPlane(*a.plane, request);
+  const Image image = renderPlaneSlice(store, request, context.progress);
+  write(image, store, request.memory_bytes, a.output);
+  context.progress.clear();
+  const VolumeGeometry& level = store.level(a.level).geometry;
+  const PlanePixels pixels = pixelsOfPlane(level, request);
+  const glm::dvec3 middle =
+      pixels.at(0.5 * static_cast<double>(pixels.width - 1), 0.5 * static_cast<double>(pixels.height - 1));
+  say("{}: {} x {} pixels of {:.6g}{}, {} across the slice, around {:.6g},{:.6g},{:.6g}\n", a.output, image.width,
+      image.height, pixels.edge, level.unit.empty() ? "" : " " + level.unit,
+      pixels.samples == 1 ? "1 sample" : fmt::format("{} samples", pixels.samples), middle.x, middle.y, middle.z);
+}
+
 void drawSheet(const SliceArguments& a, const StoreReader& store, const SliceRequest& slice, Context& context) {
   SliceSheetRequest request{std::nullopt, slice.window, slice.colormap, slice.memory_bytes};
   if (a.at) {
@@ -110,6 +154,8 @@ void run(const SliceArguments& a, Context& context) {
                           request.memory_bytes);
   if (a.sheet)
     drawSheet(a, store, request, context);
+  else if (a.plane)
+    drawPlane(a, store, request, context);
   else
     drawSlices(a, store, request, context);
   if (request.window) warnBeside(a.output, *request.window, store.manifest().range, context.progress);
@@ -138,6 +184,22 @@ void addSlice(CLI::App& app, Context& context) {
       ->excludes(level)
       ->excludes(index);
   command->add_option("--at", a->at, "the voxel of a sheet; the middle if not given")->type_name("X,Y,Z");
+  CLI::Option* const plane =
+      command
+          ->add_option("--plane", a->plane,
+                       "any plane: where NX x + NY y + NZ z + OFFSET = 0 in the world, seen along its normal")
+          ->type_name("NX,NY,NZ,OFFSET")
+          ->excludes(axis)
+          ->excludes(index)
+          ->excludes("--sheet");
+  addNumber(*command, "--thickness", a->thickness, "of the slice around --plane, in the volume's unit of length")
+      ->type_name("LENGTH")
+      ->needs(plane)
+      ->capture_default_str();
+  command->add_option("--mode", a->mode, "the value of a pixel of a thick slice: average, mip or minip")
+      ->type_name("MODE")
+      ->needs(plane)
+      ->capture_default_str();
   command->add_option("--window", a->window, "values shown: the middle 99 % if not given")->type_name("CENTRE,WIDTH");
   command->add_option("--colormap", a->colormap, fmt::format("colours: {}", fmt::join(sliceColorMaps(), ", ")))
       ->type_name("NAME")
@@ -145,7 +207,8 @@ void addSlice(CLI::App& app, Context& context) {
   addMemory(*command, a->memory, "the picture, a brick and the index")->capture_default_str();
   addForeignArguments(*command, a->source);
   addExamples(*command, {"kiln slice head.kiln -o sheet.png --sheet",
-                         "kiln slice head.kiln -o slice_###.png --axis z --index 0-63x16"});
+                         "kiln slice head.kiln -o slice_###.png --axis z --index 0-63x16",
+                         "kiln slice head.kiln -o oblique.png --plane 0,1,1,-1730 --thickness 10 --mode mip"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

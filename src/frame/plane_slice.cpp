@@ -1,0 +1,291 @@
+#include "frame/plane_slice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "base/error.h"
+#include "base/memory/memory.h"
+#include "base/thread/parallel.h"
+#include "frame/slice_palette.h"
+#include "store/brick_index.h"
+#include "store/codec/brick_block.h"
+#include "store/codec/brick_codec.h"
+
+namespace kiln {
+namespace {
+
+constexpr std::int64_t kLargestSide = 65535;  // pixels, as of other slices
+// Share of a pixel by which a side may exceed a whole number of pixels: rounding of products in the world.
+constexpr double kSideRounding = 1e-6;
+// Sine of the angle to z below which a normal counts as along z: a degree and less.
+constexpr double kAlongZ = 0.02;
+
+// The least and greatest products of a direction with the corners of a box.
+struct Span {
+  double lo = std::numeric_limits<double>::infinity(), hi = -std::numeric_limits<double>::infinity();
+  void add(double value) {
+    lo = std::min(lo, value);
+    hi = std::max(hi, value);
+  }
+};
+
+// The corners of the part of a box between two planes across `normal`, at distances `lo` and `hi` from `on`.
+std::vector<glm::dvec3> cornersBetween(const std::array<glm::dvec3, 8>& box, const glm::dvec3& on,
+                                       const glm::dvec3& normal, double lo, double hi) {
+  std::vector<glm::dvec3> out;
+  std::array<double, 8> distance{};
+  for (std::size_t i = 0; i < 8; ++i) {
+    distance[i] = glm::dot(box[i] - on, normal);
+    if (distance[i] >= lo && distance[i] <= hi) out.push_back(box[i]);
+  }
+  for (std::size_t i = 0; i < 8; ++i) {
+    for (const std::size_t axis : {1u, 2u, 4u}) {
+      const std::size_t j = i | axis;
+      if (j == i) continue;
+      for (const double plane : {lo, hi}) {
+        if ((distance[i] < plane) == (distance[j] < plane)) continue;
+        out.push_back(glm::mix(box[i], box[j], (plane - distance[i]) / (distance[j] - distance[i])));
+      }
+    }
+  }
+  return out;
+}
+
+glm::dvec3 downOf(const glm::dvec3& normal) {
+  const glm::dvec3 z(0, 0, 1);
+  const bool along_z = glm::length(glm::cross(normal, z)) < kAlongZ;
+  const glm::dvec3 down = along_z ? glm::dvec3(0, 1, 0) : -z;
+  return glm::normalize(down - glm::dot(down, normal) * normal);
+}
+
+// What the samples of a pixel sum up to.
+struct Gathered {
+  double value = 0;
+  std::uint32_t samples = 0;
+};
+
+void gather(Mode mode, double value, Gathered& pixel) {
+  if (std::isnan(value)) return;
+  if (mode == Mode::kAverage)
+    pixel.value += value;
+  else if (pixel.samples == 0)
+    pixel.value = value;
+  else
+    pixel.value = mode == Mode::kMip ? std::max(pixel.value, value) : std::min(pixel.value, value);
+  ++pixel.samples;
+}
+
+// Samples of a plane's pixels in the index space of a level.
+class PlaneSampler {
+ public:
+  PlaneSampler(const VolumeGeometry& level, const PlanePixels& pixels, bool labels)
+      : pixels_(pixels), labels_(labels), last_(glm::dvec3(level.dims.x - 1, level.dims.y - 1, level.dims.z - 1)) {
+    const glm::dmat4 index_from_world = glm::inverse(level.world_from_index);
+    const glm::dmat3 turn(index_from_world);
+    first_ = glm::dvec3(index_from_world * glm::dvec4(pixels.first, 1.0));
+    right_ = turn * pixels.right;
+    down_ = turn * pixels.down;
+    along_ = turn * pixels.along;
+  }
+
+  // Gathers the samples whose cell belongs to the brick, of a row of pixels from `begin` to `end`.
+  template <class T>
+  void addRow(const BrickBlock& block, Mode mode, std::int64_t y, std::int64_t begin, std::int64_t end,
+              Gathered* row) const {
+    const T* const voxels = block.data<T>();
+    for (std::int64_t x = begin; x < end; ++x) {
+      for (int k = 0; k < pixels_.samples; ++k) {
+        const glm::dvec3 at = first_ + static_cast<double>(x) * right_ + static_cast<double>(y) * down_ +
+                              (k - 0.5 * (pixels_.samples - 1)) * along_;
+        if (glm::any(glm::lessThan(at, glm::dvec3(-0.5))) || glm::any(glm::greaterThan(at, last_ + 0.5))) continue;
+        // Between the centres of the outermost voxels and the volume's faces, values are constant.
+        const glm::dvec3 inside = glm::clamp(labels_ ? glm::floor(at + 0.5) : at, glm::dvec3(0), last_);
+        const glm::dvec3 cell = glm::floor(inside);
+        const VoxelCoord v{static_cast<std::int64_t>(cell.x), static_cast<std::int64_t>(cell.y),
+                           static_cast<std::int64_t>(cell.z)};
+        if (!contains(block.core, v)) continue;
+        const T* const corner = voxels + block.offsetOf(v);
+        gather(mode, labels_ ? static_cast<double>(*corner) : trilinear(corner, block, inside - cell), row[x]);
+      }
+    }
+  }
+
+ private:
+  static bool contains(const VoxelBox& box, const VoxelCoord& v) {
+    return v.x >= box.lo.x && v.y >= box.lo.y && v.z >= box.lo.z && v.x < box.hi.x && v.y < box.hi.y && v.z < box.hi.z;
+  }
+  template <class T>
+  static double trilinear(const T* corner, const BrickBlock& block, const glm::dvec3& part) {
+    double out = 0;
+    for (int i = 0; i < 8; ++i) {
+      const bool x = (i & 1) != 0, y = (i & 2) != 0, z = (i & 4) != 0;
+      const double weight = (x ? part.x : 1 - part.x) * (y ? part.y : 1 - part.y) * (z ? part.z : 1 - part.z);
+      // A voxel of weight 0 has no effect, even if the voxel is NaN.
+      if (weight > 0)
+        out += weight * static_cast<double>(corner[x + (y ? block.strideY() : 0) + (z ? block.strideZ() : 0)]);
+    }
+    return out;
+  }
+
+  const PlanePixels& pixels_;
+  bool labels_;
+  glm::dvec3 last_, first_, right_, down_, along_;
+};
+
+// Pixels [x, x_end) by [y, y_end).
+struct PixelBox {
+  std::int64_t x = 0, y = 0, x_end = 0, y_end = 0;
+  bool empty() const { return x >= x_end || y >= y_end; }
+};
+
+// The pixels whose samples may lie in cells of the brick.
+PixelBox pixelsOver(const VoxelBox& core, const VolumeGeometry& level, const PlanePixels& pixels) {
+  Span across, along_x, along_y;
+  const double edge2 = pixels.edge * pixels.edge;
+  for (int i = 0; i < 8; ++i) {
+    // A cell reaches to the next voxel; at the volume's faces half a voxel further.
+    const glm::dvec3 corner((i & 1) ? static_cast<double>(core.hi.x) : static_cast<double>(core.lo.x) - 0.5,
+                            (i & 2) ? static_cast<double>(core.hi.y) : static_cast<double>(core.lo.y) - 0.5,
+                            (i & 4) ? static_cast<double>(core.hi.z) : static_cast<double>(core.lo.z) - 0.5);
+    const glm::dvec3 from_first = level.worldOf(corner) - pixels.first;
+    across.add(glm::dot(from_first, pixels.along) / edge2);
+    along_x.add(glm::dot(from_first, pixels.right) / edge2);
+    along_y.add(glm::dot(from_first, pixels.down) / edge2);
+  }
+  const double half = 0.5 * glm::dot(pixels.along, pixels.along) / edge2 * (pixels.samples - 1);
+  if (across.lo > half + kSideRounding || across.hi < -half - kSideRounding) return {};
+  const auto bounded = [](double pixel, std::int64_t count) {
+    return static_cast<std::int64_t>(std::clamp(pixel, 0.0, static_cast<double>(count)));
+  };
+  return {bounded(std::floor(along_x.lo), pixels.width), bounded(std::floor(along_y.lo), pixels.height),
+          bounded(std::ceil(along_x.hi) + 1, pixels.width), bounded(std::ceil(along_y.hi) + 1, pixels.height)};
+}
+
+void requireBudget(const BrickedVolume& store, const PlanePixels& pixels, std::uint64_t memory_bytes) {
+  if (pixels.width > kLargestSide || pixels.height > kLargestSide)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--plane: a slice of {} x {} pixels is larger than {}; choose a coarser --level",
+                            pixels.width, pixels.height, kLargestSide));
+  const std::uint64_t bytes =
+      (4 * sizeof(float) + sizeof(Gathered)) * static_cast<std::uint64_t>(pixels.width * pixels.height) +
+      store.largestReadBytes() + store.index().bytes();
+  if (bytes > memory_bytes)
+    throw Error(ErrorCode::kBudget, store.path(), "--memory",
+                fmt::format("{} is too little: a slice of {} x {} pixels, a brick and the index take {}; a coarser one "
+                            "(--level) takes less",
+                            formatBytes(memory_bytes), pixels.width, pixels.height, formatBytes(bytes)));
+}
+
+Image coloured(const std::vector<Gathered>& gathered, const PlanePixels& pixels, Mode mode,
+               const SlicePalette& palette) {
+  Image image(static_cast<int>(pixels.width), static_cast<int>(pixels.height));
+  for (std::size_t i = 0; i < gathered.size(); ++i) {
+    const Gathered& pixel = gathered[i];
+    if (pixel.samples == 0) continue;
+    const glm::vec3& color = palette.of(mode == Mode::kAverage ? pixel.value / pixel.samples : pixel.value);
+    float* const rgba = image.rgba.data() + 4 * i;
+    for (int channel = 0; channel < 3; ++channel) rgba[channel] = color[channel];
+    rgba[3] = 1;
+  }
+  return image;
+}
+
+}  // namespace
+
+PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& request) {
+  const double length = glm::length(request.normal);
+  if (!(length > 0) || !std::isfinite(length) || !std::isfinite(request.offset))
+    throw Error(ErrorCode::kUsage, "--plane: expected a normal other than 0,0,0 and a finite offset");
+  if (!(request.thickness >= 0) || !std::isfinite(request.thickness))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--thickness: expected a length of at least 0 (found {})", request.thickness));
+  const glm::dvec3 normal = request.normal / length;
+  const glm::dvec3 on = -request.offset / length * normal;
+  const std::array<glm::dvec3, 8> corners = level.corners();
+  const double half = 0.5 * request.thickness;
+  const std::vector<glm::dvec3> outline = cornersBetween(corners, on, normal, -half, half);
+  if (outline.empty()) {
+    Span offsets;
+    for (const glm::dvec3& corner : corners) offsets.add(-glm::dot(corner, request.normal));
+    throw Error(ErrorCode::kUsage, fmt::format("--plane: the plane lies beside the volume (found the offset {:g}); "
+                                               "choose an offset between {:g} and {:g}",
+                                               request.offset, offsets.lo, offsets.hi));
+  }
+  PlanePixels out{};
+  out.edge = level.shortestEdge();
+  const glm::dvec3 down = downOf(normal), right = glm::cross(down, normal);
+  Span across, below;
+  for (const glm::dvec3& corner : outline) {
+    across.add(glm::dot(corner - on, right));
+    below.add(glm::dot(corner - on, down));
+  }
+  const auto pixels = [&](const Span& side) {
+    return std::max<std::int64_t>(1,
+                                  static_cast<std::int64_t>(std::ceil((side.hi - side.lo) / out.edge - kSideRounding)));
+  };
+  out.width = pixels(across);
+  out.height = pixels(below);
+  const auto begin = [&](const Span& side, std::int64_t count) {
+    return 0.5 * (side.lo + side.hi) - 0.5 * static_cast<double>(count - 1) * out.edge;
+  };
+  out.first = on + begin(across, out.width) * right + begin(below, out.height) * down;
+  out.right = out.edge * right;
+  out.down = out.edge * down;
+  const double samples = std::max(1.0, std::ceil(request.thickness / out.edge - kSideRounding));
+  if (samples > kLargestSide)
+    throw Error(ErrorCode::kUsage, fmt::format("--thickness: expected at most {} pixels of {:g} (found {:g})",
+                                               kLargestSide, out.edge, request.thickness));
+  out.samples = static_cast<int>(samples);
+  out.along = (out.samples > 1 ? request.thickness / samples : out.edge) * normal;
+  return out;
+}
+
+Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, const BrickOf& brick_of,
+                       Progress& progress) {
+  store.requireLevel(request.level);
+  const VolumeGeometry& level = store.level(request.level).geometry;
+  const bool labels = store.manifest().volume_class == VolumeClass::kLabels;
+  if (labels && request.thickness > 0 && request.mode == Mode::kAverage)
+    throw Error(ErrorCode::kUsage, "--thickness: labels have no average; add --mode mip or minip");
+  const SlicePalette palette(request.colormap, request.window.value_or(defaultWindow(store.manifest().histogram)));
+  const PlanePixels pixels = pixelsOfPlane(level, request);
+  requireBudget(store, pixels, request.memory_bytes);
+  const PlaneSampler sampler(level, pixels, labels);
+  std::vector<Gathered> gathered(static_cast<std::size_t>(pixels.width * pixels.height));
+  const Extent3& lattice = store.index().lattice(request.level);
+  for (std::int64_t i = 0; i < lattice.count(); ++i) {
+    progress.throwIfCancelled("drawing a slice");
+    const BrickKey key{request.level, brickAt(lattice, i)};
+    const PixelBox box = pixelsOver(store.frame(key).core(), level, pixels);
+    progress.advance("drawing", "bricks", static_cast<std::uint64_t>(i) + 1,
+                     static_cast<std::uint64_t>(lattice.count()));
+    if (box.empty()) continue;
+    const std::shared_ptr<const BrickBlock> block = brick_of(key);
+    if (!block) continue;
+    withVoxelType(block->type, [&]<class T>(std::type_identity<T>) {
+      parallelFor(static_cast<std::size_t>(box.y_end - box.y), [&](std::size_t row) {
+        const std::int64_t y = box.y + static_cast<std::int64_t>(row);
+        sampler.addRow<T>(*block, request.mode, y, box.x, box.x_end, gathered.data() + y * pixels.width);
+      });
+    });
+  }
+  return coloured(gathered, pixels, request.mode, palette);
+}
+
+Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, Progress& progress) {
+  const auto read = [&](const BrickKey& key) { return std::make_shared<const BrickBlock>(store.read(key)); };
+  return renderPlaneSlice(store, request, read, progress);
+}
+
+}  // namespace kiln

@@ -1,0 +1,53 @@
+// Draws the slice of a volume along any plane, thin or thick, from the bricks that the slice meets.
+// Method. Multiplanar reformatting: values between voxels are trilinear, labels are of the nearest voxel; the samples
+// across a thick slice are a pixel apart.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+
+#include "base/progress.h"
+#include "frame/slice.h"
+#include "grid/geometry.h"
+#include "image/image.h"
+#include "scene/render_options.h"
+
+namespace kiln {
+
+struct PlaneSliceRequest {
+  /// The plane is where normal·x + offset = 0, as of clip planes. The picture shows the plane as seen along the normal.
+  glm::dvec3 normal{0, 0, 1};
+  double offset = 0;
+  double thickness = 0;        // of the slice, centred on the plane. unit: world
+  Mode mode = Mode::kAverage;  // the value of a pixel of a thick slice: kAverage, kMip or kMinip
+  int level = 0;               // 0 is finest
+  std::optional<Window> window;
+  std::string colormap = "gray";  // one of sliceColorMaps()
+  std::uint64_t memory_bytes = std::uint64_t{2} << 30;
+};
+
+/// The pixels of a slice in the world.
+struct PlanePixels {
+  glm::dvec3 first;               // centre of the upper left pixel
+  glm::dvec3 right, down, along;  // from a pixel, or a sample, to the next
+  std::int64_t width, height;
+  int samples;  // across the slice; sample k is at `first` + (k - (samples - 1) / 2) · `along`
+  double edge;  // of a pixel. unit: world
+  glm::dvec3 at(double x, double y) const { return first + x * right + y * down; }
+};
+
+/// Returns the pixels that cover the slice of the volume's box. A pixel is as wide as the shortest edge of a voxel. z
+/// is up, or y is down where the normal is along z. throws: Error kUsage: no normal, or a plane beside the volume.
+PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& request);
+
+/// Draws a slice. NaN and places outside the volume are transparent. Equal bits for all numbers of threads; sizes of
+/// bricks change the order of sums. memory: 32 bytes a pixel and one brick. throws: Error kUsage, kBudget; as
+/// `brick_of`.
+Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, const BrickOf& brick_of,
+                       Progress& progress);
+/// As above, with bricks that are read. throws: also as BrickedVolume::read.
+Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, Progress& progress);
+
+}  // namespace kiln

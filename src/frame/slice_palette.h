@@ -1,0 +1,34 @@
+// The colours of slices: a window of values in grey or in the colours of a map.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+#include "job/transfer_function_choice.h"
+#include "store/manifest/manifest.h"
+
+namespace kiln {
+
+/// "gray", and the colour maps of scene/transfer/named_color_maps.h.
+std::vector<std::string> sliceColorMaps();
+/// Returns the window of the middle 99 % of the values.
+Window defaultWindow(const ValueHistogram& histogram);
+
+/// The colours of a map in equal steps, in linear light. A step is a quarter of a step of an 8-bit picture.
+class SlicePalette {
+ public:
+  /// The window reaches from the first colour to the last. throws: Error kUsage (map, window).
+  SlicePalette(const std::string& map, const Window& window);
+
+  const glm::vec3& of(double value) const;
+
+ private:
+  static constexpr std::size_t kSteps = 1024;
+  Window window_;
+  std::array<glm::vec3, kSteps> colors_;
+};
+
+}  // namespace kiln

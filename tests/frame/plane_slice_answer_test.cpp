@@ -1,0 +1,170 @@
+// Slices along any plane. Known: the voxels' values are linear in the world, which trilinear interpolation keeps.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <set>
+
+#include "base/error.h"
+#include "frame/plane_slice.h"
+#include "image/srgb.h"
+#include "store/codec/brick_block.h"
+#include "store/store_reader.h"
+#include "support/volumes/procedural.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr double kWindow = 400;  // values 0 to 400
+constexpr glm::dvec3 kSlope(3, 2, 5);
+
+double valueAt(const glm::dvec3& world) { return glm::dot(kSlope, world) + 20; }
+
+// Voxels of 1 x 1 x 1.5, the first at 2,-1,4. The values are not whole numbers.
+DenseVolume sloped() {
+  const glm::dmat4 place = spacingAffine({1, 1, 1.5}, {2, -1, 4});
+  return fill({{33, 27, 21}, VoxelType::f32, place}, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    return valueAt(glm::dvec3(place * glm::dvec4(i, j, k, 1)));
+  });
+}
+
+class PlaneSlice : public ::testing::Test {
+ protected:
+  PlaneSlice() : store_(makeStore(sloped(), "plane_slice", 8)) {}
+
+  static PlaneSliceRequest requestOf(const glm::dvec3& normal, double offset, double thickness = 0,
+                                     Mode mode = Mode::kAverage) {
+    PlaneSliceRequest out;
+    out.normal = normal;
+    out.offset = offset;
+    out.thickness = thickness;
+    out.mode = mode;
+    out.window = Window{kWindow / 2, kWindow};
+    return out;
+  }
+  const VolumeGeometry& level() const { return store_.level(0).geometry; }
+  Image draw(const PlaneSliceRequest& request) const {
+    Progress progress;
+    return renderPlaneSlice(store_, request, progress);
+  }
+  // True if a place lies between the centres of the outermost voxels.
+  bool isInside(const glm::dvec3& at) const {
+    return at.x >= 2 && at.x <= 34 && at.y >= -1 && at.y <= 25 && at.z >= 4 && at.z <= 34;
+  }
+  // Expects the value at each pixel whose samples lie within the volume, plus `more`. Returns the number of such
+  // pixels.
+  int expectValues(const PlaneSliceRequest& request, double more = 0) const {
+    const Image image = draw(request);
+    const PlanePixels pixels = pixelsOfPlane(level(), request);
+    EXPECT_EQ(image.width, pixels.width);
+    EXPECT_EQ(image.height, pixels.height);
+    int compared = 0;
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        const glm::dvec3 at = pixels.at(x, y), half = 0.5 * request.thickness * glm::normalize(request.normal);
+        if (!isInside(at - half) || !isInside(at + half)) continue;
+        ++compared;
+        EXPECT_EQ(image.pixel(x, y)[3], 1);
+        EXPECT_NEAR(srgbFromLinear(image.pixel(x, y)[0]), (valueAt(at) + more) / kWindow, 1.0 / 1024) << x << " " << y;
+      }
+    }
+    return compared;
+  }
+
+  StoreReader store_;
+};
+
+TEST_F(PlaneSlice, Oblique_hasTheValuesOfItsPlaces) {
+  EXPECT_GT(expectValues(requestOf({1, 2, 3}, -80)), 500);
+  EXPECT_GT(expectValues(requestOf({-0.3, 0.1, 0.02}, 5)), 500);
+  const PlaneSliceRequest request = requestOf({1, 2, 3}, -80);
+  const PlanePixels pixels = pixelsOfPlane(level(), request);
+  for (const double x : {0.0, 7.0}) EXPECT_NEAR(glm::dot(request.normal, pixels.at(x, 3)), 80, 1e-9);
+  EXPECT_DOUBLE_EQ(glm::length(pixels.right), 1);
+  EXPECT_LT(pixels.down.z, 0) << "z is up";
+}
+
+TEST_F(PlaneSlice, ThickSlice_hasItsMeanAndItsEnds) {
+  const glm::dvec3 normal(2, 1, 2);
+  // From the middle of the slice to the outermost of 8 samples: 3.5 of 8 steps.
+  const double end = 3.5 * 8 / 8 * glm::dot(kSlope, normal) / 3;
+  EXPECT_GT(expectValues(requestOf(normal, -60, 8)), 100);
+  EXPECT_GT(expectValues(requestOf(normal, -60, 8, Mode::kMip), end), 100);
+  EXPECT_GT(expectValues(requestOf(normal, -60, 8, Mode::kMinip), -end), 100);
+}
+
+TEST_F(PlaneSlice, AlongAnAxis_isTheSliceOfThatAxis) {
+  for (const int axis : {1, 2}) {  // rows of x; a slice along x is seen from the other side
+    glm::dvec3 normal(0);
+    normal[axis] = 1;
+    SliceRequest slice;
+    slice.axis = axis;
+    slice.index = 6;
+    slice.window = Window{kWindow / 2, kWindow};
+    const double at = axis == 1 ? 5 : 13;
+    const Image image = draw(requestOf(normal, -at));
+    Progress progress;
+    const Image expected = renderSlice(store_, slice, progress);
+    ASSERT_EQ(image.width, expected.width) << axis;
+    if (axis == 1) {
+      // Rows are a pixel high and voxels 1.5: the place between voxels is interpolated.
+      EXPECT_GT(expectValues(requestOf(normal, -at)), 800);
+      continue;
+    }
+    ASSERT_EQ(image.height, expected.height);
+    EXPECT_EQ(image.rgba, expected.rgba);
+  }
+}
+
+TEST_F(PlaneSlice, OutsideTheVolume_isTransparent) {
+  const Image image = draw(requestOf({1, 1, 0}, -30));
+  const PlanePixels pixels = pixelsOfPlane(level(), requestOf({1, 1, 0}, -30));
+  for (int x = 0; x < image.width; ++x) {
+    const glm::dvec3 at = pixels.at(x, 0);
+    const bool in_volume = at.x > 1.5 && at.x < 34.5 && at.y > -1.5 && at.y < 25.5 && at.z > 3.25 && at.z < 34.75;
+    EXPECT_EQ(image.pixel(x, 0)[3], in_volume ? 1 : 0) << x;
+  }
+}
+
+TEST_F(PlaneSlice, BricksBesideThePlane_areNotRead) {
+  std::set<BrickCoord> read;
+  Progress progress;
+  const auto brick = [&](const BrickKey& key) {
+    read.insert(key.brick);
+    return std::make_shared<const BrickBlock>(store_.read(key));
+  };
+  const Image whole = renderPlaneSlice(store_, requestOf({0, 0, 1}, -13), brick, progress);
+  EXPECT_EQ(read.size(), 5u * 4u) << "one layer of the 5 x 4 x 3 bricks";
+  EXPECT_EQ(std::count_if(read.begin(), read.end(), [](const BrickCoord& b) { return b.z == 0; }), 20);
+  EXPECT_EQ(whole.width, 33);
+}
+
+TEST_F(PlaneSlice, SizeOfBricks_changesNoPixel) {
+  const PlaneSliceRequest request = requestOf({1, -2, 1.5}, 10, 5, Mode::kMip);
+  const StoreReader other(makeStore(sloped(), "plane_slice_32", 32));
+  Progress progress;
+  EXPECT_EQ(draw(request).rgba, renderPlaneSlice(other, request, progress).rgba);
+}
+
+TEST_F(PlaneSlice, WrongRequests_nameTheOption) {
+  const auto refusal = [&](const PlaneSliceRequest& request) {
+    try {
+      draw(request);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("drawn");
+  };
+  EXPECT_NE(refusal(requestOf({0, 0, 0}, 1)).find("--plane: expected a normal"), std::string::npos);
+  EXPECT_NE(refusal(requestOf({0, 0, 2}, -100)).find("offset between -69.5 and -6.5"), std::string::npos)
+      << refusal(requestOf({0, 0, 2}, -100));
+  EXPECT_NE(refusal(requestOf({0, 0, 1}, -10, -1)).find("--thickness: "), std::string::npos);
+  PlaneSliceRequest small = requestOf({0, 0, 1}, -10);
+  small.memory_bytes = 1024;
+  EXPECT_NE(refusal(small).find("--memory"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace kiln::test
