@@ -2,15 +2,16 @@
 #   kiln_found           names and versions, for the report of this build
 #   kiln_missing         names
 #   kiln_missing_debian  Debian's packages with the same places in the list
+#   kiln_debian          Debian's packages of everything that was looked for
 
 macro(kiln_add_missing name debian)
   list(APPEND kiln_missing ${name})
   list(APPEND kiln_missing_debian ${debian})
 endmacro()
 
-# Gives the three lists of a function to its caller.
+# Gives the lists of a function to its caller.
 macro(kiln_return_lists)
-  foreach(list found missing missing_debian)
+  foreach(list found missing missing_debian debian)
     set(kiln_${list} ${kiln_${list}} PARENT_SCOPE)
   endforeach()
 endmacro()
@@ -18,6 +19,7 @@ endmacro()
 # find_package(name ...) without a word: some find modules print their own variables. Sets NAME_FOUND.
 # It is a function because OpenVDB's find module sets BUILD_SHARED_LIBS for whoever calls it.
 function(kiln_find_package name debian)
+  list(APPEND kiln_debian ${debian})
   set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
   find_package(${name} ${ARGN} QUIET)
   if(${name}_FOUND)
@@ -32,6 +34,7 @@ endfunction()
 
 # A library without CMake files: the cache has NAME_INCLUDE_DIR with `header`, and NAME_LIBRARY.
 function(kiln_find_library name debian header library)
+  list(APPEND kiln_debian ${debian})
   string(TOUPPER ${name} prefix)
   find_path(${prefix}_INCLUDE_DIR ${header})
   find_library(${prefix}_LIBRARY ${library})

@@ -134,19 +134,19 @@ check_chroot() {
   install build
 
   as_readme_says "without MPI, without GTest"
-  ! built tools/lib/libkiln_mpi.so && ! built tests || fail "what is absent was built"
+  ! built tools/lib/kiln/libkiln_mpi.so && ! built tests || fail "what is absent was built"
 
   # The runtime alone is no MPI; headers that are installed later are found in the same build tree.
   inside apt-get -qq install -y --no-install-recommends openmpi-bin >/dev/null 2>&1
   inside sh -c 'cd /kiln && cmake --preset release' | grep 'MPI was not found' >/dev/null || fail "MPI's runtime without headers is taken for MPI"
   install mpi
   as_readme_says "with MPI, installed later, without GTest"
-  built tools/lib/libkiln_mpi.so && ! built tests || fail "the module for MPI was not built"
+  built tools/lib/kiln/libkiln_mpi.so && ! built tests || fail "the module for MPI was not built"
 
   install test
   fresh
   as_readme_says "with MPI, with GTest"
-  built tools/lib/libkiln_mpi.so || fail "the module for MPI was not built"
+  built tools/lib/kiln/libkiln_mpi.so || fail "the module for MPI was not built"
   inside sh -c 'cd /kiln && ctest --preset release -L cli -R "Help|Ranks.One" --no-tests=error' >"$root/kiln/log" 2>&1 ||
     { tail -50 "$root/kiln/log"; fail "tests failed"; }
 
@@ -154,7 +154,7 @@ check_chroot() {
   inside apt-get -qq autoremove -y >/dev/null 2>&1
   fresh
   as_readme_says "without MPI, with GTest"
-  ! built tools/lib/libkiln_mpi.so && built tests/kiln_unit_tests || fail "the tests were not built"
+  ! built tools/lib/kiln/libkiln_mpi.so && built tests/kiln_unit_tests || fail "the tests were not built"
   step "all four ways are built, installed and used"
 }
 
