@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/text.h"
+#include "job/camera_file.h"
 #include "job/frame_list.h"
 #include "job/job_names.h"
 #include "job/job_options.h"
@@ -13,6 +14,7 @@
 namespace kiln {
 namespace {
 
+namespace fs = std::filesystem;
 using enum OptionGroup;
 
 constexpr SharedRange kFraction{"fraction", {0, 1}}, kWeight{"weight", {0, 1000}}, kBrightness{"brightness", {0, 1e6}};
@@ -92,6 +94,16 @@ nlohmann::json planeOfText(const std::string& text) {
   return nlohmann::json::array({plane});
 }
 
+// A camera file, whose values are those of keys that are not given.
+OptionValue<CameraSpec> cameraFileValue() {
+  return OptionValue<CameraSpec>::custom(FileName().form(),
+                                         [](const JobObject& object, std::string_view key, CameraSpec& camera) {
+                                           fs::path file;
+                                           FileName().read(object, key, file);
+                                           readCameraFile(file, camera);
+                                         });
+}
+
 // A number, an object, or "STRENGTH[:RADIUS]".
 OptionValue<Shading> occlusionValue() {
   const auto read = [](const JobObject& object, std::string_view key, Shading& shading) {
@@ -145,6 +157,9 @@ std::vector<SharedRange> sharedRanges() { return {kFraction, kWeight, kBrightnes
 const Options<CameraSpec>& cameraOptions() {
   using Row = Option<CameraSpec>;
   static const Options<CameraSpec> kOptions = {
+      // First, so that other keys win.
+      Row("file", "--camera", kCamera, cameraFileValue(),
+          "The camera of a file: ParaView's .pvcc, or the first of a .gltf or .glb. Options beside it win."),
       Row("projection", "--projection", kCamera, {KILN_MEMBER(projection), Word{kProjectionNames}, kAlways},
           "equirectangular: a panorama of all directions around the eye, the view direction in the middle, up at the "
           "top; depths are distances from the eye."),

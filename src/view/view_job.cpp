@@ -49,12 +49,26 @@ void requireNoFiles(const TransferFunctionChoice& still, const std::vector<Key<T
   for (const Key<TransferFunctionChoice>& key : keys) requireNoFile(key.value);
 }
 
+void requireNoCameraFile(const json& job) {
+  const auto refuse = [](const json& camera) {
+    if (camera.is_object() && camera.contains("file"))
+      throw Error(ErrorCode::kUsage, "job.camera.file: no file is read for a browser; send eye, target and up");
+  };
+  const auto camera = job.find("camera");
+  if (camera == job.end() || !camera->is_object()) return;
+  refuse(*camera);
+  const auto keys = camera->find("keyframes");
+  if (keys == camera->end() || !keys->is_array()) return;
+  for (const json& key : *keys) refuse(key);
+}
+
 void requireBrowserKeys(const json& job, const RenderJob& session) {
   if (!job.is_object()) throw Error(ErrorCode::kUsage, "job: expected an object; send the job of api/session, changed");
   for (const std::string_view key : kSessionsOwn) {
     if (job.contains(key))
       throw Error(ErrorCode::kUsage, fmt::format("job.{}: is the session's own; leave it out", key));
   }
+  requireNoCameraFile(job);
   const auto list = job.find("volumes");
   const std::size_t count = list != job.end() && list->is_array() ? list->size() : 0;
   if ((list != job.end() && !list->is_array()) || count != session.volumes.size())

@@ -191,6 +191,8 @@ TEST_F(ViewSessionTest, JobsWithPaths_areRefused) {
       jobWith({{"transferFunction", "/etc/passwd"}}),
       jobWith({{"transferFunction", {{"keyframes", {{{"frame", 1}, {"function", "a.json"}}}}}}}),
       jobWith({{"volumes", {{{"volume", "other.kiln"}}}}}),
+      jobWith({{"camera", {{"file", "a.pvcc"}}}}),
+      jobWith({{"camera", {{"keyframes", {{{"frame", 1}, {"file", "a.pvcc"}}}}}}}),
       jobWith({{"image", "large"}}),
       json::array(),
       "job",

@@ -1,0 +1,136 @@
+// Cameras of ParaView and glTF files. Known: the numbers of the files that the test writes.
+#include "job/camera_file.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <glm/geometric.hpp>
+#include <string>
+
+#include "base/error.h"
+#include "job/render_job.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CameraFile : public ::testing::Test {
+ protected:
+  CameraFile() : directory_(freshDirectory("camera_file")) {}
+  CameraSpec read(const std::string& name, const std::string& text) const {
+    writeText(directory_ / name, text);
+    CameraSpec out;
+    readCameraFile(directory_ / name, out);
+    return out;
+  }
+  std::string refusal(const std::string& name, const std::string& text) const {
+    try {
+      read(name, text);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "read";
+  }
+  fs::path directory_;
+};
+
+std::string property(const std::string& name, const std::vector<double>& values) {
+  std::string out = fmt::format(R"(<Property name="{}" id="1.{}" number_of_elements="{}">)", name, name, values.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    out += fmt::format(R"(<Element index="{}" value="{}"/>)", i, values[i]);
+  return out + R"(<Domain name="range" id="1.range"/></Property>)";
+}
+
+std::string paraView(double parallel, const std::string& position = property("CameraPosition", {1, -2.5, 300})) {
+  return R"(<?xml version="1.0"?><PVCameraConfiguration description="ParaView camera configuration" version="1.0">)"
+         R"(<Proxy group="views" type="RenderView" id="1" servers="21">)" +
+         position + property("CameraFocalPoint", {4, 5, 6}) + property("CameraViewUp", {0, 1, 0.5}) +
+         property("CameraViewAngle", {25}) + property("CameraParallelScale", {70}) +
+         property("CameraParallelProjection", {parallel}) + "</Proxy></PVCameraConfiguration>\n";
+}
+
+// A node turned by 90° about x, which looks along its -z (the world's +y), inside a node 10 up.
+std::string gltf(const std::string& lens, const std::string& more = "") {
+  return fmt::format(
+      R"({{"asset": {{"version": "2.0"}}, "cameras": [{}], "nodes": [{{"children": [1], "translation": [0, 0, 10]{}}},)"
+      R"( {{"camera": 0, "rotation": [{}, 0, 0, {}], "translation": [1, -50, 3]}}]}})",
+      lens, more, std::sqrt(0.5), std::sqrt(0.5));
+}
+
+void expectVector(const std::optional<glm::dvec3>& found, const glm::dvec3& expected) {
+  ASSERT_TRUE(found);
+  EXPECT_LT(glm::distance(*found, expected), 1e-9) << found->x << " " << found->y << " " << found->z;
+}
+
+TEST_F(CameraFile, OfParaView_isItsCamera) {
+  const CameraSpec perspective = read("a.pvcc", paraView(0));
+  expectVector(perspective.eye, {1, -2.5, 300});
+  expectVector(perspective.target, {4, 5, 6});
+  expectVector(perspective.up, {0, 1, 0.5});
+  EXPECT_EQ(perspective.projection, Projection::kPerspective);
+  EXPECT_EQ(perspective.fov_deg, 25);
+  EXPECT_FALSE(perspective.height);
+  const CameraSpec parallel = read("b.pvcc", paraView(1));
+  EXPECT_EQ(parallel.projection, Projection::kOrthographic);
+  EXPECT_EQ(parallel.height, 140);
+}
+
+TEST_F(CameraFile, OfGltf_hasThePlaceOfItsNode) {
+  const CameraSpec camera =
+      read("a.gltf", gltf(R"({"type": "perspective", "perspective": {"yfov": 0.7853981633974483, "znear": 1}})"));
+  expectVector(camera.eye, {1, -50, 13});
+  expectVector(camera.target, {1, 0, 13});
+  expectVector(camera.up, {0, 0, 1});
+  EXPECT_NEAR(*camera.fov_deg, 45, 1e-12);
+  const std::string lens = R"({"type": "orthographic", "orthographic": {"xmag": 3, "ymag": 4, "znear": 1, "zfar": 9}})";
+  const CameraSpec parallel = read("b.gltf", gltf(lens, R"(, "scale": [2, 2, 2])"));
+  EXPECT_EQ(parallel.height, 8);
+  expectVector(parallel.eye, {2, -100, 16});
+  // The JSON of a binary file is its first chunk, padded to whole words.
+  std::string json = gltf(lens);
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto word = [](std::size_t value) {
+    std::string out;
+    for (int i = 0; i < 4; ++i) out += static_cast<char>(value >> (8 * i) & 255);
+    return out;
+  };
+  const std::string head = "glTF" + word(2) + word(20 + json.size()) + word(json.size()) + "JSON";
+  EXPECT_EQ(read("c.glb", head + json).height, 8);
+  EXPECT_NE(refusal("d.glb", head + json.substr(1)).find("d.glb"), std::string::npos);
+  EXPECT_NE(refusal("e.glb", "glTF" + word(1) + json).find("e.glb"), std::string::npos);
+}
+
+TEST_F(CameraFile, Damage_isNamed) {
+  EXPECT_NE(refusal("a.pvcc", paraView(0, "")).find("CameraPosition: expected 3 numbers (found 0)"), std::string::npos);
+  EXPECT_NE(refusal("b.pvcc", paraView(0, property("CameraPosition", {1, 2}))).find("found 2"), std::string::npos);
+  EXPECT_NE(refusal("c.pvcc", R"(<P><Property name="CameraPosition"><Element value="x"/></Property></P>)").find("'x'"),
+            std::string::npos);
+  const std::string whole = paraView(0);
+  EXPECT_NE(refusal("d.pvcc", whole.substr(0, whole.size() / 2)).find("d.pvcc"), std::string::npos);
+  EXPECT_NE(refusal("a.gltf", R"({"nodes": []})").find("a node with a camera"), std::string::npos);
+  EXPECT_NE(refusal("b.gltf", R"({"nodes": [{"camera": 1}], "cameras": [{}]})").find("found 1"), std::string::npos);
+  EXPECT_NE(refusal("c.gltf", gltf(R"({"type": "fisheye"})")).find("fisheye"), std::string::npos);
+  EXPECT_NE(refusal("e.gltf", R"({"cameras": [{"type": "orthographic", "orthographic": {"ymag": 1}}],)"
+                              R"( "nodes": [{"children": [1]}, {"children": [0], "camera": 0}]})")
+                .find("contains itself"),
+            std::string::npos);
+  EXPECT_NE(refusal("a.obj", "").find(".pvcc"), std::string::npos);
+}
+
+// Keys beside the file win, and the resolved job needs no file.
+TEST_F(CameraFile, InAJob_isBelowOtherKeys) {
+  read("a.pvcc", paraView(0));
+  const fs::path job = directory_ / "job.json";
+  const RenderJob read =
+      parseJob(R"({"kiln": 2, "volume": "v.kiln", "camera": {"target": [0, 0, 1], "file": "a.pvcc"}})", job);
+  expectVector(read.picture.camera.eye, {1, -2.5, 300});
+  expectVector(read.picture.camera.target, {0, 0, 1});
+  EXPECT_EQ(read.picture.camera.fov_deg, 25);
+}
+
+}  // namespace
+}  // namespace kiln::test
