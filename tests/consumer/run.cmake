@@ -22,6 +22,10 @@ extract_example(${SOURCE}/../../tools/kiln/manual/library.md ${SCRATCH}/examples
 run(${CHECK_RUN_PATHS} ${BUILD})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${SCRATCH}/prefix)
 run(${CHECK_RUN_PATHS} ${SCRATCH}/prefix ${BUILD})
+if(PYTHON)
+  run(${CMAKE_COMMAND} -E env PYTHONPATH=${SCRATCH}/prefix/${PYTHON_DIR} ${PYTHON} -B -c
+      "import kiln, numpy; kiln.open(numpy.ones((8, 8, 8), 'f4')).render(size=(8, 8), tf='fog').save('${SCRATCH}/python.png')")
+endif()
 # The generator that built Kiln is there; CMake's own default, make, need not be.
 run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE} -B ${SCRATCH}/build -D CMAKE_PREFIX_PATH=${SCRATCH}/prefix -D CMAKE_BUILD_TYPE=Release
     -D EXAMPLES=${SCRATCH}/examples)

@@ -43,6 +43,22 @@ def test_several_volumes(head):
     assert (numpy.asarray(image) == numpy.asarray(of_files)).all()
 
 
+def test_words_of_several_volumes_and_frames(head):
+    s, size = kiln.open(head), {"size": (64, 48)}
+    run_tool("render", head, "-o", "tool.png", "--size", "64x48", "--tf", "ct-skin", "--add", head, "--add-tf", "ct-bone", cwd=".")
+    bone = kiln.transfer_function("ct-bone")
+    for added in (kiln.open(head), str(head)):
+        assert s.render(tf="ct-skin", add=added, add_tf=bone, **size)._repr_png_() == open("tool.png", "rb").read()
+    alone = s.render(**size)
+    assert (numpy.asarray(alone) == numpy.asarray(kiln.open(head).render(**size))).all()
+    with pytest.raises(kiln.Error, match="--add-tf"):
+        s.render(add_tf="ct-bone", **size)
+    run_tool("render", head, "-o", "t_#.png", "--size", "64x48", "--turntable", 4, cwd=".")
+    frames = list(s.frames(turntable=4, **size))
+    assert [image._repr_png_() for image in frames] == [open(f"t_{i}.png", "rb").read() for i in range(1, 5)]
+    assert [image.frame for image in s.frames(turntable=4, frames="2-3", **size)] == [2, 3]
+
+
 def test_wrong_jobs(head):
     for job in ({"volume": str(head), "imag": {}}, {"volume": "absent.kiln"}, {"volume": str(head), "output": "a.txt"}):
         with pytest.raises(kiln.Error):

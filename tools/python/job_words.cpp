@@ -48,12 +48,20 @@ GivenFlags givenFlags(const Texts& texts) {
   return out;
 }
 
-RenderJob jobOf(const std::filesystem::path& volume, const JobWords& words) {
+TransferFunctionChoice functionOf(const std::string& text) {
+  if (text.starts_with('{')) return transferFunctionFrom(JobObject::parse(text, "tf"));
+  RenderJob job;
+  givenFlags({{"--tf", {text}}}).apply(job);
+  return job.picture.transfer_function;
+}
+
+RenderJob jobOf(const std::filesystem::path& volume, const JobWords& words, const AddedVolumes& more) {
   RenderJob job = words.json.empty() ? RenderJob() : parseJob(words.json, {});
   job.volume = volume;
-  applyGiven(givenFlags(words.flags), true, job);
-  if (!words.function.empty())
-    job.picture.transfer_function = transferFunctionFrom(JobObject::parse(words.function, "tf"));
+  const GivenFlags flags = givenFlags(words.flags);
+  applyGiven(flags, true, job);
+  if (!words.function.empty()) job.picture.transfer_function = functionOf(words.function);
+  addVolumes(more, flags, job);
   return job;
 }
 
@@ -92,6 +100,9 @@ std::string timeNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(
 
 void bindWords(py::module_& module) {
   module.attr("job_format") = kJobFormat;
+  py::class_<JobWords>(module, "JobWords").def(py::init([](std::string json, Texts flags, std::string function) {
+    return JobWords{std::move(json), std::move(flags), std::move(function)};
+  }));
   module.def("flags", [] {
     py::list out;
     for (const JobFlag& flag : jobFlags()) {

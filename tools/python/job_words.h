@@ -25,8 +25,10 @@ struct JobWords {
   Texts flags;
   std::string function;  // a transfer function as JSON, instead of --tf; empty for none
 };
-/// Returns the job of one volume. throws: Error kUsage for wrong words.
-RenderJob jobOf(const std::filesystem::path& volume, const JobWords& words);
+/// Returns the job of a volume, and of more. throws: Error kUsage for wrong words.
+RenderJob jobOf(const std::filesystem::path& volume, const JobWords& words, const AddedVolumes& more = {});
+/// Returns the function of a text of --tf, or of JSON. throws: Error kUsage.
+TransferFunctionChoice functionOf(const std::string& text);
 
 /// The words of a volume file as texts: {"spacing": "1,1,2"}. throws: Error kUsage for unknown words.
 SourceWords sourceWords(const std::map<std::string, std::string>& texts);

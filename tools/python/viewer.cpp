@@ -66,12 +66,12 @@ ViewSource sourceOf(const Volume& volume, const JobWords& words, const std::file
 
 void bindViewer(py::module_& module) {
   py::class_<Viewer, UnlockedPointer<Viewer>>(module, "Viewer")
-      .def(py::init([](const Volume& volume, const std::string& json, const Texts& flags, const std::string& function,
-                       const std::filesystem::path& job_file, const std::string& title, int port) {
+      .def(py::init([](const Volume& volume, const JobWords& words, const std::filesystem::path& job_file,
+                       const std::string& title, int port) {
         ViewServerOptions options;
         options.port = static_cast<std::uint16_t>(port);
         options.framed = true;
-        ViewSource source = sourceOf(volume, {json, flags, function}, job_file, title);
+        ViewSource source = sourceOf(volume, words, job_file, title);
         std::unique_ptr<Viewer> out;
         runForCall(py::none(), [&](Progress&) { out = std::make_unique<Viewer>(std::move(source), options); });
         return UnlockedPointer<Viewer>(out.release());

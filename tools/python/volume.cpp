@@ -14,6 +14,7 @@
 #include "convert/source_volume.h"
 #include "export/source/store_boxes.h"
 #include "frame/empty_frame.h"
+#include "job/job_facts.h"
 #include "scene/transfer/label_styles.h"
 #include "store/store_reader.h"
 
@@ -94,34 +95,35 @@ std::vector<const BrickedVolume*> pointersTo(const std::vector<std::shared_ptr<c
 }
 
 struct Drawing::Session {
-  Session(const RenderJob& for_job, const std::vector<const BrickedVolume*>& volumes)
-      : job(for_job), painter(job, OpenedVolumes(job, volumes), relay) {}
-  bool serves(const RenderJob& other) const {
-    return other.speed.memory_bytes == job.speed.memory_bytes && other.picture.skip_damaged == job.picture.skip_damaged;
+  Session(const RenderJob& for_job, const Volumes& of_job)
+      : job(for_job), volumes(of_job), painter(job, OpenedVolumes(job, pointersTo(volumes)), relay) {}
+  bool serves(const RenderJob& other, const Volumes& of_other) const {
+    return of_other == volumes && other.speed.memory_bytes == job.speed.memory_bytes &&
+           other.picture.skip_damaged == job.picture.skip_damaged;
   }
 
   const RenderJob job;
+  const Volumes volumes;
   Relay relay;
   ViewPainter painter;
 };
 
-std::shared_ptr<Picture> Drawing::draw(const RenderJob& job, Progress& progress) {
+std::shared_ptr<Picture> Drawing::draw(const RenderJob& job, const Volumes& volumes, Progress& progress) {
   const DrawingTurns::Turn turn(turns_, true, [&] { return progress.cancelled(); });
   if (!turn.given()) throw Error(ErrorCode::kCancelled, "interrupted while another picture of the volume was drawn");
   const ThreadLimit threads(job.speed.threads);
-  if (!session_ || !session_->serves(job)) {
+  if (!session_ || !session_->serves(job, volumes)) {
     session_.reset();  // frees memory before the next cache takes it
-    session_ = std::make_shared<Session>(job, pointersTo(volumes_));
+    session_ = std::make_shared<Session>(job, volumes);
   }
   const Relay::Scope scope(session_->relay, progress);
   ViewPainter& painter = session_->painter;
   const std::unique_ptr<ViewedJob> ready = painter.prepare(job);
   for (const Doubt& doubt : painter.doubts(*ready)) progress.warn(doubt.sentence);
-  painter.makeRoom(*ready);
   DrawnFrame drawn = painter.exact(*ready, progress);
   noteDamage(drawn.statistics, progress);
   warnOfDoubtfulFrames({drawn.statistics}, false, progress);
-  return std::make_shared<Picture>(ready->job, ready->frame, std::move(drawn), volumes_.front());
+  return std::make_shared<Picture>(ready->job, ready->frame, std::move(drawn), volumes.front());
 }
 
 std::filesystem::path storeForCall(const std::filesystem::path& path, const SourceWords& words,
@@ -136,7 +138,36 @@ std::filesystem::path storeForCall(const std::filesystem::path& path, const Sour
   return storeFor({path, words.resolve(), store_directory}, conversion, progress);
 }
 
+namespace {
+
+// Open volumes beside the first; Python makes the object.
+struct MoreVolumes {
+  Drawing::Volumes added, labels;
+  std::vector<std::string> functions;  // texts of --tf, or JSON
+
+  AddedVolumes names() const {
+    AddedVolumes out;
+    for (const auto& volume : added) out.added.push_back(volume->path());
+    for (const auto& volume : labels) out.labels.push_back(volume->path());
+    for (const std::string& function : functions) out.functions.push_back(functionOf(function));
+    return out;
+  }
+};
+
+Drawing::Volumes bricksOf(const std::vector<const Volume*>& volumes) {
+  Drawing::Volumes out;
+  for (const Volume* volume : volumes) out.push_back(volume->bricks());
+  return out;
+}
+
+}  // namespace
+
 void bindVolume(py::module_& module) {
+  py::class_<MoreVolumes>(module, "MoreVolumes")
+      .def(py::init([](const std::vector<const Volume*>& added, const std::vector<const Volume*>& labels,
+                       std::vector<std::string> functions) {
+        return MoreVolumes{bricksOf(added), bricksOf(labels), std::move(functions)};
+      }));
   py::class_<Volume, UnlockedPointer<Volume>>(module, "Volume")
       .def_static("open_file",
                   [](const std::filesystem::path& path, const std::map<std::string, std::string>& texts,
@@ -165,10 +196,17 @@ void bindVolume(py::module_& module) {
           })
       .def("facts", [](const Volume& volume) { return factsOf(*volume.bricks()); })
       .def("read", &voxelsOf)
-      .def("draw", [](const Volume& volume, const std::string& json, const Texts& flags, const std::string& function,
+      .def("frames",
+           [](const Volume& volume, const JobWords& words) { return framesOf(jobOf(volume.bricks()->path(), words)); })
+      .def("draw", [](const Volume& volume, const JobWords& words, const MoreVolumes& more, std::optional<int> frame,
                       const py::object& on_progress) {
-        const RenderJob job = jobOf(volume.bricks()->path(), {json, flags, function});
-        return resultForCall(on_progress, [&](Progress& progress) { return volume.drawing().draw(job, progress); });
+        RenderJob job = jobOf(volume.bricks()->path(), words, more.names());
+        if (frame) job.frames = {*frame};
+        Drawing::Volumes volumes = {volume.bricks()};
+        for (const Drawing::Volumes& list : {more.added, more.labels})
+          volumes.insert(volumes.end(), list.begin(), list.end());
+        return resultForCall(on_progress,
+                             [&](Progress& progress) { return volume.drawing().draw(job, volumes, progress); });
       });
 }
 

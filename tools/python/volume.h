@@ -49,28 +49,26 @@ class Relay final : public Progress {
 
 std::vector<const BrickedVolume*> pointersTo(const std::vector<std::shared_ptr<const BrickedVolume>>& volumes);
 
-/// Pictures of one list of volumes.
+/// Pictures of volumes. Bricks stay in memory for later pictures of the same volumes and of equal memory.
 class Drawing {
  public:
-  explicit Drawing(std::vector<std::shared_ptr<const BrickedVolume>> volumes) : volumes_(std::move(volumes)) {}
-  /// Draws the job's first frame. Bricks stay in memory for later pictures of equal memory. thread: any; waits for its
-  /// turn. throws: as ViewPainter.
-  std::shared_ptr<Picture> draw(const RenderJob& job, Progress& progress);
+  using Volumes = std::vector<std::shared_ptr<const BrickedVolume>>;
+  /// Draws the job's first frame. thread: any; waits for its turn. throws: as ViewPainter.
+  std::shared_ptr<Picture> draw(const RenderJob& job, const Volumes& volumes, Progress& progress);
 
  private:
   struct Session;
 
-  const std::vector<std::shared_ptr<const BrickedVolume>> volumes_;
   DrawingTurns turns_;
   std::shared_ptr<Session> session_;
 };
 
 class Volume {
  public:
-  explicit Volume(std::shared_ptr<const BrickedVolume> volume)
-      : volume_(std::move(volume)), drawing_(new Drawing({volume_})) {}
+  explicit Volume(std::shared_ptr<const BrickedVolume> volume) : volume_(std::move(volume)), drawing_(new Drawing()) {}
 
   const std::shared_ptr<const BrickedVolume>& bricks() const { return volume_; }
+  /// Pictures with this volume as the first.
   Drawing& drawing() const { return *drawing_; }
 
  private:

@@ -6,7 +6,7 @@ import json
 import os
 from typing import TYPE_CHECKING, Any
 
-from kiln._words import texts_of
+from kiln._words import flag_texts
 
 if TYPE_CHECKING:
     import numpy
@@ -88,7 +88,7 @@ class Image:
 
     def save(self, path: str | os.PathLike[str], **words: Any) -> None:
         """Writes an .exr or .png, byte for byte as `kiln render -o`. words: options of files, such as png_bits=16."""
-        self._picture.save(os.fspath(path), texts_of(words).flags)
+        self._picture.save(os.fspath(path), flag_texts(words))
 
     @property
     def job(self) -> dict[str, Any]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Callable, Sequence
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Sequence
 
 from kiln import _kiln
 from kiln._arrays import is_array, source_of
+from kiln._functions import TransferFunction
 from kiln._image import Image
-from kiln._words import source_texts, text_of, texts_of
+from kiln._words import job_words, source_texts, text_of
 
 if TYPE_CHECKING:
     import numpy
@@ -152,19 +153,46 @@ class Volume:
         view="front", azimuth=20, fov=30, size=(width, height) in pixels, samples=4, memory="1G",
         aov=["depth", "normal"], and others. A word whose value is a dict is an object of a job: camera={"eye": ...}.
         tf: a preset, points, a file, or kiln.transfer_function(...).
+        add, labels: further volumes in the picture, placed by their affines; add_tf: the transfer functions of these.
         progress: called with (step, done, total). Ctrl-C cancels. throws: kiln.Error.
         """
-        return Image(self._volume.draw(*self._texts(words), progress))
+        more, words = _more_volumes(words)
+        return Image(self._volume.draw(self._job(words), more, None, progress))
 
-    def _texts(self, words: dict[str, Any]) -> Any:
+    def frames(self, *, progress: Progress | None = None, **words: Any) -> Iterator[Image]:
+        """Draws frames one after another, as they are iterated: turntable=60, or a camera with keyframes.
+
+        The words are those of `render`. frames="1,10-20" are some of the frames.
+        """
+        more, words = _more_volumes(words)
+        job = self._job(words)
+        return (Image(self._volume.draw(job, more, frame, progress)) for frame in self._volume.frames(job))
+
+    def _job(self, words: dict[str, Any]) -> Any:
         for word in ("output", "deep", "trace"):
             if words.get(word):
                 raise TypeError(f"{word}: a picture in memory has no file; save it, or use kiln.render")
-        return texts_of(words, self.range)
+        return job_words(words, self.range)
 
     def __repr__(self) -> str:
         z, y, x = self.shape
         return f"<kiln.Volume {self.path}: {z} x {y} x {x} voxels of {self.dtype}, {len(self.levels)} levels>"
+
+
+def _more_volumes(words: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+    """Returns the volumes among the words of a picture, and the other words."""
+    words = dict(words)
+
+    def listed(word: str) -> list[Any]:
+        value = words.pop(word, None)
+        return [] if value is None else list(value) if isinstance(value, (list, tuple)) else [value]
+
+    def opened(volume: Any, labels: bool) -> Any:
+        return (volume if isinstance(volume, Volume) else open(volume, labels=labels))._volume
+
+    functions = [one.json() or one.name if isinstance(one, TransferFunction) else text_of(one) for one in listed("add_tf")]
+    added, labels = [opened(one, False) for one in listed("add")], [opened(one, True) for one in listed("labels")]
+    return _kiln.MoreVolumes(added, labels, functions), words
 
 
 def open(

@@ -59,29 +59,15 @@ def _is_json(value: Any) -> bool:
     )
 
 
-class Texts(NamedTuple):
-    json: str  # a job with the objects among the words
-    flags: dict[str, list[str]]
-    function: str  # a transfer function as JSON
-
-
-def texts_of(words: dict[str, Any], value_range: tuple[float, float] | None = None) -> Texts:
-    """Divides words into flags and objects of a job. `value_range` stretches a colour map without values."""
+def flag_texts(words: dict[str, Any]) -> dict[str, list[str]]:
+    """Returns words as texts of flags."""
     known = _by_word()
-    objects: dict[str, Any] = {}
     flags: dict[str, list[str]] = {}
-    function = ""
     for word, value in words.items():
+        row = known.get(word)
         if value is None:
             continue
-        row = known.get(word)
-        if word == "tf" and isinstance(value, TransferFunction):
-            function = value.json(value_range)
-            if not function:
-                flags["--tf"] = [value.name]
-        elif _is_json(value):
-            objects[word] = value
-        elif row is None:
+        if row is None:
             flags["--" + word.replace("_", "-")] = [text_of(value)]  # refused with the nearest option
         elif row.arguments == "none":
             if value:
@@ -90,8 +76,21 @@ def texts_of(words: dict[str, Any], value_range: tuple[float, float] | None = No
             flags[row.flag] = [text_of(item) for item in value]
         else:
             flags[row.flag] = [text_of(value)]
+    return flags
+
+
+def job_words(words: dict[str, Any], value_range: tuple[float, float] | None = None) -> Any:
+    """Divides words into flags and objects of a job. `value_range` stretches a colour map without values."""
+    words = dict(words)
+    function = ""
+    if isinstance(words.get("tf"), TransferFunction):
+        tf = words.pop("tf")
+        function = tf.json(value_range)
+        if not function:
+            words["tf"] = tf.name
+    objects = {word: words.pop(word) for word, value in list(words.items()) if _is_json(value)}
     text = json.dumps({"kiln": _kiln.job_format, "volume": "volume", **objects}) if objects else ""
-    return Texts(text, flags, function)
+    return _kiln.JobWords(text, flag_texts(words), function)
 
 
 def source_texts(words: dict[str, Any]) -> dict[str, str]:

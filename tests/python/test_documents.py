@@ -1,0 +1,60 @@
+"""What the manual's page and the examples show runs as it stands. Known: commands and scripts end without an error, and
+write the files they name."""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import pytest
+
+import kiln
+
+SOURCE = pathlib.Path(__file__).parents[2]
+PAGE = SOURCE / "tools/kiln/manual/python.md"
+EXAMPLES = {"array_to_picture": "array.png", "turntable_sheet": "sheet.png", "ome_zarr_figure": "figure.png"}
+
+
+def environment():
+    """The program as `kiln`, and this interpreter as `python3`."""
+    os.makedirs("bin", exist_ok=True)
+    for name, program in (("kiln", os.environ["KILN"]), ("python3", sys.executable)):
+        os.symlink(program, os.path.join("bin", name))
+    return {**os.environ, "PATH": os.path.abspath("bin") + ":" + os.environ["PATH"], "PYTHONDONTWRITEBYTECODE": "1"}
+
+
+def test_blocks_of_the_manual():
+    text = PAGE.read_text(encoding="utf-8")
+    blocks = re.findall(r"^```(sh run|sh python|python run)\n(.*?)^```$", text, re.S | re.M)
+    assert [kind for kind, _ in blocks].count("python run") >= 7
+    env, names = environment(), {}
+    for kind, block in blocks:
+        if kind == "python run":
+            exec(compile(block, str(PAGE), "exec"), names)
+        else:
+            subprocess.run(["bash", "-e", "-c", block], env=env, check=True, capture_output=True)
+    assert os.path.getsize("head.png") > 1000 and os.path.exists("turn_03.png") and os.path.exists("ones.kiln")
+    assert text.count("\n") <= 150
+
+
+def test_every_name_is_in_the_manual():
+    text = PAGE.read_text(encoding="utf-8")
+    for name in ("open", "convert", "render", "transfer_function", "view", "options", "Error", "Warning"):
+        assert "kiln." + name in text, name
+    for name in vars(kiln.Image).keys() | vars(kiln.Volume).keys():
+        if not name.startswith("_") and name not in ("ndim", "planes", "normal", "value", "right", "shape", "path", "frame", "labels"):
+            assert re.search(r"\b" + name + r"\b", text), name
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_examples(name):
+    script = SOURCE / "tools/python/examples" / (name + ".py")
+    done = subprocess.run([sys.executable, "-W", "error", script], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert os.path.getsize(EXAMPLES[name]) > 5000
+    assert script.read_text().count("# %%") >= 4
+
+
+def test_every_example_is_run():
+    assert {path.stem for path in (SOURCE / "tools/python/examples").glob("*.py")} == set(EXAMPLES)
