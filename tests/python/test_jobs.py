@@ -33,8 +33,9 @@ def test_frames_equal_the_programs(head):
 def test_several_volumes(head):
     array = kiln.open(head)[...]
     spacing = kiln.open(head).spacing
-    job = {"image": {"width": 64, "height": 48}, "volumes": [{"volume": kiln.open(head)}, {"volume": kiln.open(array, spacing=spacing)}]}
-    of_program = {**job, "kiln": 2, "volumes": [{"volume": str(head)}, {"volume": "b.kiln"}], "output": "tool.exr", "exr": {"type": "float"}}
+    job = {"image": {"width": 64, "height": 48}}
+    of_program = {**job, "kiln": 2, "volumes": [{"volume": str(head)}, {"volume": "b.kiln"}], "output": "tool.exr"}
+    job["volumes"] = [{"volume": kiln.open(head)}, {"volume": kiln.open(array, spacing=spacing)}]
     kiln.convert(array, "b.kiln", spacing=spacing)
     json.dump(of_program, open("job.json", "w"))
     run_tool("render", "job.json", cwd=".")
@@ -45,7 +46,8 @@ def test_several_volumes(head):
 
 def test_words_of_several_volumes_and_frames(head):
     s, size = kiln.open(head), {"size": (64, 48)}
-    run_tool("render", head, "-o", "tool.png", "--size", "64x48", "--tf", "ct-skin", "--add", head, "--add-tf", "ct-bone", cwd=".")
+    flags = ["--size", "64x48", "--tf", "ct-skin", "--add", head, "--add-tf", "ct-bone"]
+    run_tool("render", head, "-o", "tool.png", *flags, cwd=".")
     bone = kiln.transfer_function("ct-bone")
     for added in (kiln.open(head), str(head)):
         assert s.render(tf="ct-skin", add=added, add_tf=bone, **size)._repr_png_() == open("tool.png", "rb").read()

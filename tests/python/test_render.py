@@ -151,6 +151,9 @@ def test_errors_have_code_and_path(head):
         assert (failure.value.code, failure.value.path) == (code, path), str(failure.value)
     with pytest.raises(kiln.Error, match="nearest is --azimuth"):
         kiln.open(head).render(azimut=3)
+    with pytest.raises(kiln.Error, match="store"):
+        kiln.open(head).render(**SIZE).save(head / "picture.png")
+    assert not (head / "picture.png").exists()
     open("damaged.kiln", "w").close()
     with pytest.raises(kiln.Error):
         kiln.open("damaged.kiln")

@@ -76,7 +76,7 @@ class CallProgress final : public Progress {
     for (const auto& [warns, sentence] : sentences_) {
       if (!warns)
         py::module_::import("logging").attr("getLogger")("kiln").attr("info")("%s", sentence);
-      else if (PyErr_WarnEx(warning_type, sentence.c_str(), 3) != 0)
+      else if (PyErr_WarnEx(warning_type, sentence.c_str(), 2) != 0)
         throw py::error_already_set();
     }
   }

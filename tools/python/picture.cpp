@@ -11,6 +11,7 @@
 #include "image/shown_row.h"
 #include "job/job_facts.h"
 #include "python/job_words.h"
+#include "store/store_reader.h"
 
 namespace kiln::python {
 namespace {
@@ -78,6 +79,7 @@ void Picture::save(const std::filesystem::path& path, const GivenFlags& flags) c
   job.output.path = path;
   if (!isExrPath(path)) job.picture.aovs = {};
   requireOutputs(job, {frame_});
+  requireOutsideStores(path);
   requirePlaces(job, frame_);
   DrawnFrame drawn = drawn_;
   writeFrame(job, frame_, drawn, *volume_, job.speed.memory_bytes);

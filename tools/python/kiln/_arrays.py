@@ -107,12 +107,15 @@ def source_of(
     shape = [int(length) for length in array.shape]
     axes = axes or {2: "yx", 3: "zyx"}.get(len(shape), "")
     if len(axes) != len(shape) or len(set(axes)) != len(axes) or not {"x", "y"} <= set(axes) <= set("xyzct"):
-        raise ValueError(f"axes: expected a letter of x, y, z, c, t for each of {len(shape)} axes, with x and y (found {axes!r})")
+        raise ValueError(
+            f"axes: expected a letter of x, y, z, c, t for each of {len(shape)} axes, with x and y (found {axes!r})"
+        )
     dtype = _number_type(array)
     at = {"c": channel, "t": time}
     for axis, index in at.items():
         if axis in axes and not 0 <= index < shape[axes.index(axis)]:
-            raise ValueError(f"{'channel' if axis == 'c' else 'time'}: expected 0 to {shape[axes.index(axis)] - 1} (found {index})")
+            word, last = "channel" if axis == "c" else "time", shape[axes.index(axis)] - 1
+            raise ValueError(f"{word}: expected 0 to {last} (found {index})")
     words = _kiln.ArrayWords()
     text, files, trees = _state(array)
     if identity is not None:

@@ -52,7 +52,15 @@ def convert(
     if is_array(source) and not isinstance(source, (str, os.PathLike)):
         options.command = f"kiln.convert({type(source).__name__}, {target!r})"
         described = source_of(
-            source, axes=axes, spacing=spacing, affine=affine, unit=unit, frame=frame, labels=labels, identity=identity, **words
+            source,
+            axes=axes,
+            spacing=spacing,
+            affine=affine,
+            unit=unit,
+            frame=frame,
+            labels=labels,
+            identity=identity,
+            **words,
         )
         report = _kiln.convert_array(described, target, options, progress)
     else:

@@ -40,7 +40,7 @@ class TransferFunction:
             file.write(self.json() + "\n")
 
     def __repr__(self) -> str:
-        return f"kiln.TransferFunction({self.name!r}, {len(self.points)} points)" if self.points else f"kiln.TransferFunction({self.name!r})"
+        return f"kiln.TransferFunction({self.name!r}" + (f", {len(self.points)} points)" if self.points else ")")
 
 
 def _color(color: Any) -> Any:

@@ -17,11 +17,14 @@ if TYPE_CHECKING:
 Progress = Callable[[str, int, int], Any]
 Box = Sequence[Sequence[int]]
 
-_TYPES = {"u8": "uint8", "i8": "int8", "u16": "uint16", "i16": "int16", "u32": "uint32", "i32": "int32", "f32": "float32", "f64": "float64"}
+_KINDS = {"u": "uint", "i": "int", "f": "float"}
 
 
 class Volume:
     """An open volume; made by kiln.open. Threads may use one volume at once: they draw in turn, on all cores."""
+
+    report: dict[str, Any] | None = None
+    """What kiln.convert did to make the volume: voxels, bricks, buffer_bytes, decodings, seconds, ...; else None."""
 
     def __init__(self, volume: Any):
         self._volume = volume
@@ -46,7 +49,8 @@ class Volume:
         """The type of voxels."""
         import numpy
 
-        return numpy.dtype(_TYPES[self._facts["type"]])
+        name = self._facts["type"]  # "u16"
+        return numpy.dtype(_KINDS[name[0]] + name[1:])
 
     @property
     def affine(self) -> "numpy.ndarray":
@@ -190,7 +194,10 @@ def _more_volumes(words: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
     def opened(volume: Any, labels: bool) -> Any:
         return (volume if isinstance(volume, Volume) else open(volume, labels=labels))._volume
 
-    functions = [one.json() or one.name if isinstance(one, TransferFunction) else text_of(one) for one in listed("add_tf")]
+    def text(function: Any) -> str:
+        return function.json() or function.name if isinstance(function, TransferFunction) else text_of(function)
+
+    functions = [text(one) for one in listed("add_tf")]
     added, labels = [opened(one, False) for one in listed("add")], [opened(one, True) for one in listed("labels")]
     return _kiln.MoreVolumes(added, labels, functions), words
 
@@ -220,7 +227,9 @@ def open(
     this order. affine: world (x, y, z) from voxel (x, y, z), 4 x 4. labels: values are labels. The array must not change.
     """
     if is_array(source) and not isinstance(source, (str, os.PathLike)):
-        described = source_of(source, axes=axes, spacing=spacing, affine=affine, unit=unit, frame=frame, labels=labels, **words)
+        described = source_of(
+            source, axes=axes, spacing=spacing, affine=affine, unit=unit, frame=frame, labels=labels, **words
+        )
         return Volume(_kiln.Volume.open_array(described, brick_size, text_of(memory), progress))
     folder = os.fspath(store) if store is not None else os.environ.get("KILN_STORE_DIR", "")
     texts = source_texts(dict(words, **file_words(axes, spacing, affine)))
