@@ -12,14 +12,21 @@
 namespace kiln {
 namespace {
 
+bool showsSomeGradient(const TransferFunction& function) {
+  const auto& points = function.gradient_opacity;
+  const auto& opacity = function.table.opacity;
+  return !function.usesGradient() ||
+         std::any_of(points.begin(), points.end(), [](const GradientPoint& point) { return point.factor > 0; }) ||
+         std::any_of(function.regions.begin(), function.regions.end(),
+                     [](const GradientRegion& region) { return region.opacity > 0; }) ||
+         std::any_of(opacity.begin(), opacity.end(), [](float factor) { return factor > 0; });
+}
+
 bool showsSomeValue(const TransferFunction& function) {
   const auto opaque = [](const auto& entry) { return entry.opacity > 0; };
   if (!function.labels.empty()) return std::any_of(function.labels.begin(), function.labels.end(), opaque);
   if (!function.surfaces.empty()) return std::any_of(function.surfaces.begin(), function.surfaces.end(), opaque);
-  const auto& by_gradient = function.gradient_opacity;
-  return std::any_of(function.points.begin(), function.points.end(), opaque) &&
-         (by_gradient.empty() ||
-          std::any_of(by_gradient.begin(), by_gradient.end(), [](const auto& point) { return point.factor > 0; }));
+  return std::any_of(function.points.begin(), function.points.end(), opaque) && showsSomeGradient(function);
 }
 
 bool showsSomeOf(const TransferFunction& function, const ValueRange& range) {
@@ -119,7 +126,7 @@ bool isBeside(const DrawnVolume& volume) {
   const TransferFunction& function = volume.function;
   const ValueRange& range = volume.manifest.range;
   const auto& points = function.points;
-  if (!function.labels.empty() || !function.gradient_opacity.empty() || points.empty()) return false;
+  if (!function.labels.empty() || function.usesGradient() || points.empty()) return false;
   const auto differs = [&](const TransferPoint& point) {
     return point.color != points.front().color || point.opacity != points.front().opacity;
   };

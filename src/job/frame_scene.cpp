@@ -134,12 +134,15 @@ TransferFunction SceneOfJob::Functions::at(int frame) const {
 
 std::uint64_t SceneOfJob::functionBytes() const {
   // Measured: the JSON of a header's text takes most of an entry's memory.
-  constexpr std::uint64_t kOfEntry = 2048, kOfNameByte = 16;
+  constexpr std::uint64_t kOfEntry = 2048, kOfNameByte = 16, kOfNode = 256;
+  // The grid that kernels look up instead of regions.
+  constexpr std::uint64_t kOfGrid = 6u << 20;
   std::uint64_t out = 0;
   for (const Functions& of_volume : functions_) {
     for (const TransferFunction& function : of_volume.values) {
-      out += kOfEntry * (function.points.size() + function.gradient_opacity.size() + function.labels.size() +
-                         function.surfaces.size());
+      out += kOfEntry * (function.points.size() + function.gradient_opacity.size() + function.regions.size() +
+                         function.labels.size() + function.surfaces.size());
+      out += kOfNode * function.table.opacity.size() + (function.regions.empty() ? 0 : kOfGrid);
       for (const LabelStyle& style : function.labels) out += kOfNameByte * style.name.size();
     }
   }

@@ -15,6 +15,7 @@ inline constexpr std::array<std::string_view, 5> kVisibilityNames = {"none", "ma
 inline constexpr std::array<std::string_view, 2> kShadingNames = {"none", "phong"};
 inline constexpr std::array<std::string_view, 2> kOccludesNames = {"ambient", "all"};
 inline constexpr std::array<std::string_view, 4> kLightNames = {"headlight", "directional", "point", "camera"};
+inline constexpr std::array<std::string_view, 2> kRegionShapeNames = {"rectangle", "triangle"};
 inline constexpr std::array<std::string_view, 3> kEaseNames = {"smooth", "linear", "stop"};
 inline constexpr std::array<std::string_view, 2> kToneNames = {"clip", "soft"};
 inline constexpr std::array<std::string_view, 2> kLookNames = {"plain", "studio"};

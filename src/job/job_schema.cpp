@@ -78,6 +78,7 @@ std::string jobSchemaText() {
   addObject("point", pointOptions(), definitions);
   addObject("isoSurface", surfaceOptions(), definitions);
   addObject("gradientPoint", gradientPointOptions(), definitions);
+  addObject("gradientRegion", gradientRegionOptions(), definitions);
   addObject("label", labelOptions(), definitions);
   addObject("light", lightOptions(), definitions);
   addObject("shadow", shadowOptions(), definitions);

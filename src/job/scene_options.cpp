@@ -403,6 +403,11 @@ const Options<TransferFunction>& transferFunctionOptions() {
                                             .expected = "a list of at least one surface {value, color, opacity}",
                                             .least = 1,
                                             .check = &requireSortedSurfaces};
+  static const ListOf<GradientRegion> kRegions{.options = gradientRegionOptions(),
+                                               .name = "gradientRegion",
+                                               .limit = {kMostRegions, "regions"},
+                                               .expected = "a list of at least one region {values, gradients}",
+                                               .least = 1};
   static const auto kHasLabels = [](const TransferFunction& function) { return !function.labels.empty(); };
   static const auto kHasSurfaces = [](const TransferFunction& function) { return !function.surfaces.empty(); };
   using Row = Option<TransferFunction>;
@@ -429,6 +434,16 @@ const Options<TransferFunction>& transferFunctionOptions() {
           {KILN_MEMBER(gradient_opacity), kGradientPoints,
            [](const TransferFunction& f) { return !kHasLabels(f) && !kHasSurfaces(f) && !f.gradient_opacity.empty(); }},
           "Factor of the opacity by the length of the gradient."),
+      Row("regions", {KILN_MEMBER(regions), kRegions, [](const TransferFunction& f) { return !f.regions.empty(); }},
+          "Visible regions over values and gradients, instead of gradientOpacity."),
+      Row("table",
+          objectValue("gradientTable", optionsIn<TransferFunction>(gradientTableOptions(), KILN_MEMBER(table))),
+          "Factors of the opacity over values and gradients, instead of gradientOpacity."),
+      Row("shading", {KILN_MEMBER(shaded), Word{kShadingNames}, [](const TransferFunction& f) { return !f.shaded; }},
+          "none: colours without light."),
+      Row("scattering",
+          objectValue("scattering", optionsIn<TransferFunction>(scatteringOptions(), KILN_MEMBER(scattering))),
+          "A cloud: samples send light of the lights and from all around, whatever their gradient."),
   };
   return kOptions;
 }

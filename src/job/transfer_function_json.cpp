@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <set>
 
 #include "image/srgb.h"
@@ -19,13 +20,16 @@ bool hasSrgbNumbers(const JobObject& function) {
   return function.format().value_or(1) >= 2;
 }
 
+void decode(glm::dvec3& color) { color = linearFromSrgb(color); }
+void decode(std::optional<glm::dvec3>& color) { color = linearFromSrgb(*color); }
+
 // Decodes the colours that are numbers; texts were decoded when they were read.
 template <class Item>
 void decodeNumbers(const JobObject& function, std::string_view list, std::vector<Item>& items) {
   if (items.empty()) return;
   const auto objects = *function.objects(list, list, {items.size(), list});
   for (std::size_t i = 0; i < items.size(); ++i) {
-    if (objects[i].has("color") && !objects[i].isText("color")) items[i].color = linearFromSrgb(items[i].color);
+    if (objects[i].has("color") && !objects[i].isText("color")) decode(items[i].color);
   }
 }
 
@@ -44,28 +48,44 @@ void requireOnce(const JobObject& object, const std::vector<LabelStyle>& labels)
   }
 }
 
+// Opacity depends on the gradient in one of three ways.
+void requireOnePlane(const JobObject& object) {
+  const char* first = nullptr;
+  for (const char* key : {"gradientOpacity", "regions", "table"}) {
+    if (!object.has(key)) continue;
+    if (first != nullptr) object.complain(key, fmt::format("contradicts {}; leave one of them out", first));
+    first = key;
+  }
+}
+
 }  // namespace
 
 TransferFunction transferFunctionFrom(const JobObject& object) {
   TransferFunction out;
   if (object.has("labels")) {
-    for (const char* key : {"points", "surfaces", "gradientOpacity"}) {
+    for (const char* key : {"points", "surfaces", "gradientOpacity", "regions", "table", "scattering"}) {
       if (object.has(key)) object.complain(key, "contradicts labels; a function has points, surfaces or labels");
     }
   }
   if (object.has("surfaces")) {
-    for (const char* key : {"points", "gradientOpacity"}) {
+    for (const char* key : {"points", "gradientOpacity", "regions", "table", "scattering"}) {
       if (object.has(key)) object.complain(key, "contradicts surfaces; a function has points, surfaces or labels");
     }
   }
+  requireOnePlane(object);
   readOptions(transferFunctionOptions(), object, out);
-  if (out.labels.empty() && out.surfaces.empty() && out.points.empty())
+  // An empty object.
+  if (object.has("scattering") && !out.scattering) out.scattering.emplace();
+  const bool has_plane = object.has("regions") || object.has("table");
+  if (out.labels.empty() && out.surfaces.empty() && out.points.empty() && !has_plane)
     object.refuse("points", "a list of at least one point {value, color, opacity}");
   if (hasSrgbNumbers(object)) {
     decodeNumbers(object, "points", out.points);
     decodeNumbers(object, "surfaces", out.surfaces);
     decodeNumbers(object, "labels", out.labels);
+    decodeNumbers(object, "regions", out.regions);
   }
+  if (has_plane && out.points.empty()) out.points.push_back({0, glm::dvec3(1), 1});
   requireOnce(object, out.labels);
   sortLabels(out.labels);
   return out;

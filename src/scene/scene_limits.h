@@ -14,7 +14,10 @@ inline constexpr std::size_t kMostOutputs = 64;  // additional files of each fra
 inline constexpr std::size_t kMostKeys = 10'000;
 inline constexpr std::size_t kMostMatrices = 100'000;  // one per frame: an hour of film
 inline constexpr std::size_t kMostPoints = 65'536;     // one per 16-bit value
-inline constexpr std::size_t kMostIsoSurfaces = 32;    // each sample is compared with all
+inline constexpr std::size_t kMostRegions = 64;
+inline constexpr int kMostTableEdge = 4096;
+inline constexpr std::size_t kMostTableNodes = std::size_t{1} << 22;
+inline constexpr std::size_t kMostIsoSurfaces = 32;  // each sample is compared with all
 inline constexpr std::size_t kMostLabelLooks = 65'536;
 
 }  // namespace kiln

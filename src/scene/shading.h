@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <vector>
 
 namespace kiln {
@@ -51,6 +53,21 @@ struct AmbientOcclusion {
   bool operator==(const AmbientOcclusion&) const = default;
 };
 
+/// Light that a medium turns into other directions, once. A sample sends colour·albedo·(ambient + Σ L·diffuse·phase) to
+/// the eye, whatever its gradient. Shadows of the medium itself take light away.
+/// source: Henyey and Greenstein 1941.
+struct Scattering {
+  double albedo = 1;      // share of the light that is scattered, 0..1
+  double anisotropy = 0;  // mean cosine of the angle between the light's old and new direction, -1..1, exclusive
+  /// Returns the light in a direction, relative to a medium that scatters evenly. `cosine`: of the angle between the
+  /// light's old and new direction.
+  double phase(double cosine) const {
+    const double g = anisotropy, squared = 1 + g * g - 2 * g * cosine;
+    return (1 - g * g) / (squared * std::sqrt(squared));
+  }
+  bool operator==(const Scattering&) const = default;
+};
+
 /// Blinn-Phong shading. A sample with normal n, seen from direction v, sends colour·(ambient + Σ L·diffuse·n·l) + Σ
 /// L·specular·(n·h)^power to the eye. L is a light's colour times intensity, l the direction to the light, h the half
 /// vector of l and v. n is turned towards the eye, so both sides are lit; a light behind the surface adds nothing. With
@@ -62,6 +79,8 @@ struct Shading {
   std::vector<Light> lights = {Light{}};
   bool shadows = false;  // all lights cast shadows
   AmbientOcclusion occlusion = {};
+  /// Instead of Blinn-Phong; a transfer function's, never a picture's.
+  std::optional<Scattering> scattering = {};
   bool operator==(const Shading&) const = default;
 };
 

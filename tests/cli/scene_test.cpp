@@ -7,6 +7,7 @@
 #include "base/file/file.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
+#include "image/file/png_file.h"
 #include "support/system/run_tool.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
@@ -156,6 +157,31 @@ TEST_F(SceneCli, OpacityByGradientIsInTheFunction) {
   EXPECT_NE(runTool({"tf", in("steep.json")}).out.find("of the opacity, by gradient"), std::string::npos);
 }
 
+// A picture that is white in its lower half shows gradients of the lower half only. Rows of numbers state the same.
+TEST_F(SceneCli, OpacityOverValuesAndGradients_isInTheFunction) {
+  Image halves(2, 8);
+  for (int y = 0; y < 8; ++y) {
+    for (int x = 0; x < 2; ++x) {
+      for (int c = 0; c < 4; ++c) halves.pixel(x, y)[c] = c == 3 || y >= 4 ? 1 : 0;
+    }
+  }
+  const std::vector<std::byte> png = encodePng(halves, 8, in("halves.png"));
+  std::ofstream(in("halves.png"), std::ios::binary)
+      .write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  const auto function = [&](const std::string& name, const std::string& plane) {
+    std::ofstream(in(name)) << R"({"points": [{"value": 0, "color": [1, 1, 1], "opacity": 0.5}], )" << plane << "}";
+    return drawnTwice({"--tf", in(name)}).rgba;
+  };
+  const std::string limits = R"("table": {"values": [-1000, 3000], "gradients": [0, 400], )";
+  const auto of_picture = function("png.json", limits + R"("opacity": "halves.png"})");
+  EXPECT_EQ(of_picture, function("rows.json", limits + R"("columns": 1, "opacity": [1, 1, 1, 1, 0, 0, 0, 0]})"));
+  EXPECT_NE(of_picture, function("ones.json", limits + R"("columns": 1, "opacity": [1]})"));
+  EXPECT_NE(runTool({"tf", in("png.json")}).out.find("2 x 8 factors of the opacity"), std::string::npos);
+  EXPECT_NE(of_picture, function("region.json",
+                                 R"("regions": [{"values": [-1000, 500], "gradients": [20, 400], "color": "red"}])"));
+  EXPECT_NE(runTool({"tf", in("region.json")}).out.find("a rectangle, #ff0000"), std::string::npos);
+}
+
 // Known because the header of an EXR holds the resolved function, and all digits of its numbers are printed.
 TEST_F(SceneCli, AFunctionAsJson_drawsTheSamePicture) {
   const auto expectSame = [&](const std::vector<std::string>& command, const std::string& tf) {
@@ -170,9 +196,11 @@ TEST_F(SceneCli, AFunctionAsJson_drawsTheSamePicture) {
   std::ofstream(in("steep.json"))
       << R"({"kiln": 2, "unit": 0.3, "points": [{"value": 0, "color": "teal", "opacity": 0.5}],
       "gradientOpacity": [{"gradient": 10, "factor": 0}, {"gradient": 300, "factor": 1}]})";
+  std::ofstream(in("plane.json")) << R"({"kiln": 2, "points": [{"value": 0, "color": "teal", "opacity": 0.5}],
+      "regions": [{"values": [-100, 900], "gradients": [10, 500], "color": "orange"}], "scattering": {"albedo": 0.9}})";
   // The store holds Hounsfield units. Its voxels have no length of 1.
-  for (const std::string& tf :
-       {std::string("ct-bone"), std::string("ct-xray"), std::string("300:0,500:0.5:#f80"), in("steep.json")})
+  for (const std::string& tf : {std::string("ct-bone"), std::string("ct-xray"), std::string("300:0,500:0.5:#f80"),
+                                in("steep.json"), in("plane.json")})
     expectSame({"tf", tf, "--json"}, tf);
   for (const char* tf : {"auto", "viridis", "mr-angio", "iso:300", "-300:0.01,500:0.5:navy"})
     expectSame({"tf", store_, "--tf", tf, "--json"}, tf);

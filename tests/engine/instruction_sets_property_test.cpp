@@ -76,6 +76,33 @@ TEST(InstructionSets, InterpolateTheSame) {
   }
 }
 
+TEST(InstructionSets, DrawRegionsAndCloudsTheSame) {
+  const DenseVolume volume = smallHead(VoxelType::i16);
+  const auto store = makeStore(volume, "head", 32);
+  const ValueRange range = volume.range();
+  const double width = range.hi - range.lo;
+  FrameRequest request;
+  TransferFunction& function = request.transfer_function;
+  function = {volume.geometry.meanSpacing(), {{range.lo, {1, 0.7, 0.5}, 0}, {range.hi, {1, 1, 0.8}, 0.7}}};
+  request.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSetsSize);
+  GradientRegion colored, own;
+  colored.values = {range.lo + 0.3 * width, range.hi}, colored.gradients = {0.02 * width, width};
+  colored.color = glm::dvec3(0.2, 0.9, 0.4);
+  own.values = {range.lo + 0.2 * width, range.lo + 0.6 * width}, own.gradients = {0, 0.2 * width};
+  function.regions = {colored, own};
+  expectTheSameOnAllSets(store, request);
+  function.regions.clear();
+  function.gradient_opacity = {{0, 0.1}, {0.1 * width, 0.4}, {0.3 * width, 1}};
+  expectTheSameOnAllSets(store, request);
+  function.scattering = {0.9, 0.4};
+  Light sun;
+  sun.kind = LightKind::kDirectional;
+  sun.place = {1, 0.4, 0.6};
+  request.shading.lights = {Light{}, sun};
+  request.shading.shadows = true;
+  expectTheSameOnAllSets(store, request);
+}
+
 TEST(InstructionSets, DrawLabelsTheSame) {
   const DenseVolume volume = fill({{40, 33, 37}, VoxelType::u8}, [](auto x, auto y, auto z) {
     const glm::dvec3 p(x - 20, y - 16, z - 18);

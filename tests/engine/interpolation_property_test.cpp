@@ -79,12 +79,8 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
   const std::vector<SlabZone> zones = slabZones(zonedVolume(volume, levels, request.sampling()), view, 0);
   for (std::size_t i = 0; i < zones.size(); ++i) {
     const SlabZone& zone = zones[i];
-    const Appearance look{request.shading,
-                          Shader(request.shading, view, noise, projector),
-                          GradientOpacity(request.transfer_function, unit, projector),
-                          &levels.clipRegion(0),
-                          noise,
-                          request.interpolation};
+    const Appearance look{request.shading, Shader(request.shading, view, noise, projector), &levels.clipRegion(0),
+                          noise, request.interpolation};
     const SlabContext frame(zone, projector, levels.dims(0), levels.endVoxels(0), table, look);
     const std::vector<SlabCell> cells = allCells(frame, block);
     skipped += cells.size() - visibleCells(frame, block).size();

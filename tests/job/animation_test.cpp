@@ -151,16 +151,17 @@ TEST(CameraPath, MatricesAreCameraToWorld) {
 }
 
 TEST(Animation, WhatNothingLiesBetweenIsRefused) {
-  for (const char* wrong :
-       {R"("camera": {"turntable": {"frames": 3}, "keyframes": [{"frame": 1}]})", R"("camera": {"pivot": "eye"})",
-        R"("camera": {"keyframes": []})", R"("camera": {"keyframes": [{"azimuth": 3}]})",
-        R"("camera": {"keyframes": [{"frame": 2}, {"frame": 2}]})", R"("camera": {"turntable": {}})",
-        R"("camera": {"turntable": {"frames": 3, "axis": [0, 0, 0]}})", R"("camera": {"matrices": [[1]]})",
-        R"("transferFunction": {"keyframes": [{"frame": 1}]})", R"("frames": "3-1")", R"("frames": 3)",
-        R"("lights": {"keyframes": [{"frame": 1, "lights": []}, {"frame": 2, "lights": [{"type": "headlight"}]}]})",
-        R"("lights": {"keyframes": [{"frame": 1, "lights": [{"type": "camera", "direction": [0, 1, 1], "shadow": true}]},
+  for (
+      const char* wrong :
+      {R"("camera": {"turntable": {"frames": 3}, "keyframes": [{"frame": 1}]})", R"("camera": {"pivot": "eye"})",
+       R"("camera": {"keyframes": []})", R"("camera": {"keyframes": [{"azimuth": 3}]})",
+       R"("camera": {"keyframes": [{"frame": 2}, {"frame": 2}]})", R"("camera": {"turntable": {}})",
+       R"("camera": {"turntable": {"frames": 3, "axis": [0, 0, 0]}})", R"("camera": {"matrices": [[1]]})",
+       R"("transferFunction": {"keyframes": [{"frame": 1}]})", R"("frames": "3-1")", R"("frames": 3)",
+       R"("lights": {"keyframes": [{"frame": 1, "lights": []}, {"frame": 2, "lights": [{"type": "headlight"}]}]})",
+       R"("lights": {"keyframes": [{"frame": 1, "lights": [{"type": "camera", "direction": [0, 1, 1], "shadow": true}]},
                                     {"frame": 2, "lights": [{"type": "camera", "direction": [0, 1, 1]}]}]})",
-        R"("clip": {"keyframes": [{"frame": 1, "planes": [{"normal": [0, 0, 1], "offset": 0}]},
+       R"("clip": {"keyframes": [{"frame": 1, "planes": [{"normal": [0, 0, 1], "offset": 0}]},
                                   {"frame": 2, "planes": [{"normal": [0, 0, -2], "offset": 0}]}]})"})
     EXPECT_THROW(jobOf(wrong), Error) << wrong;
   const RenderJob turn =
@@ -208,7 +209,7 @@ TEST(TransferFunctionFade, LiesBetween) {
   const TransferFunction thin{2, {{0, {1, 1, 1}, 0.75}}}, none{1, {{0, {1, 1, 1}, 0}}};
   EXPECT_NEAR(faded(none, thin, 0.5).at(0).opacity, 0.25, 1e-12);
   const TransferFunction edges{1, {{0, {1, 1, 1}, 1}}, {{1, 0}, {3, 1}}};
-  EXPECT_NEAR(faded(none, edges, 0.5).gradientFactor(1), 0.5, 1e-12);
+  EXPECT_NEAR(faded(none, edges, 0.5).gradientFactor(0, 1), 0.5, 1e-12);
 }
 
 TransferFunction surfacesOf(std::vector<IsoSurface> of) {

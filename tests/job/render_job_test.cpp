@@ -203,6 +203,24 @@ const WrongJob kWrongJobs[] = {
     {R"("transferFunction": {"points": [{"value": 1, "color": [0, 0, 0], "opacity": 1}],
                              "gradientOpacity": [{"gradient": 2, "factor": 1}, {"gradient": 1, "factor": 1}]})",
      ErrorCode::kUsage, "gradientOpacity[1].gradient"},
+    {R"("transferFunction": {"regions": [{"values": [1, 2]}]})", ErrorCode::kUsage,
+     "regions[0].gradients: is missing; a region has values and gradients"},
+    {R"("transferFunction": {"regions": [{"values": [2, 1], "gradients": [0, 1]}]})", ErrorCode::kUsage,
+     "regions[0].values: expected [least, greatest]"},
+    {R"("transferFunction": {"regions": [{"values": [1, 2], "gradients": [-1, 1]}]})", ErrorCode::kUsage,
+     "regions[0].gradients: expected [least, greatest], the least 0 or above"},
+    {R"("transferFunction": {"regions": [{"values": [1, 2], "gradients": [0, 1]}], "gradientOpacity": []})",
+     ErrorCode::kUsage, "regions: contradicts gradientOpacity; leave one of them out"},
+    {R"("transferFunction": {"table": {"values": [1, 2], "gradients": [0, 1], "opacity": [1, 1]}})", ErrorCode::kUsage,
+     "table.columns: is missing; it is the number of factors of a row"},
+    {R"("transferFunction": {"table": {"values": [1, 2], "gradients": [0, 1], "columns": 2, "opacity": [1, 1, 1]}})",
+     ErrorCode::kUsage, "table.opacity: expected the name of a PNG file, or the numbers from 0 to 1 of all rows of 2"},
+    {R"("transferFunction": {"table": {"values": [1, 2], "gradients": [0, 1], "columns": 2, "opacity": "x.png"}})",
+     ErrorCode::kUsage, "table.columns: contradicts a picture"},
+    {R"("transferFunction": {"surfaces": [{"value": 2}], "scattering": {}})", ErrorCode::kUsage,
+     "scattering: contradicts surfaces"},
+    {R"("transferFunction": {"points": [{"value": 1, "color": "red", "opacity": 1}], "scattering": {"anisotropy": 1}})",
+     ErrorCode::kUsage, "scattering.anisotropy"},
     {R"("transferFunction": {"surfaces": [{"value": 2}, {"value": 2}]})", ErrorCode::kUsage,
      "surfaces[1].value: expected a value above"},
     {R"("transferFunction": {"surfaces": [{"color": "red"}]})", ErrorCode::kUsage, "surfaces[0].value: is missing"},
@@ -519,8 +537,8 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
     EXPECT_EQ(points[0].value, -1 / 7.0);
     EXPECT_EQ(points[0].color, glm::dvec3(0.1, 1 / 3.0, 0));
     EXPECT_EQ(points[1].opacity, 1 / 9.0);
-    EXPECT_EQ(std::get<TransferFunction>(again.picture.transfer_function).gradientFactor(2),
-              function.gradientFactor(2));
+    EXPECT_EQ(std::get<TransferFunction>(again.picture.transfer_function).gradientFactor(0, 2),
+              function.gradientFactor(0, 2));
     EXPECT_EQ(std::get<TransferFunction>(again.picture.transfer_function).unit, 1 / 3.0);
     EXPECT_EQ(text, resolvedJobText(again, seen, std::get<TransferFunction>(again.picture.transfer_function)));
   }

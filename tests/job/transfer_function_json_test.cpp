@@ -89,6 +89,10 @@ void expectEqual(const TransferFunction& a, const TransferFunction& b) {
     EXPECT_EQ(a.gradient_opacity[i].gradient, b.gradient_opacity[i].gradient);
     EXPECT_EQ(a.gradient_opacity[i].factor, b.gradient_opacity[i].factor);
   }
+  EXPECT_EQ(a.regions, b.regions);
+  EXPECT_EQ(a.table, b.table);
+  EXPECT_EQ(a.shaded, b.shaded);
+  EXPECT_EQ(a.scattering, b.scattering);
   ASSERT_EQ(a.surfaces.size(), b.surfaces.size());
   for (std::size_t i = 0; i < a.surfaces.size(); ++i) {
     EXPECT_EQ(a.surfaces[i].value, b.surfaces[i].value);
@@ -112,6 +116,16 @@ TEST(TransferFunctionJson, SurfacesWithoutColourAndOpacity_haveTheDefaults) {
   EXPECT_EQ(f.surfaces[1].color.r, kDecoded);
 }
 
+TEST(TransferFunctionJson, RegionsWithoutPoints_areWhiteAndOpaque) {
+  const TransferFunction f =
+      read(R"({"kiln": 2, "regions": [{"values": [0, 9], "gradients": [1, 2], "color": [0.5, 1, 0]}]})");
+  ASSERT_EQ(f.points.size(), 1u);
+  EXPECT_EQ(f.points[0].opacity, 1);
+  EXPECT_EQ(f.regions[0].color->r, kDecoded);
+  EXPECT_EQ(read(R"({"kiln": 2, "points": [{"value": 0, "color": "red", "opacity": 1}], "scattering": {}})").scattering,
+            Scattering());
+}
+
 // Numbers without a short decimal form.
 TEST(TransferFunctionJson, WrittenFunctions_areReadBitForBit) {
   TransferFunction points{
@@ -119,6 +133,17 @@ TEST(TransferFunctionJson, WrittenFunctions_areReadBitForBit) {
       {{-1e300, {1 / 3.0, 2 / 3.0, 1e-17}, 0}, {std::nextafter(7, 8), glm::dvec3(std::sqrt(0.5)), 1 / 7.0}},
       {{0, 0}, {1 / 9.0, 1}}};
   expectEqual(read(transferFunctionText(points)), points);
+  TransferFunction plane = points;
+  plane.gradient_opacity.clear();
+  plane.regions = {{RegionShape::kTriangle, {1 / 3.0, 2 / 3.0}, {0, 1 / 9.0}, 1 / 7.0, 1 / 3.0, glm::dvec3(1 / 3.0)},
+                   {}};
+  plane.scattering = {1 / 3.0, -1 / 7.0};
+  expectEqual(read(transferFunctionText(plane)), plane);
+  plane.regions.clear();
+  plane.scattering.reset();
+  plane.shaded = false;
+  plane.table = {{1 / 3.0, 7}, {0, 1 / 9.0}, 2, 2, {0, 1, 1 / 3.0f, 0.1f}};
+  expectEqual(read(transferFunctionText(plane)), plane);
   TransferFunction labels;
   labels.labels = {{-2, "", {1 / 3.0, 0, 1}, 0.1}, {3, "a \"liver\"\n\xc3\xa9", {0, 0, 0}, 1}};
   expectEqual(read(transferFunctionText(labels)), labels);

@@ -38,7 +38,10 @@ class CellCaster {
         tile_(tile),
         opacity_threshold_(opacity_threshold),
         finishes_(context.detailed()),
-        derives_(finishes_ || tile.aovs.any() || (l_.surfaces > 0 && tile.deep != nullptr)),
+        modulates_(l_.plane.factors != nullptr),
+        places_(finishes_ || tile.aovs.any() || (l_.surfaces > 0 && tile.deep != nullptr)),
+        derives_(places_ || modulates_),
+        slopes_(!derives_ && !(l_.lights != nullptr && l_.lights->model().scatters)),
         p_(rays, context.lattice(), in, tile),
         field_(context.lattice(), in, samples),
         s_(samples),
@@ -79,7 +82,7 @@ class CellCaster {
   HWY_NOINLINE void castSurfaces(std::size_t count) {
     CellSurfaces<Field>(p_, r_, l_, in_, field_, s_).find(count, [this](std::size_t crossings) {
       count_ = kept_ = crossings;
-      if (derives_) finishSurfaces();
+      if (places_) finishSurfaces();
       if (in_.sums != nullptr)
         sumSurfaces();
       else
@@ -212,18 +215,34 @@ class CellCaster {
         const std::size_t count = std::min(kept_ - n, hn::Lanes(d));
         const CellPlaces::Where w = p_.whereIs(hn::Load(DI(), s_.kept_code + n));
         length = hn::Mul(hn::Mul(length, p_.sightOf(w).oblique), in_.at_end ? p_.partOf(w) : w.slabs);
-        if (derives_) tau = finishTau(n, count, w, tau);
+        if (derives_) keepSlopes(n, count);
+        if (modulates_) tau = modulatedTau(n, tau);
+        if (places_) tau = finishTau(n, count, w, tau);
       }
       const V depth = hn::Mul(tau, length);
       hn::Store(in_.sums != nullptr ? depth : opacityOf(d, depth), d, s_.opacity + n);
     }
   }
 
-  // Finishes extinctions one by one: opacity by gradient and cuts. Stores gradients and positions for finishing
-  // colours.
+  // Multiplies opacities by the factors of their gradients.
+  HWY_NOINLINE V modulatedTau(std::size_t n, V tau) {
+    const D d;
+    const SampleLattice::Plane& plane = l_.plane;
+    const V row = planeRowOf(d, plane, slopesFrom(n));
+    if (plane.colors != nullptr) hn::StoreU(row, d, s_.row + n);
+    const V factor = planeFactorAt(d, plane, planePlaceOf(d, plane, hn::LoadU(d, s_.entry + n), row));
+    return modulatedExtinction(d, plane, tau, factor);
+  }
+
+  // The gradients that were kept for samples from the n-th on.
+  HWY_INLINE Vector slopesFrom(std::size_t n) const {
+    const D d;
+    return {hn::LoadU(d, s_.slope[0] + n), hn::LoadU(d, s_.slope[1] + n), hn::LoadU(d, s_.slope[2] + n)};
+  }
+
+  // Finishes extinctions one by one at cuts. Stores positions for finishing colours.
   HWY_NOINLINE V finishTau(std::size_t n, std::size_t count, const CellPlaces::Where& w, V tau) {
     const D d;
-    keepSlopes(n, count);
     for (int a = 0; a < 3; ++a) hn::StoreU(p_.indexOf(a, w, 0), d, s_.index_place[a] + n);
     if (!finishes_) return tau;
     alignas(64) float taus[kLanes], steps[3][kLanes], slabs[kLanes];
@@ -235,7 +254,7 @@ class CellCaster {
       glm::dvec3 along;
       for (int a = 0; a < 3; ++a) along[a] = static_cast<double>(steps[a][i] * slabs[i]);
       const auto share = static_cast<float>(context_.look().clip->shareOf(site.index, along));
-      taus[i] = share * finishedExtinction(context_.look(), taus[i], site);
+      taus[i] *= share;
     }
     return hn::Load(d, taus);
   }
@@ -299,7 +318,9 @@ class CellCaster {
       const auto move = [&](auto tag, auto* of) { hn::StoreU(packed(hn::Load(tag, of + n)), tag, of + seen); };
       move(di, s_.index), move(di, s_.kept_code), move(d, s_.entry), move(d, s_.opacity);
       if (l_.surfaces > 0) move(d, s_.at);
-      for (int a = 0; derives_ && a < 3; ++a) move(d, s_.slope[a]), move(d, s_.index_place[a]);
+      for (int a = 0; derives_ && a < 3; ++a) move(d, s_.slope[a]);
+      for (int a = 0; places_ && a < 3; ++a) move(d, s_.index_place[a]);
+      if (l_.plane.colors != nullptr) move(d, s_.row);
       hn::StoreU(packed(weight), d, s_.weight + seen);
       seen += hn::CountTrue(d, kept);
     }
@@ -313,7 +334,7 @@ class CellCaster {
     closed_count_ = 0;
     for (std::size_t n = 0; n < kept_; ++n) {
       const float depth = s_.weight[n] = s_.opacity[n];
-      if (derives_ && in_.sums->hasNormals() && depth > 0) {
+      if (places_ && in_.sums->hasNormals() && depth > 0) {
         const CellPlaces::Place at = p_.placeOf(s_.kept_code[n]);
         in_.sums->addNormal(at.slab, at.x, at.y, depth * finishedNormal(context_.look(), siteOf(n)));
       }
@@ -367,11 +388,12 @@ class CellCaster {
   HWY_INLINE void light(std::size_t n, std::size_t count) {
     const D d;
     const D4 d4;
-    const bool one_color = in_.color != nullptr && !finishes_;
+    const bool one_color = in_.color != nullptr && !finishes_ && l_.plane.colors == nullptr;
     if (!one_color) lookUpColors(n, count);
+    if (l_.plane.colors != nullptr) mixRegionColors(n, count);
     if (finishes_) finishColors(n, count);
     const bool lights = l_.light.phong || l_.lights != nullptr;
-    if (lights) field_.findSlopes(n, count);
+    if (lights && slopes_) field_.findSlopes(n, count);
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
       V red, green, blue, unused;
       if (one_color)
@@ -381,8 +403,9 @@ class CellCaster {
       if (l_.light.phong) {
         V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
         const CellPlaces::Where w = p_.whereIs(hn::LoadU(DI(), s_.kept_code + n + i));
-        const Vector slope = in_.at_border ? slopeAtBorder(w, field_.slopes(i)) : field_.slopes(i);
-        lightOn(d, l_.light, l_.perspective, slope, p_.sightOf(w), matte, gloss);
+        const Vector slope = slopeOf(n, i);
+        lightOn(d, l_.light, l_.perspective, in_.at_border ? slopeAtBorder(w, slope) : slope, p_.sightOf(w), matte,
+                gloss);
         const auto lit = [&](V color) { return fused(color, matte, gloss); };
         red = lit(red), green = lit(green), blue = lit(blue);
       } else if (l_.lights != nullptr) {
@@ -428,11 +451,19 @@ class CellCaster {
     CellPlaces::Where w = p_.whereIs(hn::LoadU(DI(), s_.kept_code + n));
     if (l_.surfaces > 0) w.t = hn::LoadU(d, s_.at + n);
     const Sight sight = p_.sightOf(w);
-    const Vector slope = in_.at_border ? slopeAtBorder(w, field_.slopes(i)) : field_.slopes(i);
+    const Vector inside = slopeOf(n - i, i);
+    const Vector slope = in_.at_border ? slopeAtBorder(w, inside) : inside;
     Colors colors{red, green, blue};
     SampleLight(*l_.lights, l_.perspective)
         .on(slope, sight, p_.viewOf(w, sight), hn::FirstN(d, std::min(count, hn::Lanes(d))), colors);
     red = colors.red, green = colors.green, blue = colors.blue;
+  }
+
+  // The gradients of a batch of samples that begins at the n-th, from its i-th on.
+  HWY_INLINE Vector slopeOf(std::size_t n, std::size_t i) const {
+    if (derives_) return slopesFrom(n + i);
+    const D d;
+    return slopes_ ? field_.slopes(i) : Vector{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   }
 
   // Looks up the colours of a batch of samples.
@@ -447,6 +478,28 @@ class CellCaster {
         const auto here = hn::LoadU(d, at + c);
         hn::Store(between(here, hn::LoadU(d, at + 4 + c), t), d, s_.rows[0] + 4 * i + c);
       }
+    }
+  }
+
+  // Mixes the colours of regions with the colours of values.
+  HWY_NOINLINE void mixRegionColors(std::size_t n, std::size_t count) {
+    const SampleLattice::Plane& plane = l_.plane;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float along = fused(s_.entry[n + i], plane.column_scale, plane.column_offset);
+      const float column = std::min(std::max(along, 0.0f), plane.last_column), row = s_.row[n + i];
+      const auto x = static_cast<std::int32_t>(column), y = static_cast<std::int32_t>(row);
+      const float* const here = plane.colors + 4 * static_cast<std::ptrdiff_t>(y * plane.stride + x);
+      const float* const above = here + 4 * static_cast<std::ptrdiff_t>(plane.stride);
+      const auto mixed = [&](int c) {
+        const auto along_row = [&](const float* at) {
+          return fused(column - static_cast<float>(x), at[4 + c] - at[c], at[c]);
+        };
+        const float lower = along_row(here);
+        return fused(row - static_cast<float>(y), along_row(above) - lower, lower);
+      };
+      float* const rgb = s_.rows[0] + 4 * i;
+      const float own = mixed(3);
+      for (int c = 0; c < 3; ++c) rgb[c] = fused(own, rgb[c], mixed(c));
     }
   }
 
@@ -497,8 +550,11 @@ class CellCaster {
   const CellInput& in_;
   const TilePixels& tile_;
   const float opacity_threshold_;
-  const bool finishes_;  // samples are lit, cut or modulated one by one
-  const bool derives_;   // positions and gradients of samples are needed
+  const bool finishes_;   // samples are lit and cut one by one
+  const bool modulates_;  // opacities depend on gradients
+  const bool places_;     // positions and gradients of samples are kept
+  const bool derives_;    // gradients of samples are kept
+  const bool slopes_;     // light needs gradients that are not kept
   const CellPlaces p_;
   Field field_;
   CellSamples& s_;

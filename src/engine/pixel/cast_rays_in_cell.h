@@ -68,7 +68,9 @@ struct CellSamples {
   // Per crossing of a surface: position, the ends of its bracket, the values there less the surface's, and the end that
   // moved last.
   alignas(64) float at[kRoom], bracket[2][kRoom], excess[2][kRoom], moved[kRoom];
-  // Per visible sample, if samples are finished one by one: gradient and position in index space.
+  // Per visible sample, if colours depend on gradients: row in the plane of values and gradients.
+  alignas(64) float row[kRoom];
+  // Per visible sample, if something needs them: gradient and position in index space.
   alignas(64) float slope[3][kRoom], index_place[3][kRoom];
   // Alpha of a vector of pixels.
   alignas(64) float alpha[kLanes];

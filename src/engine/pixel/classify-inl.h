@@ -29,6 +29,53 @@ HWY_INLINE V extinctionAt(D d, const SampleLattice& l, V place) {
   return between(here, next, hn::Sub(place, hn::ConvertTo(d, entry)));
 }
 
+// Nodes around samples in the plane of values and gradient lengths.
+struct PlanePlace {
+  VI node;  // the node before the sample along both axes
+  V x, y;   // position between nodes
+};
+
+// Row of a gradient; a gradient that is not finite counts as 0.
+HWY_INLINE V planeRowOf(D d, const SampleLattice::Plane& p, const Vector& slope) {
+  const M finite = hn::Lt(hn::Add(hn::Abs(slope.x), hn::Add(hn::Abs(slope.y), hn::Abs(slope.z))), hn::Set(d, 3e38f));
+  const glm::mat3& m = p.rows_from_slope;
+  const auto line = [&](int row) {
+    return fused(hn::Set(d, m[0][row]), slope.x,
+                 fused(hn::Set(d, m[1][row]), slope.y, hn::Mul(hn::Set(d, m[2][row]), slope.z)));
+  };
+  const V x = line(0), y = line(1), z = line(2);
+  const V length = hn::IfThenElseZero(finite, hn::Sqrt(fused(x, x, fused(y, y, hn::Mul(z, z)))));
+  return hn::Min(hn::Max(hn::Add(length, hn::Set(d, p.row_offset)), hn::Zero(d)), hn::Set(d, p.last_row));
+}
+
+// `entry`: table position of the value.
+HWY_INLINE PlanePlace planePlaceOf(D d, const SampleLattice::Plane& p, V entry, V row) {
+  const DI di;
+  const V along = fused(entry, hn::Set(d, p.column_scale), hn::Set(d, p.column_offset));
+  const V column = hn::Min(hn::Max(along, hn::Zero(d)), hn::Set(d, p.last_column));
+  const VI x = hn::ConvertTo(di, column), y = hn::ConvertTo(di, row);
+  return {hn::Add(x, hn::Mul(y, hn::Set(di, p.stride))), hn::Sub(column, hn::ConvertTo(d, x)),
+          hn::Sub(row, hn::ConvertTo(d, y))};
+}
+
+HWY_INLINE V planeFactorAt(D d, const SampleLattice::Plane& p, const PlanePlace& at) {
+  const auto along = [&](const float* row) {
+    return between(hn::GatherIndex(d, row, at.node), hn::GatherIndex(d, row + 1, at.node), at.x);
+  };
+  return between(along(p.factors), along(p.factors + p.stride), at.y);
+}
+
+// Extinction of samples whose opacity per unit is multiplied by `factor`, never above `tau`.
+HWY_INLINE V modulatedExtinction(D d, const SampleLattice::Plane& p, V tau, V factor) {
+  constexpr float kOpaque = 0.9999f, kOpaqueDepth = 9.2103f;  // extinctionOf clamps opacities
+  const V unit = hn::Set(d, p.unit), one = hn::Set(d, 1.0f);
+  const V depth = hn::Mul(tau, unit);
+  const V opacity = hn::IfThenElse(hn::Lt(depth, hn::Set(d, kOpaqueDepth)), opacityOf(d, depth), one);
+  const V part = hn::Min(hn::Mul(factor, opacity), hn::Set(d, kOpaque));
+  const V less = hn::Min(hn::Div(depthOf(d, part), unit), tau);
+  return hn::IfThenElse(hn::Lt(factor, one), less, tau);
+}
+
 // Interval of values that a sample of a coarser level stands for.
 // The interval extends `reach` above and below the sample's own value. `reach` is half a voxel times the gradient's
 // length, so

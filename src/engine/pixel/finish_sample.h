@@ -1,12 +1,10 @@
-// Scalar completion of a sample beyond the vector kernels: lights other than a headlight, cut faces, opacity by
-// gradient.
+// Scalar completion of a sample beyond the vector kernels: light on cut faces.
 #pragma once
 
 #include <cmath>
 #include <glm/vec3.hpp>
 
 #include "engine/pixel/slab_context.h"
-#include "engine/shared/gradient_opacity.h"
 #include "engine/shared/shade.h"
 #include "scene/clip_region.h"
 
@@ -18,10 +16,6 @@ struct SampleSite {
   glm::dvec3 view;     // in view space
   glm::vec3 gradient;  // unit: value per voxel; 0 if not finite
 };
-
-inline float finishedExtinction(const Appearance& look, float tau, const SampleSite& site) {
-  return look.gradient_opacity.active() ? look.gradient_opacity(tau, site.gradient) : tau;
-}
 
 /// Returns the gradient of the cut face near a sample; null if there is none. Surfaces have no cut faces.
 inline const glm::vec3* cutFaceAt(const Appearance& look, const SampleSite& site) {

@@ -1,6 +1,7 @@
 // Parameters shared by the samples of a zone, in the form that kernels need.
 #pragma once
 
+#include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
 #include "engine/shared/plain_light.h"
@@ -24,6 +25,16 @@ struct SampleLattice {
   // Integral of extinction, for levels where a sample stands for an interval of values; null if a sample is a point.
   const float* integral = nullptr;
   float least_interval = 1;
+  // Factors of opacity over values and gradients: see PlaneTable.
+  struct Plane {
+    const float* factors = nullptr;  // null: none
+    const float* colors = nullptr;   // null: colours do not depend on gradients
+    int stride = 0;
+    float column_scale = 0, column_offset = 0, last_column = 0;  // unit: columns per entry of the table, columns
+    float row_offset = 0, last_row = 0;                          // unit: rows
+    glm::mat3 rows_from_slope{1};  // a vector of a gradient's length in rows. unit: rows per (value per voxel)
+    float unit = 1;                // length that opacities refer to. unit: world
+  } plane;
   glm::vec3 layer_height{1};  // distance of adjacent layers of voxels across each axis. unit: world
   // Values of iso-surfaces, less the table's offset, in ascending order, and the opacity of each; 0: samples are
   // classified.

@@ -26,7 +26,8 @@ double changeBetween(const Material& a, const Material& b) {
 
 }  // namespace
 
-SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& all) {
+SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& all)
+    : unit_(unit) {
   const bool whole = withVoxelType(type, []<class T>(std::type_identity<T>) { return sizeof(T) <= 2; });
   const ValueRange range = whole ? all : classifiedRange(function, all);
   const double lo = range.empty() ? 0 : range.lo, hi = range.empty() ? 0 : range.hi;
@@ -46,8 +47,12 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
   scale_ = static_cast<float>(1 / step);
   last_ = static_cast<float>(std::max(0.0, std::round((hi - lo) / step)));
   const auto count = static_cast<std::size_t>(last_) + 2;
+  if (function.usesGradient()) plane_ = PlaneTable(function);
   for (std::size_t i = 0; i < count; ++i) {
-    const Classified c = function.at(std::min(hi, lo + static_cast<double>(i) * step));
+    const double value = lo + static_cast<double>(i) * step;
+    Classified c = function.at(std::min(hi, value));
+    // Samples between this entry and its neighbours are invisible, too.
+    if (plane_.any() && !plane_.shows(value - step, value + step)) c.opacity = 0;
     entries_.push_back({static_cast<float>(c.color.r), static_cast<float>(c.color.g), static_cast<float>(c.color.b),
                         c.opacity > 0 ? static_cast<float>(extinctionOf(c.opacity, unit)) : 0.0f});
   }

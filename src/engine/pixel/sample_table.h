@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "engine/pixel/plane_table.h"
 #include "engine/shared/classifier.h"
 #include "grid/value_range.h"
 
@@ -20,6 +21,10 @@ class SampleTable {
   /// types have a fixed number of entries over classifiedRange.
   SampleTable(const TransferFunction& function, double unit, VoxelType type, const ValueRange& range);
 
+  /// Length that opacities refer to. unit: world.
+  double unit() const { return unit_; }
+  /// Factors of the opacities by the gradient. Values that no gradient shows have no extinction.
+  const PlaneTable& plane() const { return plane_; }
   /// Returns true for label volumes; `at` must then not be called with values.
   bool ofLabels() const { return of_labels_; }
   /// Values (less `offset()`) and opacities of the visible surfaces, in ascending order; entry i of the table is the
@@ -82,6 +87,8 @@ class SampleTable {
   void addSurfaces(const std::vector<IsoSurface>& surfaces);
   void addLabels(const std::vector<LabelStyle>& looks, double unit);
 
+  double unit_ = 1;
+  PlaneTable plane_;
   double lo_ = 0;
   float scale_ = 1, last_ = 0;
   float least_interval_ = 1;

@@ -23,6 +23,24 @@ constexpr double kPairChange = 0.25;
 double shortestEdge(const Projector& projector) {
   return std::min({glm::length(projector.axis(0)), glm::length(projector.axis(1)), glm::length(projector.axis(2))});
 }
+
+SampleLattice::Plane planeOf(const SampleTable& table, const Projector& projector) {
+  const PlaneTable& plane = table.plane();
+  SampleLattice::Plane out;
+  if (!plane.any()) return out;
+  out.factors = plane.factors();
+  out.colors = plane.colors();
+  out.stride = plane.stride();
+  out.column_scale = static_cast<float>(plane.columnsPerValue() / static_cast<double>(table.scale()));
+  out.column_offset = static_cast<float>((table.offset() - plane.firstValue()) * plane.columnsPerValue());
+  out.last_column = static_cast<float>(plane.columns() - 1);
+  out.row_offset = static_cast<float>(-plane.firstGradient() * plane.rowsPerGradient());
+  out.last_row = static_cast<float>(plane.rows() - 1);
+  out.rows_from_slope = glm::mat3(plane.rowsPerGradient() * glm::dmat3(projector.viewFromIndexGradient()));
+  out.unit = static_cast<float>(table.unit());
+  return out;
+}
+
 SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, const SampleTable& table,
                             const Appearance& look, bool detailed) {
   SampleLattice out;
@@ -40,6 +58,7 @@ SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, co
   out.surface_values = table.surfaceValues().data();
   out.surface_opacities = table.surfaceOpacities().data();
   if (zone.intervals && !table.ofLabels() && !table.ofSurfaces()) out.integral = table.integral();
+  out.plane = planeOf(table, projector);
   out.least_interval = table.leastInterval();
   for (int axis = 0; axis < 3; ++axis)
     out.layer_height[axis] = 1 / glm::length(projector.viewFromIndexGradient()[axis]);
@@ -81,7 +100,7 @@ SlabContext::SlabContext(const SlabZone& zone, const Projector& projector, const
       ends_(ends),
       table_(table),
       look_(look),
-      detailed_(look.gradient_opacity.active() || !look.clip->showsAll()),
+      detailed_(!look.clip->showsAll()),
       lattice_(sampleLattice(zone, projector, table, look_, detailed_)),
       voxel_length_(std::cbrt(projector.voxelVolume())),
       shortest_edge_(shortestEdge(projector)) {
@@ -95,7 +114,7 @@ bool SlabContext::cutOff(const VoxelBox& samples) const {
 }
 
 bool SlabContext::inPairs(const SampledRange& range) const {
-  if (range.gaps || look_.gradient_opacity.active()) return false;
+  if (range.gaps || table_.plane().any()) return false;
   // Voxels that are not soft have several samples for a reason.
   const bool near = 2 * zone_.thickness <= shortest_edge_ * (1 + 1e-9);
   return near && table_.soft(range.values, voxel_length_ / kPairChange, false);

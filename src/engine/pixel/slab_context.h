@@ -7,7 +7,6 @@
 #include "engine/pixel/load_patch.h"
 #include "engine/pixel/sample_table.h"
 #include "engine/shared/end_voxels.h"
-#include "engine/shared/gradient_opacity.h"
 #include "engine/shared/shade.h"
 #include "engine/shared/slab_grid.h"
 #include "scene/clip_region.h"
@@ -19,7 +18,6 @@ namespace kiln {
 struct Appearance {
   Shading shading;
   Shader shader;  // belongs to the level
-  GradientOpacity gradient_opacity;
   const ClipRegion* clip = nullptr;
   float gradient_noise = 0;  // unit: value per voxel
   Interpolation interpolation = Interpolation::kLinear;
@@ -48,7 +46,7 @@ class SlabContext {
   /// Returns true if a single sample may replace two in a cell with values in `range`.
   bool inPairs(const SampledRange& range) const;
   const Appearance& look() const { return look_; }
-  /// Returns true if samples are shaded, modulated and clipped one by one instead of in vectors.
+  /// Returns true if samples are shaded and clipped one by one instead of in vectors.
   bool detailed() const { return detailed_; }
   const SampleLattice& lattice() const { return lattice_; }
 

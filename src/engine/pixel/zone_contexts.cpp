@@ -13,7 +13,6 @@ std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels
   const Projector& projector = levels.projector(zone.level);
   const Appearance of_sample{look.shading,
                              Shader(look.shading, look.view, look.gradient_noise, projector, look.illumination),
-                             GradientOpacity(look.transfer_function, look.unit, projector),
                              &levels.clipRegion(zone.level),
                              look.gradient_noise,
                              look.interpolation,

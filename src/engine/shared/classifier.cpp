@@ -15,6 +15,14 @@ auto firstPointAbove(const TransferFunction& function, double value) {
                           [](double v, const TransferPoint& point) { return v < point.value; });
 }
 
+// Returns false if the function has regions, and none has values of the range.
+bool inSomeRegion(const TransferFunction& function, const ValueRange& range) {
+  const auto& regions = function.regions;
+  return regions.empty() || std::any_of(regions.begin(), regions.end(), [&](const GradientRegion& region) {
+           return region.opacity > 0 && region.values.x <= range.hi && region.values.y >= range.lo;
+         });
+}
+
 }  // namespace
 
 Classifier::Classifier(const TransferFunction& function, double unit, VoxelType type, const ValueRange& range)
@@ -51,6 +59,7 @@ bool Classifier::interesting(const ValueRange& range) const {
   if (range.empty()) return false;
   if (!function_.labels.empty()) return function_.labelsShownIn(range.lo, range.hi);
   if (!function_.surfaces.empty()) return function_.surfacesCrossedIn(range.lo, range.hi);
+  if (!inSomeRegion(function_, range)) return false;
   const auto first = firstPointAtOrAbove(function_, range.lo) - function_.points.begin();
   const auto last = firstPointAbove(function_, range.hi) - function_.points.begin();
   if (opaque_points_before_[static_cast<std::size_t>(last)] > opaque_points_before_[static_cast<std::size_t>(first)])

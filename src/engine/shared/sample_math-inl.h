@@ -144,6 +144,19 @@ HWY_INLINE hn::Vec<DF> opacityOf(DF d, hn::Vec<DF> x) {
   return fusedLess(p.whole, p.rest, hn::Sub(hn::Set(d, 1.0f), p.whole));
 }
 
+// -ln(1 - x) for 0 <= x < 1: the inverse of opacityOf, as precise for thin media. Relative error 3e-6.
+HWY_INLINE V depthOf(D d, V x) {
+  const V one = hn::Set(d, 1.0f);
+  const V s = hn::Div(x, hn::Sub(hn::Set(d, 2.0f), x)), s2 = hn::Mul(s, s);
+  // 2 artanh(s), for x <= 1/4.
+  V p = hn::Set(d, 2.0f / 7);
+  p = fused(p, s2, hn::Set(d, 2.0f / 5));
+  p = fused(p, s2, hn::Set(d, 2.0f / 3));
+  p = fused(p, s2, hn::Set(d, 2.0f));
+  const V thick = hn::Mul(log2Of(d, hn::Sub(one, x)), hn::Set(d, -0.69314718f));
+  return hn::IfThenElse(hn::Lt(x, hn::Set(d, 0.25f)), hn::Mul(s, p), thick);
+}
+
 // 1 - exp(-x) for 0 <= x <= kThin, with half the operations of opacityOf. Relative error 1e-6.
 constexpr float kThin = 0.35f;
 template <class DF>

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 #include "engine/voxel/gather_voxels.h"
 #include "engine/voxel/project_voxels.h"
@@ -88,7 +89,7 @@ class CellSplatter {
     const auto place = [&] { return context_.projector->viewOf(voxelAt(lo_, code)); };
     const float* const m = shaded.material + 4 * n;
     Material material = {m[0], m[1], m[2], m[3]};
-    if (context_.gradient_opacity.active()) material.tau = context_.gradient_opacity(material.tau, slope);
+    if (context_.gradient_opacity.active()) material = context_.gradient_opacity(valueOf(code), slope);
     const glm::vec3* const face = cut_ ? context_.clip->cutGradient(indexOf(code)) : nullptr;
     if (!context_.light_is_plain) {
       const Color color = face != nullptr ? shader.onCut(material, *face, place()) : shader(material, slope, place());
@@ -105,6 +106,12 @@ class CellSplatter {
     }
     if (ends_) material.tau *= static_cast<float>(context_.ends.partOf(voxelAt(lo_, code)));
     std::memcpy(shaded.material + 4 * n, &material, sizeof material);
+  }
+
+  double valueOf(std::int32_t code) const {
+    const auto at = static_cast<std::size_t>(block_.offsetOf(voxelAt(lo_, code)));
+    return withVoxelType(block_.type,
+                         [&]<class T>(std::type_identity<T>) { return static_cast<double>(block_.data<T>()[at]); });
   }
 
   glm::dvec3 indexOf(std::int32_t code) const {

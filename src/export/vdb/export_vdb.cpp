@@ -238,9 +238,10 @@ void requireBakeable(const VdbRequest& request) {
   if (!request.baked->surfaces.empty())
     throw Error(ErrorCode::kUsage, request.out, "--tf",
                 "must not be surfaces, which grids of opacities do not hold; choose solid:VALUE");
-  if (!request.baked->gradient_opacity.empty())
+  if (request.baked->usesGradient())
     throw Error(ErrorCode::kUsage, request.out, "--tf",
-                "must not depend on gradients, which grids do not hold; remove gradientOpacity from the function");
+                "must not depend on gradients, which grids do not hold; remove gradientOpacity, regions and table from "
+                "the function");
   if (request.values.background || request.values.tolerance != 0)
     throw Error(ErrorCode::kUsage, request.out, "--tf",
                 "has its own empty space; leave --background and --tolerance out");

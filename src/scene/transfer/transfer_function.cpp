@@ -14,6 +14,17 @@ auto firstFrom(const std::vector<LabelStyle>& labels, double value) {
                           [](const LabelStyle& style, double v) { return style.label < v; });
 }
 
+// Linear between points; the end points extend.
+double factorOf(const std::vector<GradientPoint>& points, double gradient) {
+  if (points.empty()) return 1;
+  const auto upper = std::upper_bound(points.begin(), points.end(), gradient,
+                                      [](double g, const GradientPoint& point) { return g < point.gradient; });
+  if (upper == points.begin()) return upper->factor;
+  const GradientPoint& below = *(upper - 1);
+  if (upper == points.end()) return below.factor;
+  return std::lerp(below.factor, upper->factor, (gradient - below.gradient) / (upper->gradient - below.gradient));
+}
+
 }  // namespace
 
 bool TransferFunction::hasLabel(double label) const {
@@ -53,19 +64,42 @@ Classified TransferFunction::at(double value) const {
   return {(1 - t) * below.color + t * upper->color, (1 - t) * below.opacity + t * upper->opacity};
 }
 
-double TransferFunction::gradientFactor(double gradient) const {
-  if (gradient_opacity.empty()) return 1;
-  const auto upper = std::upper_bound(gradient_opacity.begin(), gradient_opacity.end(), gradient,
-                                      [](double g, const GradientPoint& point) { return g < point.gradient; });
-  if (upper == gradient_opacity.begin()) return upper->factor;
-  const GradientPoint& below = *(upper - 1);
-  if (upper == gradient_opacity.end()) return below.factor;
-  return std::lerp(below.factor, upper->factor, (gradient - below.gradient) / (upper->gradient - below.gradient));
+double TransferFunction::gradientFactor(double value, double gradient) const {
+  if (table.columns > 0) return table.at(value, gradient);
+  if (!regions.empty()) {
+    double most = 0;
+    for (const GradientRegion& region : regions) most = std::max(most, region.at(value, gradient));
+    return most;
+  }
+  return factorOf(gradient_opacity, gradient);
+}
+
+Classified TransferFunction::at(double value, double gradient) const {
+  Classified out = at(value);
+  if (!(out.opacity > 0)) return out;
+  out.opacity *= gradientFactor(value, gradient);
+  glm::dvec3 mixed(0);
+  double weight = 0;
+  for (const GradientRegion& region : regions) {
+    const double share = region.at(value, gradient);
+    mixed += share * region.color.value_or(out.color);
+    weight += share;
+  }
+  if (weight > 0) out.color = mixed / weight;
+  return out;
+}
+
+Shading shadingOf(const TransferFunction& function, Shading light) {
+  light.phong = light.phong && (function.shaded || function.scattering);
+  light.scattering = function.scattering;
+  return light;
 }
 
 TransferFunction inWorld(TransferFunction function, double world_per_own) {
   function.unit *= world_per_own;
   for (GradientPoint& point : function.gradient_opacity) point.gradient /= world_per_own;
+  for (GradientRegion& region : function.regions) region.gradients /= world_per_own;
+  function.table.gradients /= world_per_own;
   return function;
 }
 

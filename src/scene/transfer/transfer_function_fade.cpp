@@ -78,6 +78,32 @@ std::vector<LabelStyle> fadedLabels(const TransferFunction& a, const TransferFun
   return out;
 }
 
+// Points fade into points, and regions fade out and in. Other changes happen halfway.
+void fadePlanes(const TransferFunction& a, const TransferFunction& b, double t, TransferFunction& out) {
+  const auto hasPlane = [](const TransferFunction& f) { return f.table.columns > 0 || !f.regions.empty(); };
+  if (!hasPlane(a) && !hasPlane(b)) {
+    for (const double gradient :
+         valuesOf(a.gradient_opacity, b.gradient_opacity, [](const GradientPoint& point) { return point.gradient; }))
+      out.gradient_opacity.push_back(
+          {gradient, std::lerp(a.gradientFactor(0, gradient), b.gradientFactor(0, gradient), t)});
+    return;
+  }
+  if (a.regions == b.regions || a.regions.empty() || b.regions.empty() || a.table.columns + b.table.columns > 0) {
+    const TransferFunction& nearer = t < 0.5 ? a : b;
+    out.gradient_opacity = nearer.gradient_opacity;
+    out.regions = nearer.regions;
+    out.table = nearer.table;
+    return;
+  }
+  const auto add = [&](const std::vector<GradientRegion>& regions, double share) {
+    for (GradientRegion region : regions) {
+      region.opacity *= share;
+      out.regions.push_back(region);
+    }
+  };
+  add(a.regions, 1 - t), add(b.regions, t);
+}
+
 }  // namespace
 
 TransferFunction faded(const TransferFunction& a, const TransferFunction& b, double t) {
@@ -97,9 +123,13 @@ TransferFunction faded(const TransferFunction& a, const TransferFunction& b, dou
     if (!same(before_a, at_a) || !same(before_b, at_b))
       out.points.push_back(mixedPoint(value, at_a, in_a_unit(at_b), t));
   }
-  for (const double gradient :
-       valuesOf(a.gradient_opacity, b.gradient_opacity, [](const GradientPoint& point) { return point.gradient; }))
-    out.gradient_opacity.push_back({gradient, std::lerp(a.gradientFactor(gradient), b.gradientFactor(gradient), t)});
+  fadePlanes(a, b, t, out);
+  const TransferFunction& nearer = t < 0.5 ? a : b;
+  out.shaded = nearer.shaded;
+  out.scattering = nearer.scattering;
+  if (a.scattering && b.scattering)
+    out.scattering = {std::lerp(a.scattering->albedo, b.scattering->albedo, t),
+                      std::lerp(a.scattering->anisotropy, b.scattering->anisotropy, t)};
   return out;
 }
 

@@ -104,7 +104,10 @@ struct Scene {
   /// Returns the label at a position in index space, and the gradient of its surface.
   ReferenceLabels::There at(const glm::dvec3& index) const {
     if (labels) return labels->at(index);
-    return {transfer_function.at(field.at(index)), 1};
+    const double value = field.at(index);
+    if (!transfer_function.usesGradient()) return {transfer_function.at(value), 1};
+    const double slope = glm::length(gradient_world_from_index * field.gradient(index));
+    return {transfer_function.at(value, std::isfinite(slope) ? slope : 0), 1};
   }
   glm::dvec3 gradient(const glm::dvec3& index) const {
     return labels ? labels->gradient(index) : field.gradient(index);
@@ -189,21 +192,16 @@ glm::dvec3 normalAt(const Scene& scene, const glm::dvec3& index) {
   return glm::normalize(scene.gradient_world_from_index * difference);
 }
 
-/// Returns the extinction at a sample, scaled by the gradient's length if the function has an opacity by gradient.
-double extinctionAt(const Scene& scene, const ReferenceLabels::There& there, const glm::dvec3& index) {
-  double factor = 1;
-  if (!scene.transfer_function.gradient_opacity.empty()) {
-    const double slope = glm::length(scene.gradient_world_from_index * scene.field.gradient(index));
-    factor = scene.transfer_function.gradientFactor(std::isfinite(slope) ? slope : 0);
-  }
-  return there.solid * extinctionOf(factor * std::min(there.look.opacity, 0.9999), scene.unit_world);
+/// Returns the extinction at a sample.
+double extinctionAt(const Scene& scene, const ReferenceLabels::There& there) {
+  return there.solid * extinctionOf(std::min(there.look.opacity, 0.9999), scene.unit_world);
 }
 
 double depthAlong(const Scene& scene, const Ray& ray) {
   double depth = 0;
   march(scene, ray, [&](const glm::dvec3& index, double length) {
     const ReferenceLabels::There sample = scene.at(index);
-    if (sample.look.opacity > 0) depth += extinctionAt(scene, sample, index) * length;
+    if (sample.look.opacity > 0) depth += extinctionAt(scene, sample) * length;
     return true;
   });
   return depth;
@@ -212,17 +210,24 @@ double depthAlong(const Scene& scene, const Ray& ray) {
 /// The scenes of a picture: one for each volume.
 using Scenes = std::span<const std::unique_ptr<Scene>>;
 
-/// Returns the share of a light that reaches a point through all volumes, by a ray of its own. `cosine`: of the angle
-/// between the normal and the light; in grazing light the ray begins farther away.
-double reachingShare(Scenes scenes, const Shading& shading, const Light& light, const glm::dvec3& world,
-                     const glm::dvec3& to_light, double cosine) {
+/// Returns the share of a light that reaches a point through all volumes, by a ray that begins at a distance.
+double shareFrom(Scenes scenes, const Shading& shading, const Light& light, const glm::dvec3& world,
+                 const glm::dvec3& to_light, double start) {
   if (!castsShadows(shading, light)) return 1;
-  constexpr double kLeastCosine = 0.25;
-  Ray ray{world, to_light, scenes.front()->settings.shadow_start / std::max(cosine, kLeastCosine)};
+  Ray ray{world, to_light, start};
   if (light.kind == LightKind::kPoint) ray.end = glm::distance(light.place, world);
   double depth = 0;
   for (const std::unique_ptr<Scene>& scene : scenes) depth += depthAlong(*scene, ray);
   return 1 - light.shadow.strength * (1 - std::exp(-depth));
+}
+
+/// Returns the share of a light that reaches a surface. `cosine`: of the angle
+/// between the normal and the light; in grazing light the ray begins farther away.
+double reachingShare(Scenes scenes, const Shading& shading, const Light& light, const glm::dvec3& world,
+                     const glm::dvec3& to_light, double cosine) {
+  constexpr double kLeastCosine = 0.25;
+  return shareFrom(scenes, shading, light, world, to_light,
+                   scenes.front()->settings.shadow_start / std::max(cosine, kLeastCosine));
 }
 
 /// Returns the share of ambient light that reaches a point with a normal: the mean of the visibility over directions
@@ -251,7 +256,7 @@ double ambientShare(Scenes scenes, const Shading& shading, const glm::dvec3& wor
         if (!(sample.look.opacity > 0)) return true;
         const glm::dvec3 at = scene->world_from_index * glm::dvec4(index, 1);
         const double part = glm::distance(at, ray.origin) / radius;
-        const double through = std::exp(-extinctionAt(*scene, sample, index) * length);
+        const double through = std::exp(-extinctionAt(*scene, sample) * length);
         seen -= open * (1 - through) * std::max(0.0, 1 - part * part);
         open *= through;
         return open > 1e-3;
@@ -265,11 +270,21 @@ double ambientShare(Scenes scenes, const Shading& shading, const glm::dvec3& wor
 /// scene/shading.h: colour·(ambient + Σ L·diffuse·n·l) + Σ L·specular·(n·h)^power, n towards the eye.
 glm::dvec3 shaded(Scenes scenes, const Scene& scene, const Shading& shading, const glm::dvec3& color,
                   const glm::dvec3& index, const glm::dvec3& world, const glm::dvec3& to_eye) {
-  if (!shading.phong) return color;
+  const TransferFunction& function = scene.transfer_function;
+  if (!shading.phong || (!function.shaded && !function.scattering)) return color;
   const auto directionOf = [&](const Light& light) {
     if (light.kind == LightKind::kDirectional) return glm::normalize(light.place);
     return light.kind == LightKind::kPoint ? glm::normalize(light.place - world) : to_eye;
   };
+  if (const auto& scattering = function.scattering) {
+    glm::dvec3 sum(shading.ambient);
+    for (const Light& light : shading.lights) {
+      const glm::dvec3 towards = directionOf(light);
+      sum += shading.diffuse * scattering->phase(-glm::dot(towards, to_eye)) *
+             shareFrom(scenes, shading, light, world, towards, 0) * light.intensity * light.color;
+    }
+    return scattering->albedo * color * sum;
+  }
   glm::dvec3 normal = normalAt(scene, index);
   if (normal == glm::dvec3(0)) {
     // The material's colour, without the share of the lights that shadows take away.
@@ -304,7 +319,7 @@ glm::dvec4 lightAlong(Scenes scenes, const Shading& shading, const Ray& ray) {
   march(scene, ray, [&](const glm::dvec3& index, double length) {
     const ReferenceLabels::There sample = scene.at(index);
     if (!(sample.look.opacity > 0)) return true;
-    const double alpha = 1 - std::exp(-extinctionAt(scene, sample, index) * length);
+    const double alpha = 1 - std::exp(-extinctionAt(scene, sample) * length);
     const glm::dvec3 world = scene.world_from_index * glm::dvec4(index, 1);
     light += transmittance * alpha * shaded(scenes, scene, shading, sample.look.color, index, world, -ray.direction);
     transmittance *= 1 - alpha;
@@ -341,7 +356,7 @@ glm::dvec4 lightAlong(Scenes scenes, const std::vector<ReferenceVolume>& volumes
       if (scene.empty_blocks && scene.empty_blocks->stepsToSkip(index, glm::dvec3(1)) > 0) continue;
       const ReferenceLabels::There sample = scene.at(index);
       if (!(sample.look.opacity > 0)) continue;
-      const double of_volume = extinctionAt(scene, sample, index) * (to - from);
+      const double of_volume = extinctionAt(scene, sample) * (to - from);
       depth += of_volume;
       sent += of_volume * shaded(scenes, scene, volumes[v].shading, sample.look.color, index, world, -ray.direction);
     }
@@ -467,7 +482,7 @@ std::vector<double> firstHits(const DenseVolume& volume, const View& view, const
     march(scene, ray, [&](const glm::dvec3& index, double length) {
       const ReferenceLabels::There sample = scene.at(index);
       if (!(sample.look.opacity > 0)) return true;
-      depth += extinctionAt(scene, sample, index) * length;
+      depth += extinctionAt(scene, sample) * length;
       if (depth < std::numbers::ln2) return true;
       const glm::dvec3 world = scene.world_from_index * glm::dvec4(index, 1);
       out[static_cast<std::size_t>(row) * static_cast<std::size_t>(view.size.width) +

@@ -9,6 +9,7 @@
 #include "image/file/image_file.h"
 #include "image/srgb.h"
 #include "ingest/open_source.h"
+#include "job/job_names.h"
 #include "job/transfer_function_json.h"
 #include "output_files.h"
 #include "say.h"
@@ -89,6 +90,21 @@ void printSurfaces(const TransferFunction& f) {
   say("{} surfaces; opacity is per crossing\n", f.surfaces.size());
 }
 
+// Opacity over values and gradients, and light.
+void printPlane(const TransferFunction& f, std::string_view unit) {
+  for (const GradientRegion& r : f.regions)
+    say("{:>14.9g}  {:>8.5f}  of the opacity, up to value {:.9g}, gradients {:.9g} to {:.9g} per {}, a {}{}\n",
+        r.values.x, r.opacity, r.values.y, r.gradients.x, r.gradients.y, unit, nameIn(kRegionShapeNames, r.shape),
+        r.color ? ", " + hexOf(*r.color) : std::string());
+  if (const GradientTable& t = f.table; t.columns > 0)
+    say("{} x {} factors of the opacity, values {:.9g} to {:.9g}, gradients {:.9g} to {:.9g} per {}\n", t.columns,
+        t.rows, t.values.x, t.values.y, t.gradients.x, t.gradients.y, unit);
+  if (f.scattering)
+    say("scatters light: albedo {:.6g}, anisotropy {:.6g}\n", f.scattering->albedo, f.scattering->anisotropy);
+  else if (!f.shaded)
+    say("without light\n");
+}
+
 void print(const TransferFunction& f, const Subject& subject) {
   const Manifest& manifest = subject.values.manifest;
   const std::string unit = manifest.geometry().unit.empty() ? "world unit" : manifest.geometry().unit;
@@ -109,6 +125,7 @@ void print(const TransferFunction& f, const Subject& subject) {
   }
   for (const GradientPoint& p : f.gradient_opacity)
     say("{:>14.9g}  {:>8.5f}  of the opacity, by gradient in values per {}\n", p.gradient, p.factor, unit);
+  printPlane(f, unit);
   say("{} points; extinction is per {}\n", f.points.size(), unit);
 }
 
