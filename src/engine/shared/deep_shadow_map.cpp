@@ -14,14 +14,16 @@ constexpr float kSteep = 1e30f;
 
 DeepShadowMap::DeepShadowMap(const View& light, const DepthRange& depths)
     : view_(light),
-      perspective_(light.projection == Projection::kPerspective),
-      focal_(static_cast<float>(light.focal_px)),
-      centre_x_(static_cast<float>(light.centre_px.x - 0.5)),
-      centre_y_(static_cast<float>(light.centre_px.y - 0.5)),
-      last_x_(static_cast<float>(light.size.width - 1)),
-      last_y_(static_cast<float>(light.size.height - 1)),
-      near_(static_cast<float>(depths.near)),
-      per_depth_(static_cast<float>(kSteps / (depths.far - depths.near))) {
+      frame_{light.projection == Projection::kPerspective,
+             light.size.width,
+             light.size.height,
+             static_cast<float>(light.focal_px),
+             static_cast<float>(light.centre_px.x - 0.5),
+             static_cast<float>(light.centre_px.y - 0.5),
+             static_cast<float>(light.size.width - 1),
+             static_cast<float>(light.size.height - 1),
+             static_cast<float>(depths.near),
+             static_cast<float>(kSteps / (depths.far - depths.near))} {
   const auto pixels = static_cast<std::size_t>(light.size.width) * static_cast<std::size_t>(light.size.height);
   Knots clear;
   clear.z.fill(std::numeric_limits<std::uint16_t>::max());
@@ -31,7 +33,7 @@ DeepShadowMap::DeepShadowMap(const View& light, const DepthRange& depths)
 }
 
 std::uint64_t DeepShadowMap::bytesFor(std::uint64_t pixels, bool drawing) {
-  return pixels * (sizeof(Knots) + (drawing ? sizeof(Column) : 0));
+  return pixels * (sizeof(Knots) + sizeof(std::int32_t) + (drawing ? sizeof(Column) : 0));
 }
 
 void DeepShadowMap::addPoint(const Point& point, Column& column, Knots& knots) const {
@@ -70,7 +72,7 @@ void DeepShadowMap::addKnot(const Point& point, Column& column, Knots& knots) co
   }
   const auto place = static_cast<std::size_t>(column.knots++);
   const auto rounded = [](float v) { return static_cast<std::uint16_t>(std::lround(std::clamp(v, 0.0f, kSteps))); };
-  knots.z[place] = rounded((point.z - near_) * per_depth_);
+  knots.z[place] = rounded((point.z - frame_.near) * frame_.per_depth);
   knots.t[place] = rounded(point.t * kSteps);
   column.start = column.end = point;
   column.least = -kSteep, column.most = kSteep;
@@ -88,6 +90,31 @@ void DeepShadowMap::finish() {
     }
   }
   columns_ = {};
+  findSpans();
+}
+
+std::uint16_t DeepShadowMap::darkAfter(const Knots& knots) {
+  std::uint16_t out = std::numeric_limits<std::uint16_t>::max();
+  for (std::size_t k = kShadowKnots; k-- > 0 && knots.t[k] == 0;) out = knots.z[k];
+  return out;
+}
+
+void DeepShadowMap::findSpans() {
+  spans_.assign(pixels_.size(), 0);
+  const int width = frame_.width;
+  for (int y = 0; y + 1 < frame_.height; ++y) {
+    for (int x = 0; x + 1 < width; ++x) {
+      const std::size_t place = placeOf(x, y);
+      std::uint32_t first = std::numeric_limits<std::uint16_t>::max(), dark = 0;
+      for (const std::size_t beside :
+           {std::size_t{0}, std::size_t{1}, static_cast<std::size_t>(width), static_cast<std::size_t>(width) + 1}) {
+        const Knots& knots = pixels_[place + beside];
+        first = std::min<std::uint32_t>(first, knots.z[0]);
+        dark = std::max<std::uint32_t>(dark, darkAfter(knots));
+      }
+      spans_[place] = static_cast<std::int32_t>(first | dark << 16);
+    }
+  }
 }
 
 }  // namespace kiln

@@ -62,7 +62,15 @@ class ShadowLookup {
   /// requires: `light` outlives the object.
   ShadowLookup(const ShadowedLight& light, const View& view);
 
+  struct Map {
+    const DeepShadowMap* map;
+    glm::mat4 light_from_view;
+  };
+
   bool none() const { return points_.empty(); }
+  /// The maps of each point of the light.
+  const std::vector<std::vector<Map>>& points() const { return points_; }
+  float strength() const { return strength_; }
   /// Distance from a sample to the nearest layer that shadows the sample. unit: world.
   float start() const { return start_; }
   /// Returns the share of the light that reaches a sample. `to_light`: unit vector in view space; `cosine`: of the
@@ -79,10 +87,6 @@ class ShadowLookup {
   }
 
  private:
-  struct Map {
-    const DeepShadowMap* map;
-    glm::mat4 light_from_view;
-  };
   static float reaching(const std::vector<Map>& maps, const glm::vec3& view_point) {
     // Of six maps around the light, the map of the face that the point lies behind.
     for (const Map& map : maps) {
