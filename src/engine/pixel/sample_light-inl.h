@@ -55,6 +55,7 @@ class SampleLight {
 
   // Lights the colours of samples at view-space positions; `alive`: lanes that hold samples.
   HWY_INLINE void on(const Vector& slope, const Sight& sight, const Vector& at, M alive, Colors& colors) const {
+    if (s_.scatters) return scatter(sight, at, alive, colors);
     const D d;
     const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
     const Vector gradient = scaled(slope, hn::Set(d, s_.gradient.factor));
@@ -62,8 +63,7 @@ class SampleLight {
     // False for NaN, too.
     const M directed =
         hn::And(hn::Gt(squared, hn::Set(d, s_.gradient.least_squared)), hn::Lt(squared, hn::Set(d, 1e38f)));
-    Vector to_eye{zero, zero, hn::Set(d, -1.0f)};
-    if (perspective_) to_eye = scaled(Vector{sight.u, sight.v, one}, hn::Div(hn::Set(d, -1.0f), sight.oblique));
+    const Vector to_eye = toEye(sight);
     Vector normal = turnedBy(s_.view_from_index_gradient, gradient);
     const V length = hn::Sqrt(dotOf(normal, normal));
     const V inverse = hn::IfThenElseZero(directed, hn::Div(one, hn::IfThenElse(directed, length, one)));
@@ -85,8 +85,7 @@ class SampleLight {
       all[c] = reaching[c] = headlight;
     }
     for (const Shader::PlacedLight& light : s_.lights) {
-      Vector towards = vectorOf(light.place);
-      if (light.point) towards = unitOf({hn::Sub(towards.x, at.x), hn::Sub(towards.y, at.y), hn::Sub(towards.z, at.z)});
+      const Vector towards = towardsOf(light, at);
       const V lit = hn::Max(dotOf(normal, towards), zero);
       // Samples without direction need shadows from everywhere.
       const M needed = s_.shadowed ? hn::And(alive, hn::Or(hn::Not(directed), hn::Gt(lit, zero)))
@@ -120,6 +119,45 @@ class SampleLight {
   }
 
  private:
+  HWY_INLINE Vector toEye(const Sight& sight) const {
+    const D d;
+    if (!perspective_) return {hn::Zero(d), hn::Zero(d), hn::Set(d, -1.0f)};
+    return scaled(Vector{sight.u, sight.v, hn::Set(d, 1.0f)}, hn::Div(hn::Set(d, -1.0f), sight.oblique));
+  }
+
+  HWY_INLINE V phaseOf(V cosine) const {
+    const D d;
+    const V base = fusedLess(hn::Set(d, s_.phase.twice), cosine, hn::Set(d, s_.phase.squared));
+    return hn::Div(hn::Set(d, s_.phase.numerator), hn::Mul(base, hn::Sqrt(base)));
+  }
+
+  // Light that a medium scatters towards the eye: Shader::scattered.
+  HWY_NOINLINE void scatter(const Sight& sight, const Vector& at, M alive, Colors& colors) const {
+    const D d;
+    const V one = hn::Set(d, 1.0f), zero = hn::Zero(d), diffuse = hn::Set(d, s_.diffuse);
+    const Vector to_eye = toEye(sight);
+    const V open = s_.occlusion.none() ? one : openOf(at, {zero, zero, zero});
+    const V back = hn::Mul(diffuse, phaseOf(hn::Set(d, -1.0f)));
+    V sum[3];
+    for (int c = 0; c < 3; ++c)
+      sum[c] = fused(back, hn::Set(d, s_.headlight[c]), hn::Mul(hn::Set(d, s_.ambient), open));
+    for (const Shader::PlacedLight& light : s_.lights) {
+      const Vector towards = towardsOf(light, at);
+      V reaching = hn::Mul(diffuse, phaseOf(hn::Neg(dotOf(towards, to_eye))));
+      if (!light.shadow.none()) reaching = hn::Mul(reaching, shareAt(light.shadow, at, alive));
+      for (int c = 0; c < 3; ++c) sum[c] = fused(reaching, hn::Set(d, light.color[c]), sum[c]);
+    }
+    colors.red = hn::Mul(colors.red, sum[0]);
+    colors.green = hn::Mul(colors.green, sum[1]);
+    colors.blue = hn::Mul(colors.blue, sum[2]);
+  }
+
+  static HWY_INLINE Vector towardsOf(const Shader::PlacedLight& light, const Vector& at) {
+    const Vector place = vectorOf(light.place);
+    if (!light.point) return place;
+    return unitOf({hn::Sub(place.x, at.x), hn::Sub(place.y, at.y), hn::Sub(place.z, at.z)});
+  }
+
   // Share of its colour that a sample without direction keeps: see Shader::withoutDirection.
   HWY_INLINE V flatShare(V open, V all, V reaching) const {
     const D d;
@@ -134,12 +172,80 @@ class SampleLight {
   HWY_NOINLINE V shareOf(const ShadowLookup& shadow, const Vector& at, const Vector& towards, V cosine,
                          M needed) const {
     const D d;
+    const V start = hn::Div(hn::Set(d, shadow.start()), hn::Max(cosine, hn::Set(d, ShadowLookup::kLeastCosine)));
+    return shareAt(
+        shadow, {fused(start, towards.x, at.x), fused(start, towards.y, at.y), fused(start, towards.z, at.z)}, needed);
+  }
+
+  HWY_NOINLINE V shareAt(const ShadowLookup& shadow, const Vector& at, M needed) const {
+    const D d;
+    const V one = hn::Set(d, 1.0f);
+    V sum = hn::Zero(d);
+    for (const std::vector<ShadowLookup::Map>& maps : shadow.points()) {
+      // A point near the volume has a map for each face of a cube: each lane needs its own.
+      if (maps.size() > 1) return shareOneByOne(shadow, at, needed);
+      sum = hn::Add(sum, transmittanceAt(maps.front(), at, needed));
+    }
+    const V mean = hn::Div(sum, hn::Set(d, static_cast<float>(shadow.points().size())));
+    return fusedLess(hn::Set(d, shadow.strength()), hn::Sub(one, mean), one);
+  }
+
+  // The vector form of DeepShadowMap::transmittance: a lane reads knots only near layers.
+  HWY_INLINE V transmittanceAt(const ShadowLookup::Map& of, const Vector& at, M needed) const {
+    const D d;
+    const DI di;
+    const DeepShadowMap::Frame& f = of.map->frame();
+    const glm::mat4& m = of.light_from_view;
+    const Vector turned = turnedBy(glm::mat3(m), at);
+    const V z = hn::Add(turned.z, hn::Set(d, m[3][2]));
+    const V focal = hn::Set(d, f.focal), scale = f.perspective ? hn::Div(focal, z) : focal;
+    // A lane without a sample may hold any number, also none.
+    const auto inside = [&](V v, float last) {
+      const V low = hn::IfThenElseZero(hn::Gt(v, hn::Zero(d)), v);
+      return hn::IfThenElse(hn::Lt(low, hn::Set(d, last)), low, hn::Set(d, last));
+    };
+    const V x = inside(fused(scale, hn::Add(turned.x, hn::Set(d, m[3][0])), hn::Set(d, f.centre_x)), f.last_x);
+    const V y = inside(fused(scale, hn::Add(turned.y, hn::Set(d, m[3][1])), hn::Set(d, f.centre_y)), f.last_y);
+    const V depth = inside(hn::Mul(hn::Sub(z, hn::Set(d, f.near)), hn::Set(d, f.per_depth)), DeepShadowMap::kSteps);
+    const VI x0 = hn::Min(hn::ConvertTo(di, x), hn::Set(di, f.width - 2));
+    const VI y0 = hn::Min(hn::ConvertTo(di, y), hn::Set(di, f.height - 2));
+    const VI place = hn::Add(x0, hn::Mul(y0, hn::Set(di, f.width)));
+    const VI span = hn::GatherIndex(di, of.map->spans(), place), low = hn::Set(di, 0xffff);
+    const VI whole = hn::ConvertTo(di, depth);
+    const M lit = hn::RebindMask(d, hn::Gt(hn::And(span, low), whole));
+    const M dark = hn::RebindMask(d, hn::Gt(whole, hn::And(hn::ShiftRight<16>(span), low)));
+    const V out = hn::IfThenElseZero(lit, hn::Set(d, 1.0f));
+    const M between = hn::And(needed, hn::Not(hn::Or(lit, dark)));
+    return hn::AllFalse(d, between) ? out : betweenLayers(*of.map, place, {x, y, depth}, {x0, y0}, between, out);
+  }
+
+  struct Pixels {
+    VI x, y;
+  };
+  // `at`: pixels and depth of the samples; `first`: the pixels before them.
+  static HWY_NOINLINE V betweenLayers(const DeepShadowMap& map, VI place, const Vector& at, const Pixels& first,
+                                      M between, V out) {
+    const D d;
+    constexpr std::size_t kLanes = hn::MaxLanes(D());
+    alignas(64) std::int32_t places[kLanes];
+    alignas(64) float fx[kLanes], fy[kLanes], depth[kLanes], asks[kLanes], share[kLanes];
+    hn::Store(place, DI(), places);
+    hn::Store(hn::Sub(at.x, hn::ConvertTo(d, first.x)), d, fx);
+    hn::Store(hn::Sub(at.y, hn::ConvertTo(d, first.y)), d, fy);
+    hn::Store(at.z, d, depth);
+    hn::Store(hn::IfThenElseZero(between, hn::Set(d, 1.0f)), d, asks);
+    hn::Store(out, d, share);
+    for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
+      if (asks[i] != 0) share[i] = map.between(places[i], fx[i], fy[i], depth[i]);
+    }
+    return hn::Load(d, share);
+  }
+
+  HWY_NOINLINE V shareOneByOne(const ShadowLookup& shadow, const Vector& at, M needed) const {
+    const D d;
     constexpr std::size_t kLanes = hn::MaxLanes(D());
     alignas(64) float x[kLanes], y[kLanes], z[kLanes], share[kLanes];
-    const V start = hn::Div(hn::Set(d, shadow.start()), hn::Max(cosine, hn::Set(d, ShadowLookup::kLeastCosine)));
-    hn::Store(fused(start, towards.x, at.x), d, x);
-    hn::Store(fused(start, towards.y, at.y), d, y);
-    hn::Store(fused(start, towards.z, at.z), d, z);
+    hn::Store(at.x, d, x), hn::Store(at.y, d, y), hn::Store(at.z, d, z);
     hn::Store(hn::IfThenElseZero(needed, hn::Set(d, 1.0f)), d, share);
     for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
       if (share[i] != 0) share[i] = shadow.share({x[i], y[i], z[i]});

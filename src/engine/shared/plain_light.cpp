@@ -30,6 +30,7 @@ glm::mat3 withoutLength(const glm::mat3& m) {
 
 bool isPlain(const Shading& shading) {
   if (!shading.phong) return true;
+  if (shading.scattering) return false;
   return shading.occlusion.strength == 0 && shading.lights.size() == 1 &&
          shading.lights[0].kind == LightKind::kHeadlight && shading.lights[0].color == glm::dvec3(1);
 }

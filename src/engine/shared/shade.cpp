@@ -21,6 +21,13 @@ Shader::Shader(const Shading& shading, const View& view, float gradient_noise, c
   m_.diffuse = static_cast<float>(shading.diffuse);
   m_.specular = static_cast<float>(shading.specular);
   m_.power = static_cast<float>(shading.power);
+  if (shading.scattering) {
+    const auto albedo = static_cast<float>(shading.scattering->albedo);
+    const auto g = static_cast<float>(shading.scattering->anisotropy);
+    m_.scatters = true;
+    m_.ambient *= albedo, m_.diffuse *= albedo;
+    m_.phase = {1 - g * g, 1 + g * g, 2 * g};
+  }
   m_.gradient = GradientScale(gradient_noise);
   m_.view_from_index_gradient = withoutLength(level.viewFromIndexGradient());
   for (std::size_t i = 0; i < shading.lights.size(); ++i) {

@@ -49,9 +49,18 @@ class Shader {
     ShadowLookup shadow;
     glm::vec3 towards(const glm::vec3& at) const { return point ? glm::normalize(place - at) : place; }
   };
+  /// Scattered light by direction: (1 - g²) / (1 + g² - 2 g cosine)^(3/2).
+  struct Phase {
+    float numerator = 1, squared = 1, twice = 0;
+    float operator()(float cosine) const {
+      const float base = squared - twice * cosine;
+      return numerator / (base * std::sqrt(base));
+    }
+  };
   /// Everything that the light of a level's samples depends on.
   struct Model {
     bool phong = false, perspective = false, has_headlight = false, shadowed = false, occludes_diffuse = false;
+    bool scatters = false;   // light is scattered by a medium, not reflected by surfaces
     bool dims_flat = false;  // shadows and occlusion take light away from samples without direction
     float ambient = 0, diffuse = 0, specular = 0, power = 0;
     GradientScale gradient;
@@ -59,6 +68,7 @@ class Shader {
     glm::vec3 headlight{0};  // sum of all headlights
     std::vector<PlacedLight> lights;
     AmbientLookup occlusion;
+    Phase phase;  // if light is scattered; the albedo is a factor of `ambient` and `diffuse`
   };
 
   Shader() = default;
@@ -74,6 +84,7 @@ class Shader {
   Color operator()(const Material& material, const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
     const glm::vec3 scaled = m_.gradient.factor * index_gradient;
     if (!m_.phong) return {material.r, material.g, material.b};
+    if (m_.scatters) return scattered(material, view_point);
     if (!(glm::dot(scaled, scaled) > m_.gradient.least_squared)) return withoutDirection(material, view_point);
     return lit(material, scaled, view_point);
   }
@@ -82,6 +93,7 @@ class Shader {
   /// requires: a length above zero.
   Color onCut(const Material& material, const glm::vec3& index_normal, const glm::dvec3& view_point) const {
     if (!m_.phong) return {material.r, material.g, material.b};
+    if (m_.scatters) return scattered(material, view_point);
     return lit(material, index_normal, view_point);
   }
 
@@ -97,6 +109,16 @@ class Shader {
   }
 
  private:
+  Color scattered(const Material& material, const glm::dvec3& view_point) const {
+    const glm::vec3 at(view_point), to_eye = toEye(view_point);
+    glm::vec3 light = glm::vec3(m_.ambient * m_.occlusion(at, glm::vec3(0))) + m_.diffuse * m_.phase(-1) * m_.headlight;
+    for (const PlacedLight& from : m_.lights) {
+      const float share = from.shadow.none() ? 1 : from.shadow.share(at);
+      light += m_.diffuse * m_.phase(-glm::dot(from.towards(at), to_eye)) * share * from.color;
+    }
+    return {material.r * light.r, material.g * light.g, material.b * light.b};
+  }
+
   // A sample without direction has the colour of its material, less the light that occlusion and shadows take away.
   Color withoutDirection(const Material& material, const glm::dvec3& view_point) const {
     if (!m_.dims_flat) return {material.r, material.g, material.b};

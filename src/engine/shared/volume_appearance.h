@@ -13,7 +13,7 @@ namespace kiln {
 /// requires: the references outlive the engines made of this.
 struct VolumeAppearance {
   const TransferFunction& transfer_function;
-  const Shading& shading;
+  Shading shading;  // as the function reflects or scatters it
   const View& view;
   double unit = 1;           // length that opacities refer to. unit: world
   float gradient_noise = 0;  // shorter gradients are noise. unit: value per voxel
@@ -24,7 +24,7 @@ struct VolumeAppearance {
   VolumeAppearance(const Manifest& volume, const TransferFunction& function, const Shading& light, const View& from,
                    Interpolation between = Interpolation::kLinear, const Illumination* shadows = nullptr)
       : transfer_function(function),
-        shading(light),
+        shading(shadingOf(function, light)),
         view(from),
         unit(function.unitIn(volume.geometry().meanSpacing())),
         gradient_noise(gradientNoiseOf(volume, function)),

@@ -121,6 +121,14 @@ bool hasSurfaces(const FrameRequest& request) {
                      [](const VolumeRequest& volume) { return !volume.transfer_function.surfaces.empty(); });
 }
 
+// Returns whether samples of a volume reflect or scatter light.
+bool hasLight(const FrameRequest& request) {
+  const auto lit = [](const TransferFunction& f) { return f.shaded || f.scattering; };
+  if (request.volumes.empty()) return lit(request.transfer_function);
+  return std::any_of(request.volumes.begin(), request.volumes.end(),
+                     [&](const VolumeRequest& volume) { return lit(volume.transfer_function); });
+}
+
 double radiusOf(const AmbientOcclusion& occlusion, const ShownExtent& extent) {
   if (occlusion.radius > 0) return occlusion.radius;
   return kOcclusionRadius * static_cast<double>(extent.longest) * extent.voxel;
@@ -197,6 +205,7 @@ std::shared_ptr<const Illumination> knownIllumination(const FrameRequest& reques
 }
 
 void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& request, FrameStatistics& statistics) {
+  if (!hasLight(request)) return;
   if (request.illumination || !request.engine().capabilities().composites || !isShaded(request.shading)) return;
   const std::vector<Light>& lights = request.shading.lights;
   const AmbientOcclusion& occlusion = request.shading.occlusion;

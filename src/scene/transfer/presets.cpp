@@ -57,7 +57,18 @@ double fogOpacity(const Manifest& manifest) { return opacityForDepth(manifest, 6
 
 TransferFunction fog(const Manifest& manifest) {
   const ValueRange range = fogRange(manifest);
-  return {0, {{range.lo, kFogGrey, 0}, {range.hi, kFogWarm, fogOpacity(manifest)}}};
+  TransferFunction out{0, {{range.lo, kFogGrey, 0}, {range.hi, kFogWarm, fogOpacity(manifest)}}};
+  out.scattering.emplace();
+  return out;
+}
+
+// White, and so dense that light of one side does not reach the other.
+TransferFunction cloud(const Manifest& manifest) {
+  constexpr double kDepth = 60, kForward = 0.3;
+  const ValueRange range = fogRange(manifest);
+  TransferFunction out{0, {{range.lo, tint::kWhite, 0}, {range.hi, tint::kWhite, opacityForDepth(manifest, kDepth)}}};
+  out.scattering = {1, kForward};
+  return out;
 }
 
 TransferFunction levelSet(const Manifest& manifest) {
@@ -260,7 +271,7 @@ const std::vector<std::string>& presetNames() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> out = {"auto"};
     for (const CtPreset& preset : ctPresets()) out.emplace_back(preset.name);
-    out.insert(out.end(), {"mr-head", "mr-brain", "mr-angio", "fog", "levelset", "grayscale"});
+    out.insert(out.end(), {"mr-head", "mr-brain", "mr-angio", "fog", "cloud", "levelset", "grayscale"});
     out.insert(out.end(), colorMapNames().begin(), colorMapNames().end());
     return out;
   }();
@@ -285,6 +296,7 @@ TransferFunction presetFor(std::string_view name, const Manifest& manifest) {
   if (name == "mr-brain") return mrBrain(manifest);
   if (name == "mr-angio") return mrAngiogram(manifest);
   if (name == "fog") return fog(manifest);
+  if (name == "cloud") return cloud(manifest);
   if (name == "levelset") return levelSet(manifest);
   if (name == "grayscale") return grayscale(manifest);
   if (name.starts_with(kIso)) return isoSurfaces(name.substr(kIso.size()));
