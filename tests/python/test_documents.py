@@ -1,6 +1,7 @@
 """What the manual's page and the examples show runs as it stands. Known: commands and scripts end without an error, and
 write the files they name."""
 
+import ast
 import os
 import pathlib
 import re
@@ -54,6 +55,23 @@ def test_examples(name):
     assert done.returncode == 0, done.stderr
     assert os.path.getsize(EXAMPLES[name]) > 5000
     assert script.read_text().count("# %%") >= 4
+
+
+def test_stubs_describe_the_module():
+    """Names and members of the stub are those of the module."""
+    from kiln import _kiln
+
+    stub = ast.parse((SOURCE / "tools/python/kiln/_kiln.pyi").read_text())
+    classes = {node.name: node for node in stub.body if isinstance(node, ast.ClassDef)}
+    functions = {node.name for node in stub.body if isinstance(node, ast.FunctionDef)}
+    bound = {name for name in vars(_kiln) if not name.startswith("_")}
+    assert bound == (classes.keys() - {"Facts"}) | functions | {"version", "job_format"}
+    for name in bound & classes.keys():
+        if name in ("Error", "Warning", "Floats"):
+            continue
+        members = {node.name for node in classes[name].body if isinstance(node, ast.FunctionDef)}
+        members |= {node.target.id for node in classes[name].body if isinstance(node, ast.AnnAssign)}
+        assert {member for member in vars(getattr(_kiln, name)) if not member.startswith("_")} == members - {"__init__"}
 
 
 def test_every_example_is_run():

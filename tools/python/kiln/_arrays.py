@@ -88,6 +88,23 @@ def _matrix(axes: str, spacing: Any, affine: Any) -> list[float]:
     return out
 
 
+def _checked_axes(axes: str | None, shape: Sequence[int]) -> str:
+    usual: dict[int, str] = {2: "yx", 3: "zyx"}
+    out = axes if axes else usual.get(len(shape), "")
+    if len(out) != len(shape) or len(set(out)) != len(out) or not {"x", "y"} <= set(out) <= set("xyzct"):
+        raise ValueError(
+            f"axes: expected a letter of x, y, z, c, t for each of {len(shape)} axes, with x and y (found {out!r})"
+        )
+    return out
+
+
+def _checked_index(word: str, index: int, axes: str, shape: Sequence[int]) -> int:
+    axis = axes.find(word[0])
+    if axis >= 0 and not 0 <= index < shape[axis]:
+        raise ValueError(f"{word}: expected 0 to {shape[axis] - 1} (found {index})")
+    return index
+
+
 def source_of(
     array: Any,
     *,
@@ -100,22 +117,17 @@ def source_of(
     channel: int = 0,
     time: int = 0,
     identity: str | None = None,
-) -> Any:
+) -> _kiln.ArraySource:
     """Opens an array as a source of a conversion or a volume."""
     import numpy
 
     shape = [int(length) for length in array.shape]
-    axes = axes or {2: "yx", 3: "zyx"}.get(len(shape), "")
-    if len(axes) != len(shape) or len(set(axes)) != len(axes) or not {"x", "y"} <= set(axes) <= set("xyzct"):
-        raise ValueError(
-            f"axes: expected a letter of x, y, z, c, t for each of {len(shape)} axes, with x and y (found {axes!r})"
-        )
+    axes = _checked_axes(axes, shape)
+    at: dict[str, Any] = {
+        "c": _checked_index("channel", channel, axes, shape),
+        "t": _checked_index("time", time, axes, shape),
+    }
     dtype = _number_type(array)
-    at = {"c": channel, "t": time}
-    for axis, index in at.items():
-        if axis in axes and not 0 <= index < shape[axes.index(axis)]:
-            word, last = "channel" if axis == "c" else "time", shape[axes.index(axis)] - 1
-            raise ValueError(f"{word}: expected 0 to {last} (found {index})")
     words = _kiln.ArrayWords()
     text, files, trees = _state(array)
     if identity is not None:

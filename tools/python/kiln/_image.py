@@ -6,10 +6,11 @@ import json
 import os
 from typing import TYPE_CHECKING, Any
 
+from kiln import _kiln
 from kiln._words import flag_texts
 
 if TYPE_CHECKING:
-    import numpy
+    from numpy.typing import NDArray
 
 
 class Image:
@@ -18,21 +19,22 @@ class Image:
     shape: (height, width, 4), float32: red, green, blue and alpha; linear light, premultiplied.
     """
 
-    def __init__(self, picture: Any, view: int = 0):
+    def __init__(self, picture: _kiln.Picture, view: int = 0):
         self._picture = picture
         self._view = view
 
     @property
     def shape(self) -> tuple[int, int, int]:
         """(height, width, 4)."""
-        return self._picture.size(self._view) + (4,)
+        height, width = self._picture.size(self._view)
+        return height, width, 4
 
     @property
     def frame(self) -> int:
         """The number of the frame; 1 for a single picture."""
         return self._picture.frame
 
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> "numpy.ndarray":
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> "NDArray[Any]":
         import numpy
 
         array = numpy.asarray(self._picture.colors(self._view))
@@ -41,13 +43,13 @@ class Image:
         return array.copy() if copy else array
 
     @property
-    def planes(self) -> "dict[str, numpy.ndarray]":
+    def planes(self) -> "dict[str, NDArray[Any]]":
         """The planes of `aov` by their names in an EXR. shape: (height, width), float32."""
         import numpy
 
         return {name: numpy.asarray(plane) for name, plane in self._picture.planes(self._view).items()}
 
-    def _plane(self, name: str, aov: str) -> "numpy.ndarray":
+    def _plane(self, name: str, aov: str) -> "NDArray[Any]":
         import numpy
 
         plane = self._picture.planes(self._view).get(name)
@@ -56,7 +58,7 @@ class Image:
         return numpy.asarray(plane)
 
     @property
-    def depth(self) -> "numpy.ndarray":
+    def depth(self) -> "NDArray[Any]":
         """Depth along the view at which alpha passes one half; infinite where it does not. unit: the world's.
 
         shape: (height, width), float32. requires: aov=["depth"].
@@ -64,14 +66,14 @@ class Image:
         return self._plane("Z", "depth")
 
     @property
-    def normal(self) -> "numpy.ndarray":
+    def normal(self) -> "NDArray[Any]":
         """Mean normals in the world, of unit length or 0. shape: (height, width, 3). requires: aov=["normal"]."""
         import numpy
 
         return numpy.stack([self._plane(name, "normal") for name in ("N.X", "N.Y", "N.Z")], axis=-1)
 
     @property
-    def value(self) -> "numpy.ndarray":
+    def value(self) -> "NDArray[Any]":
         """Projected values, NaN without values. shape: (height, width). requires: aov=["value"] and a mode."""
         return self._plane("value", "value")
 
@@ -80,7 +82,7 @@ class Image:
         """The right eye's picture of stereo="both", of which this is the left eye's; else None."""
         return Image(self._picture, 1) if self._picture.views > 1 and self._view == 0 else None
 
-    def srgb8(self) -> "numpy.ndarray":
+    def srgb8(self) -> "NDArray[Any]":
         """Returns the colours as the PNG has them. shape: (height, width, 4), uint8, sRGB, straight alpha."""
         import numpy
 
@@ -93,7 +95,8 @@ class Image:
     @property
     def job(self) -> dict[str, Any]:
         """The job that draws the picture again, with every choice made."""
-        return json.loads(self._picture.job)
+        job: dict[str, Any] = json.loads(self._picture.job)
+        return job
 
     def _repr_png_(self) -> bytes:
         return self._picture.png()

@@ -24,7 +24,7 @@ class Finished(NamedTuple):
 class Frames(Iterator[Image]):
     """The frames of a job; made by kiln.render. Each is drawn when it is asked for, from one cache."""
 
-    def __init__(self, frames: Any, progress: Progress | None):
+    def __init__(self, frames: _kiln.Frames, progress: Progress | None):
         self._frames = frames
         self._progress = progress
 

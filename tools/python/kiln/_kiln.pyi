@@ -1,6 +1,6 @@
 """The extension module; for the package's own use."""
 
-from typing import Any, Callable
+from typing import Any, Callable, TypedDict
 
 version: str
 job_format: int
@@ -11,6 +11,22 @@ class Error(Exception):
     path: str | None
 
 class Warning(UserWarning): ...
+
+Shape = tuple[int, int, int]
+
+class Facts(TypedDict):
+    path: str
+    shape: Shape
+    type: str
+    affine: list[tuple[float, float, float, float]]
+    spacing: tuple[float, float, float]
+    unit: str
+    frame: str
+    levels: tuple[Shape, ...]
+    range: tuple[float, float] | None
+    nan_count: int
+    histogram: tuple[float, float, list[int]]
+    labels: dict[int, int] | None
 
 class JobWords:
     def __init__(self, json: str, flags: dict[str, list[str]], function: str) -> None: ...
@@ -66,10 +82,12 @@ class Picture:
 
 class Volume:
     @staticmethod
-    def open_file(path: str, words: dict[str, str], store: str, labels: bool, memory: str, progress: Progress) -> Volume: ...
+    def open_file(
+        path: str, words: dict[str, str], store: str, labels: bool, memory: str, progress: Progress
+    ) -> Volume: ...
     @staticmethod
     def open_array(source: ArraySource, brick_size: int, memory: str, progress: Progress) -> Volume: ...
-    def facts(self) -> dict[str, Any]: ...
+    def facts(self) -> Facts: ...
     def read(self, level: int, box: list[tuple[int, int]], progress: Progress) -> bytearray: ...
     def frames(self, words: JobWords) -> list[int]: ...
     def draw(self, words: JobWords, more: MoreVolumes, frame: int | None, progress: Progress) -> Picture: ...
@@ -89,5 +107,7 @@ class Viewer:
     def stop(self) -> None: ...
 
 def flags() -> list[tuple[str, str, str, str, str]]: ...
-def convert_file(path: str, words: dict[str, str], out: str, options: ConvertWords, progress: Progress) -> dict[str, Any]: ...
+def convert_file(
+    path: str, words: dict[str, str], out: str, options: ConvertWords, progress: Progress
+) -> dict[str, Any]: ...
 def convert_array(source: ArraySource, out: str, options: ConvertWords, progress: Progress) -> dict[str, Any]: ...

@@ -15,7 +15,7 @@ from kiln._words import job_words
 class Viewer:
     """A running viewer; made by kiln.view. It runs until `stop`, or until Python ends. A notebook shows its page."""
 
-    def __init__(self, viewer: Any, height: int):
+    def __init__(self, viewer: _kiln.Viewer, height: int):
         self._viewer = viewer
         self._height = height
         weakref.finalize(self, viewer.stop)  # at Python's end, too

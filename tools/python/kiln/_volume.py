@@ -13,6 +13,7 @@ from kiln._words import job_words, source_texts, text_of
 
 if TYPE_CHECKING:
     import numpy
+    from numpy.typing import NDArray
 
 Progress = Callable[[str, int, int], Any]
 Box = Sequence[Sequence[int]]
@@ -26,7 +27,7 @@ class Volume:
     report: dict[str, Any] | None = None
     """What kiln.convert did to make the volume: voxels, bricks, buffer_bytes, decodings, seconds, ...; else None."""
 
-    def __init__(self, volume: Any):
+    def __init__(self, volume: _kiln.Volume):
         self._volume = volume
         self._facts = volume.facts()
 
@@ -53,7 +54,7 @@ class Volume:
         return numpy.dtype(_KINDS[name[0]] + name[1:])
 
     @property
-    def affine(self) -> "numpy.ndarray":
+    def affine(self) -> "NDArray[Any]":
         """World (x, y, z, 1) from voxel (x, y, z, 1). shape: (4, 4). unit: `unit`."""
         import numpy
 
@@ -89,14 +90,14 @@ class Volume:
         """Voxels of each label, for a volume of labels; else None."""
         return self._facts["labels"]
 
-    def histogram(self) -> "tuple[numpy.ndarray, numpy.ndarray]":
+    def histogram(self) -> "tuple[NDArray[Any], NDArray[Any]]":
         """Returns counts of voxels and edges of bins, as numpy.histogram. shape: (n,) and (n + 1,)."""
         import numpy
 
         low, high, counts = self._facts["histogram"]
         return numpy.array(counts, dtype=numpy.uint64), numpy.linspace(low, high, len(counts) + 1)
 
-    def read(self, level: int = 0, box: Box | None = None, progress: Progress | None = None) -> "numpy.ndarray":
+    def read(self, level: int = 0, box: Box | None = None, progress: Progress | None = None) -> "NDArray[Any]":
         """Reads the voxels of a box of a level: ((z0, z1), (y0, y1), (x0, x1)), by default all.
 
         shape: (z1 - z0, y1 - y0, x1 - x0), in `dtype`.
@@ -122,7 +123,8 @@ class Volume:
         if len(keys) > 3:
             raise IndexError(f"a volume has 3 axes (found {len(keys)} indices)")
         keys += [slice(None)] * (3 - len(keys))
-        box, inside = [], []
+        box: list[tuple[int, int]] = []
+        inside: list[int | slice] = []
         for axis, (one, length) in enumerate(zip(keys, self.shape)):
             if isinstance(one, slice):
                 places = range(*one.indices(length))
@@ -144,7 +146,7 @@ class Volume:
                 inside.append(0)
         return self.read(0, box)[tuple(inside)]
 
-    def __array__(self, dtype: Any = None, copy: bool | None = None) -> "numpy.ndarray":
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> "NDArray[Any]":
         array = self.read()
         return array if dtype is None else array.astype(dtype, copy=False)
 
@@ -172,7 +174,7 @@ class Volume:
         job = self._job(words)
         return (Image(self._volume.draw(job, more, frame, progress)) for frame in self._volume.frames(job))
 
-    def _job(self, words: dict[str, Any]) -> Any:
+    def _job(self, words: dict[str, Any]) -> _kiln.JobWords:
         for word in ("output", "deep", "trace"):
             if words.get(word):
                 raise TypeError(f"{word}: a picture in memory has no file; save it, or use kiln.render")
@@ -183,7 +185,7 @@ class Volume:
         return f"<kiln.Volume {self.path}: {z} x {y} x {x} voxels of {self.dtype}, {len(self.levels)} levels>"
 
 
-def _more_volumes(words: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+def _more_volumes(words: dict[str, Any]) -> tuple[_kiln.MoreVolumes, dict[str, Any]]:
     """Returns the volumes among the words of a picture, and the other words."""
     words = dict(words)
 
@@ -191,7 +193,7 @@ def _more_volumes(words: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
         value = words.pop(word, None)
         return [] if value is None else list(value) if isinstance(value, (list, tuple)) else [value]
 
-    def opened(volume: Any, labels: bool) -> Any:
+    def opened(volume: Any, labels: bool) -> _kiln.Volume:
         return (volume if isinstance(volume, Volume) else open(volume, labels=labels))._volume
 
     def text(function: Any) -> str:

@@ -40,7 +40,7 @@ def text_of(value: Any) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, os.PathLike):
-        return os.fspath(value)
+        return str(os.fspath(value))
     if hasattr(value, "item") and getattr(value, "ndim", 0) == 0:  # a number of NumPy's
         value = value.item()
     if isinstance(value, float):
@@ -79,7 +79,7 @@ def flag_texts(words: dict[str, Any]) -> dict[str, list[str]]:
     return flags
 
 
-def job_words(words: dict[str, Any], value_range: tuple[float, float] | None = None) -> Any:
+def job_words(words: dict[str, Any], value_range: tuple[float, float] | None = None) -> _kiln.JobWords:
     """Divides words into flags and objects of a job. `value_range` stretches a colour map without values."""
     words = dict(words)
     function = ""
