@@ -88,6 +88,11 @@ def test_axes():
     for dtype in ("uint8", "int64"):
         assert same_voxels(kiln.open(several.astype(dtype), axes="ctzyx", channel=1), array + 1)
     assert kiln.open(array[0]).shape == (1, 30, 40)
+
+    class Named(numpy.ndarray):  # as xarray's
+        dims = ("y", "z", "x")
+
+    assert same_voxels(kiln.open(array.transpose(1, 0, 2).view(Named)), array)
     affine = numpy.diag([0.5, 1, 2, 1]) + numpy.eye(4, k=3) * 7
     assert (kiln.open(array, affine=affine).affine == affine).all()
     assert plain.affine[0, 0] == 0.5 and plain.affine[2, 2] == 2

@@ -32,11 +32,11 @@ def test_frames_equal_the_programs(head):
 
 def test_several_volumes(head):
     array = kiln.open(head)[...]
-    spacing = kiln.open(head).spacing
+    place = {"affine": kiln.open(head).affine, "unit": "mm", "frame": kiln.open(head).frame}
     job = {"image": {"width": 64, "height": 48}}
     of_program = {**job, "kiln": 2, "volumes": [{"volume": str(head)}, {"volume": "b.kiln"}], "output": "tool.exr"}
-    job["volumes"] = [{"volume": kiln.open(head)}, {"volume": kiln.open(array, spacing=spacing)}]
-    kiln.convert(array, "b.kiln", spacing=spacing)
+    job["volumes"] = [{"volume": kiln.open(head)}, {"volume": kiln.open(array, **place)}]
+    kiln.convert(array, "b.kiln", **place)
     json.dump(of_program, open("job.json", "w"))
     run_tool("render", "job.json", cwd=".")
     (image,) = kiln.render(job)

@@ -88,9 +88,13 @@ def _matrix(axes: str, spacing: Any, affine: Any) -> list[float]:
     return out
 
 
-def _checked_axes(axes: str | None, shape: Sequence[int]) -> str:
-    usual: dict[int, str] = {2: "yx", 3: "zyx"}
-    out = axes if axes else usual.get(len(shape), "")
+def _checked_axes(axes: str | None, array: Any, shape: Sequence[int]) -> str:
+    out: str = "zyx"[-len(shape) :]
+    named = "".join(map(str, getattr(array, "dims", ())))  # xarray
+    if len(named) == len(shape) and set(named) <= set("xyzct"):
+        out = named
+    if axes:
+        out = axes
     if len(out) != len(shape) or len(set(out)) != len(out) or not {"x", "y"} <= set(out) <= set("xyzct"):
         raise ValueError(
             f"axes: expected a letter of x, y, z, c, t for each of {len(shape)} axes, with x and y (found {out!r})"
@@ -122,7 +126,7 @@ def source_of(
     import numpy
 
     shape = [int(length) for length in array.shape]
-    axes = _checked_axes(axes, shape)
+    axes = _checked_axes(axes, array, shape)
     at: dict[str, Any] = {
         "c": _checked_index("channel", channel, axes, shape),
         "t": _checked_index("time", time, axes, shape),
