@@ -50,6 +50,13 @@ std::string unitName(std::string_view unit) {
   return known ? known->name : "";
 }
 
+std::string shownUnit(std::string_view unit) {
+  const std::string name = unitName(unit);
+  if (name == "um") return "\xc2\xb5m";
+  if (name == "angstrom") return "\xc3\x85";
+  return name.empty() ? std::string(unit) : name;
+}
+
 std::optional<LengthRatio> lengthRatio(std::string_view from, std::string_view to) {
   if (from == to) return LengthRatio();
   const LengthUnit *const a = unitNamed(from), *const b = unitNamed(to);

@@ -11,6 +11,9 @@ namespace kiln {
 /// unknown.
 std::string unitName(std::string_view unit);
 
+/// Returns the unit as readers of a picture expect it: "µm" for "um", "Å" for "angstrom"; other texts as they are.
+std::string shownUnit(std::string_view unit);
+
 /// Units of `to` per unit of `from`, as a quotient of integers. Multiplying before dividing keeps powers of ten exact.
 struct LengthRatio {
   double numerator = 1, denominator = 1;

@@ -8,11 +8,13 @@
 
 #include "base/error.h"
 #include "engine/shown_box.h"
+#include "grid/length_unit.h"
 #include "job/animation.h"
 #include "job/auto_samples.h"
 #include "job/job_facts.h"
 #include "job/series_look.h"
 #include "job/transfer_function_choice.h"
+#include "scene/annotation_text.h"
 #include "scene/camera/camera_path.h"
 #include "scene/camera/framing.h"
 #include "scene/transfer/presets.h"
@@ -55,6 +57,19 @@ VolumeGeometry boxOfAll(const std::vector<const Manifest*>& manifests) {
   std::vector<VolumeGeometry> volumes;
   for (const Manifest* const manifest : manifests) volumes.push_back(manifest->geometry());
   return boxAround(volumes);
+}
+
+// The texts of placeholders, in their order.
+PlaceholderTexts textsOfFrame(const RenderJob& job, int frame, const Manifest& manifest) {
+  const double time_s = (frame - 1) / job.output.video.rate.perSecond();
+  const Extent3& dims = manifest.geometry().dims;
+  return {fmt::format("{}", frame),
+          fmt::format("{:.2f}", time_s),
+          job.volume.stem().string(),
+          shownUnit(manifest.geometry().unit),
+          fmt::format("{:g}", manifest.range.lo),
+          fmt::format("{:g}", manifest.range.hi),
+          fmt::format("{} × {} × {}", dims.x, dims.y, dims.z)};
 }
 
 Clipping withPlanes(Clipping clipping, const std::vector<ClipPlane>& planes) {
@@ -175,7 +190,7 @@ int SceneOfJob::mostSamples() const {
 
 FrameScene SceneOfJob::at(int frame) const {
   const Animation& animation = job_.animation;
-  FrameScene out{job_.picture, {}, functions_.front().at(frame), {}};
+  FrameScene out{job_.picture, {}, functions_.front().at(frame), {}, geometry_};
   if (const auto part = std::exchange(out.picture.part, std::nullopt))
     out.picture.clipping.part = boxOfPart(*part, manifest().geometry().dims, manifest().brick_size);
   out.camera = cameraOf(frame);
@@ -185,6 +200,8 @@ FrameScene SceneOfJob::at(int frame) const {
     const auto [i, t] = mixAt(KeyTimes(keys), frame);
     return t == 0 ? keys[i].value : mixed(keys[i].value, keys[i + 1].value, t);
   };
+  if (!out.picture.annotations.text.empty())
+    out.picture.annotations.text = filledIn(job_.picture.annotations.text, textsOfFrame(job_, frame, manifest()));
   if (!animation.lights.empty()) out.picture.shading.lights = between(animation.lights);
   if (!animation.stereo.empty()) {
     const StereoEye eye = out.picture.stereo->eye;

@@ -25,6 +25,7 @@ struct FrameScene {
   Camera camera;
   TransferFunction transfer_function;
   std::vector<VolumeScene> volumes;  // empty for a single volume; the first volume's function is also above
+  VolumeGeometry box;                // the box around all volumes, in the axes of the first
 };
 
 /// Returns the function for `choice` in the picture, as `resolve`; where values are projected, "auto" is a ramp of

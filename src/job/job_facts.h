@@ -49,6 +49,10 @@ bool drawsDeep(const RenderJob& job);
 const char* viewWithoutTiles(const RenderJob& job);
 /// throws: Error kUsage for a deep image or a stereo pair that the scene does not allow, or that could not be written.
 void requireViews(const RenderJob& job);
+/// Returns whether the outline of the volume is hidden by the depth of what is drawn.
+bool hidesOutline(const RenderJob& job);
+/// throws: Error kUsage for annotations that the picture or its files cannot have.
+void requireAnnotations(const RenderJob& job);
 /// Returns the pictures of one frame: the picture itself, or the left and the right eye's.
 std::vector<PictureOptions> eyesOf(const PictureOptions& picture);
 /// Returns the files. A file with a place for the name of an eye is listed once per drawn eye.

@@ -19,14 +19,15 @@ enum class OptionGroup {
   kTransferFunction,
   kLight,
   kShown,
+  kAnnotations,
   kQuality,
   kCost,
   kFrames,
   kRanks,
   kForeign
 };
-inline constexpr std::array<std::string_view, 10> kOptionGroupNames = {
-    "Output",  "Camera",           "Transfer function", "Light",         "What is shown",
+inline constexpr std::array<std::string_view, 11> kOptionGroupNames = {
+    "Output",  "Camera",           "Transfer function", "Light",         "What is shown", "Annotations",
     "Quality", "Memory and speed", "Many frames",       "Many machines", "Foreign files"};
 
 struct JobFlag {

@@ -272,8 +272,9 @@ Options<RenderJob> rootOptions() {
     putOutput(path, job.output);
   };
   add(Row("output", "-o,--output", kOutput, std::move(output),
-          "Picture to write, .exr or .png, or video, .mp4, .mov, .mkv or .webm (made by ffmpeg). In the name of a "
-          "picture a run of # becomes the frame's number."));
+          "Picture to write, .exr, .png, .tif (16 bits) or .jpg, or video, .mp4, .mov, .mkv or .webm (made by ffmpeg). "
+          "In the name of a picture a run of # becomes the frame's number. - is a PNG on standard output, and -.exr an "
+          "EXR."));
   static const ListOf<OutputFile> kFiles{.options = outputFileOptions(),
                                          .name = "output",
                                          .limit = {kMostOutputs, "files"},
@@ -343,6 +344,7 @@ Options<RenderJob> rootOptions() {
   add(Row("clip", "--clip", kShown,
           std::move(clip).resolvedIf([](const RenderJob& job) { return !job.picture.clipping.planes.empty(); }),
           "Show the half-space nx·x + ny·y + nz·z + d >= 0 of the world. Repeatable."));
+  add(objectRow("annotations", optionsIn<RenderJob>(annotationOptions(), KILN_MEMBER(picture.annotations))));
   add(objectRow("visibility", visibilityOptions()));
   add(Row("tile", "--tile", kCost, {KILN_MEMBER(speed.tile_px), Whole{0, kLargestSide_px, "pixels"}, ofQuadtree},
           "Edge of the tiles that threads draw, a power of two from 64 on; 0 draws the frame as one tile."));
@@ -394,6 +396,8 @@ Options<RenderJob> rootOptions() {
   add(objectRow("png",
                 {Row("bits", "--png-bits", kOutput, {KILN_MEMBER(output.png_bits), WholeChoice{.numbers = {8, 16}}},
                      "Bits per channel of a PNG.")}));
+  add(objectRow("jpeg", {Row("quality", "--jpeg-quality", kOutput, {KILN_MEMBER(output.jpeg_quality), Whole{1, 100}},
+                             "Quality of a JPEG.")}));
   return out;
 }
 

@@ -38,6 +38,7 @@ const Options<Shadow>& shadowOptions();
 const Options<AmbientOcclusion>& occlusionOptions();
 const Options<Light>& lightOptions();
 const Options<ClipPlane>& clipPlaneOptions();
+const Options<Annotations>& annotationOptions();
 const ListOf<VolumeOptions>& volumeList();
 const ListOf<Light>& lightList();
 const ListOf<ClipPlane>& clipPlaneList();

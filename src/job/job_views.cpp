@@ -74,8 +74,37 @@ void requireViews(const RenderJob& job) {
     if (file.content == Content::kDeep) requireDeep(job, file.path);
   }
   requirePanorama(job);
+  requireAnnotations(job);
   if (drawsBothEyes(job.picture.stereo) && drawsPart(job.picture))
     throw Error(ErrorCode::kUsage, "--part: --stereo of a partial image is left or right");
+}
+
+bool hidesOutline(const RenderJob& job) {
+  return job.picture.annotations.box && engineOf(job).capabilities().depth_and_normal;
+}
+
+void requireAnnotations(const RenderJob& job) {
+  const Annotations& annotations = job.picture.annotations;
+  if (!annotations.legend_title.empty() && !annotations.legend)
+    throw Error(ErrorCode::kUsage, "--legend-title: no legend is drawn; add --legend");
+  if (!annotations.any()) return;
+  if (drawsPart(job.picture))
+    throw Error(ErrorCode::kUsage,
+                "--part: a partial image is not finished and has no annotations (found some); leave them out");
+  if (job.picture.camera.projection == Projection::kEquirectangular &&
+      (annotations.scale_bar || annotations.box || annotations.axes))
+    throw Error(ErrorCode::kUsage,
+                "--projection equirectangular: a panorama has no scale bar, box or axes; leave --scale-bar, --box and "
+                "--axes out, or choose perspective");
+  const OutputOptions& output = job.output;
+  const bool flat = (!output.path.empty() && !output.deep) || !output.video.path.empty() ||
+                    std::any_of(output.files.begin(), output.files.end(), [](const OutputFile& file) {
+                      return file.content == Content::kPicture || file.content == Content::kColor;
+                    });
+  if (!flat && !(output.path.empty() && output.files.empty()))
+    throw Error(ErrorCode::kUsage,
+                "annotations: are drawn over colours of a flat picture (found no such file); add one to outputs, or "
+                "leave the annotations out");
 }
 
 std::vector<PictureOptions> eyesOf(const PictureOptions& picture) {

@@ -20,6 +20,26 @@
 
 namespace kiln {
 
+/// Range of Annotations::size.
+inline constexpr double kLeastAnnotationSize = 0.25, kMostAnnotationSize = 4;
+
+/// What is drawn over a finished picture (annotate/README.md).
+struct Annotations {
+  bool scale_bar = false;
+  bool box = false;
+  bool legend = false;
+  bool axes = false;
+  std::string legend_title;         // above the legend
+  std::string text;                 // lines with placeholders (scene/annotation_text.h)
+  std::optional<glm::dvec3> color;  // of text and lines, in linear light; absent: chosen by the background
+  double size = 1;                  // of text and lines, relative to the picture
+
+  bool any() const { return scale_bar || box || legend || axes || !text.empty(); }
+  /// Returns whether letters are drawn.
+  bool letters() const { return scale_bar || legend || axes || !text.empty(); }
+  bool operator==(const Annotations&) const = default;
+};
+
 /// Everything that changes the picture's pixels.
 struct PictureOptions {
   ImageSize size;
@@ -36,6 +56,7 @@ struct PictureOptions {
   std::optional<Window> window;  // the values of the transfer function's first and last points
   Shading shading;
   Display display;  // in PNG and video
+  Annotations annotations;
   Clipping clipping;
   std::optional<PartNumber> part;  // a part of the volume by number, instead of clipping.part
   double opacity_threshold = 0.998;
@@ -85,6 +106,7 @@ struct OutputOptions {
   bool deep = false;                    // the picture at `path` is Content::kDeep
   DeepBound deep_bound;                 // bound of every deep file
   int png_bits = 8;                     // 8 or 16
+  int jpeg_quality = 92;                // 1 to 100
   std::vector<OutputFile> files;        // more files of the same frame
   VideoOptions video;
 };

@@ -93,6 +93,14 @@ const Pair kPairs[] = {
     {"--clip",
      {"1,0,0,-8", "0,0,-1,9"},
      R"("clip": [{"normal": [1, 0, 0], "offset": -8}, {"normal": [0, 0, -1], "offset": 9}])"},
+    {"--scale-bar", {}, R"("annotations": {"scaleBar": true})"},
+    {"--box", {}, R"("annotations": {"box": true})"},
+    {"--legend", {}, R"("annotations": {"legend": true})"},
+    {"--legend-title", {"HU"}, R"("annotations": {"legendTitle": "HU"})"},
+    {"--axes", {}, R"("annotations": {"axes": true})"},
+    {"--text", {"{volume}, {{}}"}, R"("annotations": {"text": "{volume}, {{}}"})"},
+    {"--annotation-color", {"#ff0000"}, R"("annotations": {"color": [1, 0, 0]})"},
+    {"--annotation-size", {"1.5"}, R"("annotations": {"size": 1.5})"},
     {"--part", {"2/8"}, R"("part": "2/8")"},
     {"--part", {"0,1,2,3,4,5"}, R"("part": [0, 1, 2, 3, 4, 5])"},
     {"--opacity-threshold", {"0.9"}, R"("visibility": {"threshold": 0.9})"},
@@ -115,6 +123,7 @@ const Pair kPairs[] = {
     {"--compression", {"dwab"}, R"("exr": {"compression": "dwab"})"},
     {"--deep-error", {"0.25"}, R"("exr": {"deepError": 0.25})"},
     {"--png-bits", {"16"}, R"("png": {"bits": 16})"},
+    {"--jpeg-quality", {"80"}, R"("jpeg": {"quality": 80})"},
 };
 
 TEST(Options, FlagAndKey_giveTheSameJob) {
@@ -177,7 +186,11 @@ TEST(Options, Flag_withAWrongText_isRefusedByItsName) {
                         {"--ambient-occlusion", {"much"}, ""},
                         {"--look", {"film"}, ""},
                         {"--exposure", {"21"}, ""},
-                        {"--tone", {"hard"}, ""}};
+                        {"--tone", {"hard"}, ""},
+                        {"--text", {"{fraem}"}, ""},
+                        {"--annotation-size", {"9"}, ""},
+                        {"--annotation-color", {"inky"}, ""},
+                        {"--jpeg-quality", {"0"}, ""}};
   for (const Pair& pair : wrong) {
     try {
       jobOfFlag(pair.flag, pair.texts);

@@ -373,6 +373,7 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.opacity_threshold, b.picture.opacity_threshold);
   EXPECT_EQ(a.picture.shading, b.picture.shading);
   EXPECT_EQ(a.picture.display, b.picture.display);
+  EXPECT_EQ(a.picture.annotations, b.picture.annotations);
   EXPECT_EQ(a.picture.clipping, b.picture.clipping);
   EXPECT_EQ(a.picture.lattice, b.picture.lattice);
   EXPECT_EQ(a.picture.interpolation, b.picture.interpolation);
