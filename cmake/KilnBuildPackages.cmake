@@ -94,6 +94,22 @@ if(KILN_VIEW)
   endif()
 endif()
 
+# FreeType, and the font that is compiled in (KILN_FONT_FILE).
+set(FONT_FOUND FALSE)
+if(KILN_FREETYPE)
+  kiln_find_optional(KILN_FREETYPE "pictures have no letters" Freetype libfreetype-dev)
+  find_file(KILN_FONT_FILE DejaVuSans.ttf NO_CMAKE_FIND_ROOT_PATH PATHS /usr/share/fonts /usr/local/share/fonts
+            PATH_SUFFIXES truetype/dejavu dejavu TTF dejavu-sans-fonts)
+  if(Freetype_FOUND AND KILN_FONT_FILE)
+    set(FONT_FOUND TRUE)
+  elseif(KILN_FONT_FILE)
+  elseif(KILN_FREETYPE STREQUAL "AUTO")
+    message(STATUS "DejaVu Sans was not found (Debian: fonts-dejavu-core): pictures have no letters")
+  else()
+    kiln_add_missing("DejaVu Sans" fonts-dejavu-core)
+  endif()
+endif()
+
 # An interpreter that has NumPy is preferred. pybind11 is headers alone. A sanitizer would have to be loaded before Python is.
 function(kiln_find_python)
   set(PYTHON_MODULE_FOUND FALSE PARENT_SCOPE)

@@ -64,3 +64,16 @@ if(BEAST_FOUND)
     COMPILE_DEFINITIONS KILN_VIEW_MODULE="$<TARGET_FILE_NAME:kiln_view>")
   list(APPEND kiln_modules kiln_view)
 endif()
+
+# The font of annotations: FreeType, with DejaVu Sans compiled in.
+if(FONT_FOUND)
+  add_library(kiln_font MODULE src/annotate/freetype_font.cpp)
+  target_compile_options(kiln_font PRIVATE ${kiln_module_options})
+  target_compile_definitions(kiln_font PRIVATE KILN_FONT_FILE="${KILN_FONT_FILE}")
+  set_source_files_properties(src/annotate/freetype_font.cpp PROPERTIES OBJECT_DEPENDS ${KILN_FONT_FILE})
+  target_link_libraries(kiln_font PRIVATE kiln Freetype::Freetype)
+  set_target_properties(kiln_font PROPERTIES UNITY_BUILD OFF)
+  set_source_files_properties(src/annotate/font_module.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON
+    COMPILE_DEFINITIONS KILN_FONT_MODULE="$<TARGET_FILE_NAME:kiln_font>")
+  list(APPEND kiln_modules kiln_font)
+endif()

@@ -79,6 +79,12 @@ ImageSize largestTile(const RenderJob& job, const ImageSize& drawn) {
   return tile == 0 ? drawn : ImageSize{std::min(tile, drawn.width), std::min(tile, drawn.height)};
 }
 
+// Letters and lines of annotations in a picture of 4K. unit: bytes.
+constexpr std::uint64_t kOutlinesBytes = 8 << 20;
+
+// Most bytes of a pixel in a JPEG, measured with noise at quality 100, with the copy that grows. unit: bytes.
+constexpr std::uint64_t kJpegPixelBytes = 8;
+
 // A piece of the picture is drawn as a whole, as the picture is.
 constexpr int kNoBands = 1 << 24;
 
@@ -163,6 +169,9 @@ class FrameAccount {
  private:
   void chargePixels() {
     out_.image = pixels_ * pixelBytes(job_) * picturesHeld(job_);
+    const std::vector<std::filesystem::path> names = namesOf(job_.output);
+    if (job_.picture.annotations.any() && std::any_of(names.begin(), names.end(), isExrPath))
+      out_.image += pixels_ * kAnnotationPixelBytes * eyesOf(job_.picture).size();
     if (drawsDeep(job_))
       out_.deep = DeepSamples::bytesFor(pixels_, job_.output.deep_bound) * eyesOf(job_.picture).size();
     if (!filter_.none() && !banded_) {
@@ -200,14 +209,22 @@ class FrameAccount {
   // Charges the largest file, as files are written in turn. A file may hold both eyes.
   void chargeFiles(std::uint64_t share) {
     const std::vector<std::filesystem::path> names = namesOf(job_.output);
+    const bool annotated = job_.picture.annotations.any();
     if (!showsAsDrawn(displayOf(job_.picture))) out_.files = picturesHeld(job_) * ShownRows::bytesFor(written_.width());
+    // A JPEG is compressed in memory.
+    const auto is_jpeg = [](const std::filesystem::path& path) {
+      return pictureFormatOf(path) == PictureFormat::kJpeg;
+    };
+    if (std::any_of(names.begin(), names.end(), is_jpeg)) out_.files += kJpegPixelBytes * written_.count();
+    if (annotated) out_.files += ShownRows::bytesFor(written_.width()) + kOutlinesBytes;
     if (std::none_of(names.begin(), names.end(), isExrPath)) return;
     const std::uint64_t eyes = eyesOf(job_.picture).size();
     const auto bytesOf = [&](const ExrShape& shape) {
       return eyes * exrBytes(shape, exrWorkWithin(shape, share / eyes));
     };
     const ExrShape flat{written_.width(), written_.height(), job_.output.exr_float || drawsPart(job_.picture),
-                        aovBytes(job_.picture.aovs), job_.output.exr_compression};
+                        aovBytes(job_.picture.aovs) + (annotated ? kAnnotationPixelBytes : 0),
+                        job_.output.exr_compression};
     out_.files = std::max(out_.files, bytesOf(flat));
     if (!drawsDeep(job_)) return;
     constexpr std::uint64_t kDepths = 2 * sizeof(float);

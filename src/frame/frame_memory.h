@@ -53,6 +53,9 @@ struct FrameMemory {
   }
 };
 
+/// The planes of annotations in a picture for an EXR. unit: bytes.
+inline constexpr std::uint64_t kAnnotationPixelBytes = 4 * sizeof(float);
+
 /// Memory in use beside the drawing of a picture.
 struct MemoryBeside {
   MemoryBeside(std::uint64_t b = 0) : bytes(b) {}

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "annotate/annotator.h"
 #include "image/image.h"
 #include "sequence/opened_job.h"
 
@@ -21,7 +22,7 @@ class FilePart {
     part_.deep = whole.deep;
     if (holdsColors(file.content)) part_.rgba.swap(whole.rgba);
     const auto others = std::stable_partition(whole.planes.begin(), whole.planes.end(),
-                                              [&](const Plane& plane) { return isOf(plane, aovs); });
+                                              [&](const Plane& plane) { return isOf(plane, file, aovs); });
     std::move(whole.planes.begin(), others, std::back_inserter(part_.planes));
     whole.planes.erase(whole.planes.begin(), others);
   }
@@ -34,7 +35,8 @@ class FilePart {
   const Image& image() const { return part_; }
 
  private:
-  static bool isOf(const Plane& plane, const Aovs& aovs) {
+  static bool isOf(const Plane& plane, const OutputFile& file, const Aovs& aovs) {
+    if (plane.name.starts_with(kAnnotationPlanes)) return holdsColors(file.content);
     return plane.name == "value" ? aovs.value : plane.name.starts_with("N.") ? aovs.normal : aovs.depth;
   }
 

@@ -13,6 +13,7 @@
 #include <tuple>
 #include <utility>
 
+#include "annotate/annotator.h"
 #include "base/byte_record.h"
 #include "base/file/file.h"
 #include "base/file/path_status.h"
@@ -192,17 +193,24 @@ fs::path checkpointOf(const RenderJob& job, int frame) { return filesOf(job, fra
 MemoryBeside checkpointMemory(const RenderJob& job) {
   const PixelRect whole = drawnPixels(job.picture.size, job.picture.crop);
   const std::uint64_t of_pixel = 16 + aovBytes(drawnAovs(job));
+  const std::uint64_t of_annotations = job.picture.annotations.any() ? kAnnotationPixelBytes : 0;
   // A tile, its record (twice while the record is assembled), and a band of rows.
-  MemoryBeside out =
-      of_pixel * (3 * std::uint64_t{kEdge} * kEdge + static_cast<std::uint64_t>(whole.width()) *
-                                                         static_cast<std::uint64_t>(std::min(kEdge, whole.height())));
+  MemoryBeside out = of_pixel * 3 * std::uint64_t{kEdge} * kEdge +
+                     (of_pixel + of_annotations) * static_cast<std::uint64_t>(whole.width()) *
+                         static_cast<std::uint64_t>(std::min(kEdge, whole.height()));
   for (const PixelRect& tile : checkpointTiles(whole))
     if (!out.at_a_time || tile.count() > out.at_a_time->count()) out.at_a_time = tile;
   return out;
 }
 
-TileRows::TileRows(const FrameTiles& tiles, const OutputFile& file, const Aovs& aovs, const Finish& finish)
-    : ImageRows(tiles.whole.width(), tiles.whole.height()), tiles_(tiles), file_(file), aovs_(aovs), finish_(finish) {}
+TileRows::TileRows(const FrameTiles& tiles, const OutputFile& file, const Aovs& aovs, const Finish& finish,
+                   const Annotator* annotator)
+    : ImageRows(tiles.whole.width(), tiles.whole.height()),
+      tiles_(tiles),
+      file_(file),
+      aovs_(aovs),
+      finish_(finish),
+      annotator_(annotator) {}
 
 TileRows::~TileRows() = default;
 
@@ -227,7 +235,10 @@ ImageRows::Band TileRows::bandAt(int row) {
                   "a finished tile is not what was written; run the same command with --resume");
     putTile(tile->image, tile->at, rect, band_);
   }
-  finishPicture(band_, rect.y0, finish_, mediumOf(file_.path));
+  const Medium medium = mediumOf(file_.path);
+  finishPicture(band_, rect.y0, finish_, medium);
+  if (annotator_ != nullptr && medium == Medium::kDisplay) annotator_->over(band_, 0, rect.y0, depthOf(band_));
+  if (annotator_ != nullptr && medium == Medium::kLight) annotator_->addPlanes(band_, rect.y0, depthOf(band_));
   first_row_ = rect.y0 - tiles_.whole.y0;
   part_ = std::make_unique<FilePart>(band_, file_, aovs_);
   return {&part_->image(), first_row_};

@@ -15,6 +15,7 @@
 
 namespace kiln {
 
+class Annotator;
 class FilePart;
 
 /// Returns the file of a frame's tiles: the name of the frame's first file with ".tiles" added. requires: the job names
@@ -50,8 +51,9 @@ struct FrameTiles {
 /// Reads the planes of one output file band by band from a frame's tiles.
 class TileRows : public ImageRows {
  public:
-  /// requires: all tiles are finished; `tiles` outlives the object.
-  TileRows(const FrameTiles& tiles, const OutputFile& file, const Aovs& aovs, const Finish& finish);
+  /// `annotator` may be null. requires: all tiles are finished; `tiles` and `annotator` outlive the object.
+  TileRows(const FrameTiles& tiles, const OutputFile& file, const Aovs& aovs, const Finish& finish,
+           const Annotator* annotator);
   ~TileRows() override;
   /// throws: Error kDamaged if a tile's bytes have changed since writing, kIo.
   Band bandAt(int row) override;
@@ -61,6 +63,7 @@ class TileRows : public ImageRows {
   const OutputFile& file_;
   const Aovs aovs_;
   const Finish finish_;
+  const Annotator* const annotator_;
   int first_row_ = 0;
   Image band_;
   std::unique_ptr<FilePart> part_;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -21,6 +22,7 @@
 #include "job/series_look.h"
 #include "job/stereo.h"
 #include "sequence/file_part.h"
+#include "sequence/frame_annotations.h"
 #include "sequence/frame_checkpoint.h"
 
 namespace kiln {
@@ -28,12 +30,39 @@ namespace fs = std::filesystem;
 namespace {
 
 void requireKnownEnding(const fs::path& path) {
-  const std::string ending = extensionOf(path);
-  if (ending == ".exr" || ending == ".png") return;
-  throw Error(ErrorCode::kUsage, path, "",
-              fmt::format("the ending is no picture's or video's (found '{}'); pictures end in .exr or .png, videos in "
-                          ".mp4, .mov, .mkv or .webm",
-                          ending));
+  if (pictureFormatOf(path)) return;
+  throw Error(
+      ErrorCode::kUsage, path, "",
+      fmt::format("the ending is no picture's or video's (found '{}'); pictures end in .exr, .png, .tif or .jpg, "
+                  "videos in .mp4, .mov, .mkv or .webm",
+                  extensionOf(path)));
+}
+
+// A JPEG has no alpha. throws: Error kUsage for a JPEG whose background lets something through.
+void requireOpaqueJpeg(const RenderJob& job, const fs::path& path) {
+  if (pictureFormatOf(path) != PictureFormat::kJpeg) return;
+  const std::optional<Background>& background = job.picture.background;
+  const bool opaque =
+      background ? background->top[3] >= 1 && background->bottom[3] >= 1 : !engineOf(job).capabilities().composites;
+  if (!opaque)
+    throw Error(ErrorCode::kUsage, path, "",
+                "a JPEG has no transparency, and the background is transparent; add --background white or another "
+                "colour, or write a PNG or a TIFF");
+}
+
+// Returns what a file's bytes depend on beside its picture.
+std::string kindOf(const OutputOptions& output, const fs::path& path) {
+  switch (*pictureFormatOf(path)) {
+    case PictureFormat::kExr:
+      return fmt::format("exr {} {}", output.exr_float ? "float" : "half", output.exr_compression);
+    case PictureFormat::kPng:
+      return fmt::format("png {}", output.png_bits);
+    case PictureFormat::kTiff:
+      return "tiff";
+    case PictureFormat::kJpeg:
+      return fmt::format("jpeg {}", output.jpeg_quality);
+  }
+  return {};
 }
 
 constexpr const char* kHashKey = "kiln:jobHash";
@@ -51,6 +80,7 @@ RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameSce
   }
   out.picture = scene.picture;
   out.picture.aovs = aovsOf(job, file);
+  if (!holdsColors(file.content)) out.picture.annotations = {};
   if (file.eye && out.picture.stereo) out.picture.stereo->eye = *file.eye;
   out.picture.skip_damaged = false;  // the header of a whole picture does not depend on this option
   out.speed = job.speed;
@@ -93,11 +123,15 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
   return out;
 }
 
+// Returns the place of the first of the drawn views that the file holds.
+std::size_t placeOf(const OutputFile& file, const DrawnFrame& drawn) {
+  return file.eye == StereoEye::kRight && drawn.views.size() > 1 ? 1 : 0;
+}
+
 // Returns the drawn views that the file holds.
 std::span<DrawnView> viewsIn(const OutputFile& file, DrawnFrame& drawn) {
   const std::span<DrawnView> all(drawn.views);
-  if (!file.eye || all.size() == 1) return all;
-  return all.subspan(*file.eye == StereoEye::kLeft ? 0 : 1, 1);
+  return file.eye ? all.subspan(placeOf(file, drawn), 1) : all;
 }
 
 // Puts both views side by side, the left eye's on the left, as players of stereo pictures expect.
@@ -143,22 +177,38 @@ Finish finishOf(const FrameScene& scene) { return kiln::finishOf(scene.picture, 
 
 int firstRowOf(const PictureOptions& picture) { return drawnPixels(picture.size, picture.crop).y0; }
 
-// Writes one picture. The background of an EXR is laid already.
+// Writes one picture. An EXR is finished already. `annotator` may be null; `depth` belongs to the picture.
 void writeFlat(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
-               const PictureOptions& picture, const Finish& finish, const fs::path& path) {
-  if (finish.none() || mediumOf(path) == Medium::kLight) return writeImage(image, metadata, options, path);
-  ShownRows rows(image, firstRowOf(picture), finish);
-  writeImage(rows, metadata, options, path);
+               const FrameScene& scene, const Annotator* annotator, const float* depth, const fs::path& path) {
+  const Finish finish = finishOf(scene);
+  if (mediumOf(path) == Medium::kLight || (finish.none() && annotator == nullptr))
+    return writeImage(image, metadata, options, path);
+  const std::unique_ptr<ImageRows> rows = shownRows(image, firstRowOf(scene.picture), finish);
+  if (annotator == nullptr) return writeImage(*rows, metadata, options, path);
+  AnnotatedRows annotated(*rows, *annotator, depth);
+  writeImage(annotated, metadata, options, path);
+}
+
+// Returns both eyes side by side as a display shows them.
+Image shownBeside(const Image& left, const Image& right, const DrawnFrame& drawn, const Annotators& annotators) {
+  Image out = besideEachOther(left, right);
+  const int first_row = firstRowOf(drawn.scene.picture);
+  finishPicture(out, first_row, finishOf(drawn.scene), Medium::kDisplay);
+  for (std::size_t i = 0; i < annotators.size(); ++i) {
+    if (annotators[i])
+      annotators[i]->over(out, static_cast<int>(i) * left.width, first_row, depthOf(drawn.views[i].image));
+  }
+  return out;
 }
 
 void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, const BrickedVolume& store,
-               std::uint64_t writer_bytes) {
+               const Annotators& annotators, std::uint64_t writer_bytes) {
   const bool deep = file.content == Content::kDeep;
   const bool as_float = job.output.exr_float || (drawsPart(job.picture) && !deep);
-  const ImageFileOptions options{as_float, job.output.png_bits, job.output.exr_compression, writer_bytes};
-  const Finish finish = finishOf(drawn.scene);
+  ImageFileOptions options{as_float, job.output.png_bits, job.output.exr_compression, writer_bytes};
+  options.jpeg_quality = job.output.jpeg_quality;
   if (drawn.tiles) {
-    TileRows rows(*drawn.tiles, file, aovsOf(job, file), finish);
+    TileRows rows(*drawn.tiles, file, aovsOf(job, file), finishOf(drawn.scene), annotators.front().get());
     return writeImage(rows, metadataOf(job, file, drawn, drawn.views.front().view, store), options, file.path);
   }
   std::deque<FilePart> parts;
@@ -173,21 +223,25 @@ void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, 
   if (deep)
     writeDeepImage(*first.deep, views.front().metadata, options, file.path);
   else if (views.size() == 1)
-    writeFlat(first, views.front().metadata, options, drawn.scene.picture, finish, file.path);
+    writeFlat(first, views.front().metadata, options, drawn.scene, annotators[placeOf(file, drawn)].get(),
+              depthOf(viewsIn(file, drawn).front().image), file.path);
   else if (isExrPath(file.path))
     writeImageViews(views, options, file.path);
   else {
     views.front().metadata.views_beside = 2;
-    writeFlat(besideEachOther(first, *views.back().image), views.front().metadata, options, drawn.scene.picture, finish,
-              file.path);
+    writeImage(shownBeside(first, *views.back().image, drawn, annotators), views.front().metadata, options, file.path);
   }
 }
 
-// Lays the backgrounds that the frame was drawn without.
-void finishLight(DrawnFrame& drawn) {
+// Lays the backgrounds that the frame was drawn without, and adds the planes of annotations for `files` of light.
+void finishLight(DrawnFrame& drawn, const Annotators& annotators, bool files) {
   if (drawn.tiles) return;
-  for (DrawnView& view : drawn.views)
-    finishPicture(view.image, firstRowOf(drawn.scene.picture), finishOf(drawn.scene), Medium::kLight);
+  const int first_row = firstRowOf(drawn.scene.picture);
+  for (std::size_t i = 0; i < drawn.views.size(); ++i) {
+    Image& image = drawn.views[i].image;
+    finishPicture(image, first_row, finishOf(drawn.scene), Medium::kLight);
+    if (files && annotators[i]) annotators[i]->addPlanes(image, first_row, depthOf(image));
+  }
 }
 
 // Describes the difference between the job of an existing picture and this job, as the end of a sentence.
@@ -226,6 +280,7 @@ fs::path videoFrameOf(const RenderJob& job, int frame) {
 void requireOutputs(const RenderJob& job, const std::vector<int>& frames) {
   for (const OutputFile& file : patternsOf(job)) {
     requireKnownEnding(file.path);
+    requireOpaqueJpeg(job, file.path);
     requireImagePath(file.path, aovsOf(job, file).any());
     if (frames.size() > 1 && !hasFramePlace(file.path)) {
       const fs::path numbered = file.path.stem().string() + "_####" + file.path.extension().string();
@@ -256,9 +311,7 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
     of_file.volumes[i].volume.clear();
     if (i > 0) checksums.append(" ").append(toHex(scene.volumes[i].index_checksum));
   }
-  std::string kind = isExrPath(file.path)
-                         ? fmt::format("exr {} {}", job.output.exr_float ? "float" : "half", job.output.exr_compression)
-                         : fmt::format("png {}", job.output.png_bits);
+  std::string kind = kindOf(job.output, file.path);
   if (file.content == Content::kDeep)
     kind += fmt::format(" {} {}", job.output.deep_bound.samples, job.output.deep_bound.error);
   return toHex(
@@ -269,14 +322,18 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
 void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const BrickedVolume& store,
                 std::uint64_t writer_bytes) {
   const auto begin = std::chrono::steady_clock::now();
+  const Annotators annotators = annotatorsOf(job, drawn, store);
+  const std::vector<OutputFile> files = filesOf(job, frame);
+  const bool light = std::any_of(files.begin(), files.end(),
+                                 [](const OutputFile& file) { return mediumOf(file.path) == Medium::kLight; });
   // Pictures on a display need the volume's light without the background.
   for (const Medium medium : {Medium::kDisplay, Medium::kLight}) {
-    if (medium == Medium::kLight) finishLight(drawn);
-    for (const OutputFile& file : filesOf(job, frame)) {
+    if (medium == Medium::kLight) finishLight(drawn, annotators, light);
+    for (const OutputFile& file : files) {
       if (mediumOf(file.path) != medium) continue;
       ProfileScope span(Activity::kWrite);
       if (span.traced()) span.note("file", file.path.filename().native());
-      writeFile(job, file, drawn, store, writer_bytes);
+      writeFile(job, file, drawn, store, annotators, writer_bytes);
     }
   }
   drawn.statistics.output_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -285,14 +342,18 @@ void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const Bricke
 std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store) {
   const DrawnView& first = drawn.views.front();
   ImageMetadata metadata = metadataOf(job, {}, drawn, first.view, store);
-  Image both;
+  const Annotators annotators = annotatorsOf(job, drawn, store);
   if (drawn.views.size() > 1) {
-    both = besideEachOther(first.image, drawn.views.back().image);
     metadata.views_beside = 2;
+    const Image both = shownBeside(first.image, drawn.views.back().image, drawn, annotators);
+    RowsOfImage rows(both);
+    return encodedPng(rows, metadata, job.output.png_bits);
   }
-  const Image& image = drawn.views.size() > 1 ? both : first.image;
-  return encodedPng(*shownRows(image, firstRowOf(drawn.scene.picture), finishOf(drawn.scene)), metadata,
-                    job.output.png_bits);
+  const std::unique_ptr<ImageRows> rows =
+      shownRows(first.image, firstRowOf(drawn.scene.picture), finishOf(drawn.scene));
+  if (!annotators.front()) return encodedPng(*rows, metadata, job.output.png_bits);
+  AnnotatedRows annotated(*rows, *annotators.front(), depthOf(first.image));
+  return encodedPng(annotated, metadata, job.output.png_bits);
 }
 
 FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const BrickedVolume& store) {

@@ -18,6 +18,7 @@
 #include "frame/pass/frame_progress.h"
 #include "job/job_facts.h"
 #include "scene/transfer/label_styles.h"
+#include "sequence/frame_annotations.h"
 #include "sequence/frame_requests.h"
 #include "sequence/render_job_run.h"
 #include "store/manifest/float_steps.h"
@@ -78,6 +79,7 @@ Aovs drawnAovs(const RenderJob& job) {
     out.normal = out.normal || held.normal;
     out.value = out.value || held.value;
   }
+  out.depth = out.depth || hidesOutline(job);
   return out;
 }
 
@@ -178,6 +180,7 @@ OpenedJob::OpenedJob(const RenderJob& job, OpenedVolumes volumes, Progress& prog
       for_ranks_(shared, volumes_.stores(), memory_.shared),
       cache_(volumes_.all(), cacheBytes(memory_, job_.speed.memory_bytes, firstVolume().path()), readersOfCache(),
              skipperOf(job_, progress), for_ranks_.supplier()) {
+  requireFont(job_);
   boundSparePages(sparePagesBytes(memory_, job_.speed.memory_bytes));
 }
 

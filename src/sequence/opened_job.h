@@ -129,7 +129,7 @@ void noteDamage(const FrameStatistics& frame, Progress& progress);
 /// Returns the planes of one file.
 Aovs aovsOf(const RenderJob& job, const OutputFile& file);
 
-/// Returns the planes of all files together.
+/// Returns the planes of all files together, and the depth that hides an outline.
 Aovs drawnAovs(const RenderJob& job);
 
 }  // namespace kiln

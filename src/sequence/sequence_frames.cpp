@@ -10,6 +10,7 @@
 #include "base/file/temporary_file.h"
 #include "job/frame_list.h"
 #include "job/job_facts.h"
+#include "sequence/frame_annotations.h"
 #include "sequence/video.h"
 
 namespace kiln {
@@ -46,6 +47,7 @@ SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progres
       beside_(beside),
       role_(role),
       numbers_(framesOf(job)) {
+  requireFont(job_);
   if (role_.has_files) requireOutputs(job_, numbers_);
 }
 

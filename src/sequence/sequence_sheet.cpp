@@ -17,6 +17,7 @@
 #include "job/frame_list.h"
 #include "job/job_facts.h"
 #include "job/stereo.h"
+#include "sequence/frame_annotations.h"
 #include "sequence/series_volumes.h"
 
 namespace kiln {
@@ -50,13 +51,14 @@ void requireSheet(const RenderJob& job) {
     refuse("a sheet shows frames of a sequence (found 1); add --turntable 120, or give a job with frames");
   if (job.output.path.empty() || !job.output.files.empty() || !job.output.video.path.empty())
     refuse(
-        "a sheet is one picture, .exr or .png, and the job has other outputs; name the sheet by -o and leave outputs "
+        "a sheet is one picture, such as .exr or .png, and the job has other outputs; name the sheet by -o and leave "
+        "outputs "
         "out");
   if (hasFramePlace(job.output.path))
     refuse(
         fmt::format("a sheet is one picture (found {}, one for each frame); name the sheet by -o, as in -o sheet.png",
                     job.output.path.string()));
-  if (drawsDeep(job) || drawsPart(job.picture) || drawnAovs(job).any())
+  if (drawsDeep(job) || drawsPart(job.picture) || job.picture.aovs.any())
     refuse("a sheet holds colours alone; leave --deep, --part and --aov out");
   if (drawsBothEyes(job.picture.stereo)) refuse("a sheet shows one eye (found both); choose --stereo left or right");
   const SheetLayout layout = layoutOf(job);
@@ -86,8 +88,12 @@ Image drawSequenceSheet(const RenderJob& given, const StoreFor& store_for, Progr
     opened.judge(drawn);
     noteDamage(drawn.statistics, progress);
     Image& picture = drawn.views.front().image;
-    finishPicture(picture, drawnPixels(job.picture.size, job.picture.crop).y0,
-                  finishOf(drawn.scene.picture, drawn.scene.transfer_function), mediumOf(job.output.path));
+    const int first_row = drawnPixels(job.picture.size, job.picture.crop).y0;
+    finishPicture(picture, first_row, finishOf(drawn.scene.picture, drawn.scene.transfer_function),
+                  mediumOf(job.output.path));
+    // A sheet holds colours alone, also in an EXR.
+    const Annotators annotators = annotatorsOf(opened.job(), drawn, opened.firstVolume());
+    if (annotators.front()) annotators.front()->over(picture, 0, first_row, depthOf(picture));
     const auto place = static_cast<int>(i);
     sheet.put(place % layout.columns, place / layout.columns, picture, fmt::format("{}", numbers[i]));
     statistics.push_back(std::move(drawn.statistics));

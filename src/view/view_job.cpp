@@ -23,9 +23,9 @@ using nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 // Keys of files, of the machine, and of parts of a render.
-constexpr std::array<std::string_view, 13> kSessionsOwn = {"volume", "output",     "outputs",   "video",  "exr",
-                                                           "png",    "frames",     "part",      "memory", "threads",
-                                                           "trace",  "distribute", "shareReads"};
+constexpr std::array<std::string_view, 14> kSessionsOwn = {"volume",  "output", "outputs",    "video",     "exr",
+                                                           "png",     "jpeg",   "frames",     "part",      "memory",
+                                                           "threads", "trace",  "distribute", "shareReads"};
 
 void inObject(TransferFunctionChoice& choice, const Manifest& manifest) {
   if (const auto* const file = std::get_if<fs::path>(&choice)) choice = readTransferFunction(*file, manifest);

@@ -19,6 +19,7 @@
 #include "image/file/jpeg_file.h"
 #include "job/job_facts.h"
 #include "job/stated_job.h"
+#include "sequence/frame_annotations.h"
 #include "sequence/frame_files.h"
 #include "store/brick_index.h"
 
@@ -95,6 +96,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
   out->job = job;
   requireVolumes(out->job);
   requireViews(out->job);
+  requireFont(out->job);
   requireEngineOptions(out->job.picture);
   drawnPixels(job.picture.size, job.picture.crop);
   Progress silent;
@@ -119,7 +121,9 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
                                  static_cast<int>(out->scene.camera.projection));
   if (text != planned_) {
     const auto pixels = static_cast<std::uint64_t>(pixelsOf(job.picture.size));
-    plan_ = memoryOf(out->job, volumes_.all(), *out->scenes, kCopiedPixelBytes * pixels);
+    RenderJob drawn = out->job;
+    drawn.picture.aovs = drawnAovs(drawn);
+    plan_ = memoryOf(drawn, volumes_.all(), *out->scenes, kCopiedPixelBytes * pixels);
     planned_ = std::move(text);
   }
   out->memory = plan_;
@@ -229,6 +233,7 @@ DrawnFrame ViewPainter::exact(const ViewedJob& job, Progress& progress) {
   makeRoom(job);
   const auto request_for = [&](const FrameScene& scene) {
     FrameRequest request = requestOf(scene, job.job.speed, job.memory);
+    request.aovs = drawnAovs(job.job);
     request.last_illumination = &shadows_;
     return request;
   };

@@ -1,0 +1,97 @@
+// Shapes of annotations in the order in which they are laid over the picture, and the sizes and colours they share.
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "annotate/outline.h"
+#include "grid/geometry.h"
+#include "grid/value_range.h"
+#include "image/pixel_rect.h"
+#include "job/render_job.h"
+#include "scene/camera/camera.h"
+
+namespace kiln {
+
+/// What annotations are made of.
+struct AnnotatedPicture {
+  Annotations annotations;  // placeholders are filled in
+  View view;
+  PixelRect pixels;         // the drawn pixels of the whole picture
+  double target_depth = 1;  // of the camera's target. unit: world
+  Background background;
+  TransferFunction function;
+  bool projected = false;  // the picture shows values, not light
+  bool has_depth = false;  // pictures have the plane "Z"
+  ValueRange values;       // of the first volume
+  VolumeGeometry box;      // around all volumes
+  Clipping clipping;
+};
+
+/// Shows a line at pixels where the line is in front of the picture's depth, or only where it is behind.
+struct DepthTest {
+  glm::dvec2 a_px{0}, b_px{0};  // ends of the line
+  double a_depth = 1, b_depth = 1;
+  bool perspective = false;
+  bool shows_hidden = false;
+  double slack = 0;  // a line this much behind the depth is in front of it. unit: world
+
+  /// Returns whether the line is shown at a pixel of this depth.
+  bool shows(const glm::dvec2& pixel, float depth) const;
+};
+
+struct Shape {
+  Outline outline;
+  glm::dvec3 color{0};  // linear light
+  double opacity = 1;
+  std::optional<DepthTest> depth{};
+};
+
+/// Sizes in pixels. All grow with the shorter side of the picture.
+struct Style {
+  explicit Style(const AnnotatedPicture& picture);
+  double em;      // size of the font
+  double margin;  // between annotations and the border of the picture
+  double line;    // width of a thin line
+  double halo;    // width of the rim around letters and lines
+  glm::dvec3 ink, rim;
+};
+
+class Drawing {
+ public:
+  explicit Drawing(const Style& style) : style_(style) {}
+  const Style& style() const { return style_; }
+
+  /// Adds a shape in the colour of text and lines, with its rim.
+  void ink(const Outline& outline, double opacity = 1);
+  /// Adds a shape of its own colour, with a rim.
+  void fill(const Outline& outline, const glm::dvec3& color, double opacity = 1);
+  /// Adds a shape without a rim.
+  void plain(Shape shape) { shapes_.push_back(std::move(shape)); }
+  enum class Align { kLeft, kCentre, kRight };
+  /// Writes a line of text on a base line, which is moved to a whole pixel. Returns the text's width. unit: pixels.
+  double text(std::string_view utf8, const glm::dvec2& base, double size, Align align, double opacity = 1);
+  /// Returns the shapes, the common rim first.
+  std::vector<Shape> take() &&;
+
+ private:
+  const Style style_;
+  Outline rim_;
+  std::vector<Shape> shapes_;
+};
+
+/// Lightness of a colour of linear light; 0 to 1.
+double lightness(const glm::dvec3& color);
+
+// The annotations, each in its own file.
+void addScaleBar(const AnnotatedPicture& picture, Drawing& drawing);
+void addLegend(const AnnotatedPicture& picture, Drawing& drawing);
+void addAxes(const AnnotatedPicture& picture, Drawing& drawing);
+void addText(const AnnotatedPicture& picture, Drawing& drawing);
+/// Returns shapes that lie below all others.
+std::vector<Shape> outlineOfVolume(const AnnotatedPicture& picture, const Style& style);
+
+}  // namespace kiln

@@ -1,0 +1,78 @@
+// The directions of the world in the lower left corner, as seen along the view. A patient's directions are letters at
+// both ends of three lines, other worlds have arrows. Directions away from the eye are dim and lie below.
+#include "annotate/orientation.h"
+
+#include <algorithm>
+#include <array>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <string_view>
+#include <vector>
+
+#include "annotate/drawing.h"
+#include "annotate/font.h"
+
+namespace kiln {
+namespace {
+
+// unit: the font's size.
+constexpr double kLine = 0.14, kHead = 0.6, kHeadWidth = 0.42, kLetterGap = 0.6;
+constexpr double kDim = 0.5;
+// A letter behind the middle of the marker would be below the letter in front.
+constexpr double kLeastBehind = 0.4;
+
+// Colours of x, y and z: linear light, of equal lightness to the eye.
+constexpr std::array<glm::dvec3, 3> kAxisColors = {{{0.82, 0.10, 0.08}, {0.12, 0.50, 0.10}, {0.10, 0.25, 0.90}}};
+
+// Writes a letter around its middle.
+void letterAt(std::string_view letter, const glm::dvec2& middle, double opacity, Drawing& drawing) {
+  const double size = drawing.style().em;
+  drawing.text(letter, {middle.x, middle.y + 0.5 * kCapHeight * size}, size, Drawing::Align::kCentre, opacity);
+}
+
+}  // namespace
+
+std::vector<Direction> directionsOf(const AnnotatedPicture& picture) {
+  static constexpr std::array<std::string_view, 6> kAxes = {"x", "y", "z", "", "", ""};
+  static constexpr std::array<std::string_view, 6> kLps = {"L", "P", "S", "R", "A", "I"};
+  static constexpr std::array<std::string_view, 6> kRas = {"R", "A", "S", "L", "P", "I"};
+  const PatientFrame frame = picture.box.frame;
+  const auto& names = frame == PatientFrame::kUnknown ? kAxes : frame == PatientFrame::kLps ? kLps : kRas;
+  const glm::dmat3 turned(picture.view.view_from_world);
+  std::vector<Direction> out;
+  for (int i = 0; i < 6; ++i) {
+    const std::string_view name = names[static_cast<std::size_t>(i)];
+    if (!name.empty()) out.push_back({name, i % 3, (i < 3 ? 1.0 : -1.0) * turned[i % 3]});
+  }
+  std::stable_sort(out.begin(), out.end(), [](const Direction& a, const Direction& b) { return a.seen.z > b.seen.z; });
+  return out;
+}
+
+glm::dvec2 middleOfDirections(const AnnotatedPicture& picture, const Style& style) {
+  const double reach = (kArmLength + kLetterGap + 0.5) * style.em;
+  return {style.margin + reach, picture.view.size.height - style.margin - reach};
+}
+
+void addAxes(const AnnotatedPicture& picture, Drawing& drawing) {
+  const Style& style = drawing.style();
+  const bool patient = picture.box.frame != PatientFrame::kUnknown;
+  const glm::dvec2 middle = middleOfDirections(picture, style);
+  for (const Direction& direction : directionsOf(picture)) {
+    const glm::dvec2 seen(direction.seen);
+    const double length = glm::length(seen);
+    const bool behind = direction.seen.z > 1e-9;
+    const glm::dvec2 tip = middle + kArmLength * style.em * seen;
+    const double opacity = behind ? kDim : 1;
+    if (patient)
+      drawing.ink(stroke(middle, tip, kLine * style.em), opacity);
+    else
+      drawing.fill(arrow(middle, tip, kLine * style.em, kHead * style.em, kHeadWidth * style.em),
+                   kAxisColors[static_cast<std::size_t>(direction.axis)], 1);
+    if (patient && behind && length < kLeastBehind) continue;
+    // A direction towards the eye has its letter beside the tip.
+    const glm::dvec2 beside = length > 0.05 ? seen / length : glm::dvec2(0.7, -0.7);
+    letterAt(direction.name, tip + kLetterGap * style.em * beside, patient ? opacity : 1, drawing);
+  }
+}
+
+}  // namespace kiln

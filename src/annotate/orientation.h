@@ -1,0 +1,26 @@
+// The marker of directions.
+#pragma once
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <string_view>
+#include <vector>
+
+#include "annotate/drawing.h"
+
+namespace kiln {
+
+/// Length of a direction that runs in the plane of the picture. unit: the font's size.
+inline constexpr double kArmLength = 2;
+
+struct Direction {
+  std::string_view name;
+  int axis;         // of the world
+  glm::dvec3 seen;  // in view space: x right, y down, z away from the eye. Unit length
+};
+/// Returns the directions with names, the farthest from the eye first.
+std::vector<Direction> directionsOf(const AnnotatedPicture& picture);
+/// The point where the directions begin. unit: pixels.
+glm::dvec2 middleOfDirections(const AnnotatedPicture& picture, const Style& style);
+
+}  // namespace kiln

@@ -1,0 +1,440 @@
+// Annotations against geometry that the test computes for itself: lengths and places of bars, ticks, arrows and edges
+// to half a pixel, in both projections and at four sizes; colours of the legend against the transfer function; edges
+// against a depth plane.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <optional>
+
+#include "annotate/annotator.h"
+#include "annotate/legend.h"
+#include "annotate/orientation.h"
+#include "annotate/round_numbers.h"
+#include "annotate/scale_bar.h"
+#include "annotate/volume_outline.h"
+
+namespace kiln {
+namespace {
+
+constexpr double kHalf = 0.5;
+
+// A box of 100 x 80 x 60 voxels of 0.5 x 0.5 x 1 micrometres.
+VolumeGeometry boxOfTest() {
+  VolumeGeometry out;
+  out.dims = {100, 80, 60};
+  out.world_from_index = {{0.5, 0, 0, 0}, {0, 0.5, 0, 0}, {0, 0, 1, 0}, {3, -2, 7, 1}};
+  out.unit = "um";
+  return out;
+}
+
+TransferFunction functionOfTest() {
+  return {.points = {{-500, {1, 1, 0}, 0}, {100, {1, 0, 0}, 0}, {600, {0, 1, 0.5}, 0.5}, {1500, {0.2, 0.4, 1}, 1}}};
+}
+
+struct Case {
+  Projection projection;
+  ImageSize size;
+};
+
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << (c.projection == Projection::kPerspective ? "perspective " : "orthographic ") << c.size.width << "x"
+             << c.size.height;
+}
+
+AnnotatedPicture pictureOf(const Case& c) {
+  AnnotatedPicture out;
+  out.box = boxOfTest();
+  Camera camera;
+  camera.projection = c.projection;
+  camera.target = centreOf(out.box) + glm::dvec3(1, 2, -1);
+  camera.eye = camera.target + glm::dvec3(105, -120, 95);
+  camera.up = {0, 0, 1};
+  camera.fov_deg = 35;
+  camera.height = 110;
+  out.view = resolve(camera, c.size);
+  out.pixels = {0, 0, c.size.width, c.size.height};
+  out.target_depth = glm::distance(camera.eye, camera.target);
+  out.background = {{0, 0, 0, 1}, {0, 0, 0, 1}};
+  out.function = functionOfTest();
+  out.annotations.color = glm::dvec3(1);
+  return out;
+}
+
+// Annotations over black: the red channel is the coverage of white ink.
+Image drawn(const AnnotatedPicture& picture, const float* depth = nullptr) {
+  Image out(picture.pixels.width(), picture.pixels.height());
+  Annotator(picture).over(out, 0, picture.pixels.y0, depth);
+  return out;
+}
+
+glm::dvec3 seenFrom(const View& view, const glm::dvec3& world) {
+  return glm::dvec3(view.view_from_world * glm::dvec4(world, 1));
+}
+
+class AnnotationsAt : public ::testing::TestWithParam<Case> {};
+
+INSTANTIATE_TEST_SUITE_P(
+    Views, AnnotationsAt,
+    ::testing::Values(Case{Projection::kPerspective, {480, 360}}, Case{Projection::kPerspective, {1280, 720}},
+                      Case{Projection::kPerspective, {900, 1400}}, Case{Projection::kPerspective, {3840, 2160}},
+                      Case{Projection::kOrthographic, {480, 360}}, Case{Projection::kOrthographic, {1280, 720}},
+                      Case{Projection::kOrthographic, {900, 1400}}, Case{Projection::kOrthographic, {3840, 2160}}));
+
+// Known: two points at the target, apart across the view by the length that the label names.
+TEST_P(AnnotationsAt, ScaleBar_hasTheLengthOfItsLabel) {
+  AnnotatedPicture picture = pictureOf(GetParam());
+  picture.annotations.scale_bar = true;
+  const Image image = drawn(picture);
+  const Style style(picture);
+  // The middle row of the bar.
+  const int row = static_cast<int>(std::lround(image.height - style.margin - 0.11 * style.em - 0.5));
+  double length_px = 0, end = 0;
+  for (int x = 0; x < image.width; ++x) {
+    length_px += image.pixel(x, row)[0];
+    if (image.pixel(x, row)[0] > 0) end = x + image.pixel(x, row)[0];
+  }
+  const ScaleBar bar = scaleBarOf(picture);
+  double named = 0;
+  char unit[8] = "";
+  ASSERT_EQ(std::sscanf(bar.label.c_str(), "%lf %7s", &named, unit), 2) << bar.label;
+  EXPECT_STREQ(unit, "µm");
+  const glm::dvec3 middle = glm::dvec3(0, 0, picture.target_depth);
+  const View& view = picture.view;
+  const double expected = view.pixelOf(middle + glm::dvec3(named, 0, 0)).x - view.pixelOf(middle).x;
+  EXPECT_NEAR(length_px, expected, kHalf);
+  EXPECT_NEAR(end, image.width - style.margin, kHalf);
+  const double digit = named / std::pow(10, std::floor(std::log10(named) + 1e-9));
+  EXPECT_LT(std::min({std::abs(digit - 1), std::abs(digit - 2), std::abs(digit - 5)}), 1e-9) << bar.label;
+  EXPECT_LE(length_px, 0.22 * image.width + kHalf);
+  EXPECT_GT(2.5 * length_px, 0.22 * image.width - 2);
+}
+
+// Known: the projected corners. Each edge is tested where no other edge is near.
+TEST_P(AnnotationsAt, EdgesOfTheBox_runBetweenItsProjectedCorners) {
+  AnnotatedPicture picture = pictureOf(GetParam());
+  picture.annotations.box = true;
+  const Image image = drawn(picture);
+  const auto corners = picture.box.corners();
+  std::vector<std::pair<glm::dvec2, glm::dvec2>> lines;
+  for (std::size_t a = 0; a < corners.size(); ++a) {
+    for (std::size_t b = a + 1; b < corners.size(); ++b) {
+      const glm::dvec3 along = corners[b] - corners[a];
+      if ((along.x != 0) + (along.y != 0) + (along.z != 0) == 1)
+        lines.emplace_back(picture.view.pixelOf(seenFrom(picture.view, corners[a])),
+                           picture.view.pixelOf(seenFrom(picture.view, corners[b])));
+    }
+  }
+  ASSERT_EQ(lines.size(), 12u);
+  EXPECT_EQ(edgesOf(picture.box, {}).size(), 12u);
+  const Style style(picture);
+  const double reach = std::ceil(style.line) + 2;
+  const auto distance = [](const std::pair<glm::dvec2, glm::dvec2>& line, const glm::dvec2& p) {
+    const glm::dvec2 along = line.second - line.first;
+    const double t = std::clamp(glm::dot(p - line.first, along) / glm::dot(along, along), 0.0, 1.0);
+    return glm::distance(line.first + t * along, p);
+  };
+  int measured = 0;
+  for (const auto& line : lines) {
+    for (const double t : {0.15, 0.35, 0.5, 0.65, 0.85}) {
+      const glm::dvec2 p = line.first + t * (line.second - line.first);
+      const bool crowded = std::any_of(lines.begin(), lines.end(), [&](const auto& other) {
+        return &other != &line && distance(other, p) < 3 * reach;
+      });
+      if (crowded || p.x < 3 * reach || p.y < 3 * reach || p.x > image.width - 3 * reach ||
+          p.y > image.height - 3 * reach)
+        continue;
+      const glm::dvec2 along = glm::normalize(line.second - line.first);
+      const bool steep = std::abs(along.y) > std::abs(along.x);
+      // The middle of the ink in a column of pixels across a flat line, in a row across a steep one.
+      const int fixed = static_cast<int>(std::floor(steep ? p.y : p.x));
+      const double at = steep ? line.first.x + (fixed + 0.5 - line.first.y) * along.x / along.y
+                              : line.first.y + (fixed + 0.5 - line.first.x) * along.y / along.x;
+      double ink = 0, moment = 0;
+      for (int i = static_cast<int>(at - 2 * reach); i <= static_cast<int>(at + 2 * reach); ++i) {
+        const float here = steep ? image.pixel(i, fixed)[0] : image.pixel(fixed, i)[0];
+        ink += here, moment += here * (i + 0.5);
+      }
+      ASSERT_GT(ink, 0.5 * style.line);
+      EXPECT_NEAR(moment / ink, at, kHalf);
+      ++measured;
+    }
+  }
+  EXPECT_GE(measured, 20);
+}
+
+// Known: a tick of a value lies as far up the bar as the value lies between the ends.
+TEST_P(AnnotationsAt, TicksOfTheLegend_lieAtTheirValues) {
+  AnnotatedPicture picture = pictureOf(GetParam());
+  picture.annotations.legend = true;
+  const Image image = drawn(picture);
+  const Style style(picture);
+  const ColorBar bar = colorBarOf(picture, style);
+  EXPECT_EQ(bar.lo, 100);  // below, nothing is visible
+  EXPECT_EQ(bar.hi, 1500);
+  const std::vector<double> expected = {200, 400, 600, 800, 1000, 1200, 1400};
+  EXPECT_EQ(bar.ticks, expected);
+  const int column =
+      bar.at.x1 + std::max(1, static_cast<int>(std::lround(style.line))) + static_cast<int>(0.15 * style.em);
+  for (const double tick : expected) {
+    const double y = bar.at.y1 - (tick - 100) / 1400 * bar.at.height();
+    double ink = 0, moment = 0;
+    const int reach = static_cast<int>(std::ceil(style.line)) + 2;
+    for (int row = static_cast<int>(y) - reach; row <= static_cast<int>(y) + reach; ++row) {
+      const float here = image.pixel(column, row)[0];
+      ink += here, moment += here * (row + 0.5);
+    }
+    EXPECT_NEAR(ink, style.line, 0.1) << tick;
+    EXPECT_NEAR(moment / ink, y, kHalf) << tick;
+  }
+}
+
+TEST_P(AnnotationsAt, ColorsOfTheLegend_areTheFunctionsAtTenValues) {
+  AnnotatedPicture picture = pictureOf(GetParam());
+  picture.annotations.legend = true;
+  const Image image = drawn(picture);
+  const ColorBar bar = colorBarOf(picture, Style(picture));
+  const int column = (bar.at.x0 + bar.at.x1) / 2;
+  for (int i = 0; i < 10; ++i) {
+    const double value = 100 + 1400 * (i + 0.5) / 10;
+    const double y = bar.at.y1 - (value - 100) / 1400 * bar.at.height();
+    const float* const pixel = image.pixel(column, static_cast<int>(y));
+    const glm::dvec3 color = picture.function.at(value).color;
+    // The function changes by less than this over a row of pixels.
+    const double step = 1400.0 / bar.at.height() / 500;
+    for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(pixel[channel], color[channel], step) << value;
+    EXPECT_EQ(pixel[3], 1.0f);
+  }
+}
+
+// Known: arrows point where the camera shows unit vectors. Each axis stands out in one mixture of channels.
+TEST_P(AnnotationsAt, Arrows_pointAlongTheAxes) {
+  AnnotatedPicture picture = pictureOf(GetParam());
+  picture.annotations.axes = true;
+  picture.annotations.color = glm::dvec3(0.2);  // letters are grey, their rims black
+  const Image image = drawn(picture);
+  const Style style(picture);
+  const glm::dvec2 middle = middleOfDirections(picture, style);
+  const glm::dvec3 mixtures[3] = {{1, -1, 0}, {-1, 2, -1}, {0, -1, 1}};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto seenAt = [&](double x, double y) {
+      const float* const pixel = image.pixel(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)));
+      return glm::dot(mixtures[axis], glm::dvec3(pixel[0], pixel[1], pixel[2]));
+    };
+    glm::dvec3 unit(0);
+    unit[axis] = 1;
+    const glm::dvec3 turned =
+        seenFrom(picture.view, picture.view.eye_world + unit) - seenFrom(picture.view, picture.view.eye_world);
+    const glm::dvec2 seen(turned.x, turned.y), along = glm::normalize(seen), tip = middle + 2 * style.em * seen;
+    const glm::dvec2 before = tip - 0.8 * along, beyond = tip + 1.3 * along;
+    EXPECT_GT(seenAt(before.x, before.y), 0.01) << axis;
+    EXPECT_LT(seenAt(beyond.x, beyond.y), 0.01) << axis;
+    // The middle of the shaft.
+    const bool steep = std::abs(along.y) > std::abs(along.x);
+    const glm::dvec2 p = middle + 0.4 * (tip - middle);
+    const double fixed = std::floor(steep ? p.y : p.x) + 0.5;
+    const double at =
+        steep ? middle.x + (fixed - middle.y) * along.x / along.y : middle.y + (fixed - middle.x) * along.y / along.x;
+    double ink = 0, moment = 0;
+    for (double i = std::floor(at) - 6 - style.em / 4; i <= at + 6 + style.em / 4; ++i) {
+      const double here = std::max(0.0, steep ? seenAt(i + 0.5, fixed) : seenAt(fixed, i + 0.5));
+      ink += here, moment += here * (i + 0.5);
+    }
+    EXPECT_NEAR(moment / ink, at, kHalf) << axis;
+  }
+}
+
+// Known: a plane of depth between the box's corners. Edges are solid in front, and behind dashed and dim.
+TEST_P(AnnotationsAt, EdgesBehindTheDepth_areDashedAndDim) {
+  AnnotatedPicture picture = pictureOf(GetParam());
+  picture.annotations.box = true;
+  picture.has_depth = true;
+  const View& view = picture.view;
+  const double wall = seenFrom(view, centreOf(picture.box)).z;
+  const std::vector<float> depth(picture.pixels.count(), static_cast<float>(wall));
+  const Image image = drawn(picture, depth.data());
+  const Style style(picture);
+  const double slack = glm::length(picture.box.spacing());
+  int in_front = 0, behind = 0, gaps = 0;
+  for (const auto& [a, b] : edgesOf(picture.box, {})) {
+    for (double t = 0.02; t < 1; t += 0.005) {
+      const glm::dvec3 p = seenFrom(view, a + t * (b - a));
+      const glm::dvec2 px = view.pixelOf(p);
+      // Other edges are tested elsewhere.
+      bool crowded = px.x < 4 || px.y < 4 || px.x > image.width - 4 || px.y > image.height - 4;
+      for (const auto& [c, d] : edgesOf(picture.box, {})) {
+        const glm::dvec2 from = view.pixelOf(seenFrom(view, c)), to = view.pixelOf(seenFrom(view, d));
+        const double s = std::clamp(glm::dot(px - from, to - from) / glm::dot(to - from, to - from), 0.0, 1.0);
+        crowded = crowded || (c != a && glm::distance(from + s * (to - from), px) < style.line + 3) ||
+                  (c == a && d != b && glm::distance(from + s * (to - from), px) < style.line + 3);
+      }
+      if (crowded) continue;
+      double most = 0;
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx)
+          most = std::max<double>(most, image.pixel(static_cast<int>(px.x) + dx, static_cast<int>(px.y) + dy)[0]);
+      }
+      // A pixel's own distance from the change of depth along the edge.
+      const glm::dvec3 next = seenFrom(view, a + (t + 0.001) * (b - a));
+      const double depth_per_px = std::abs(next.z - p.z) / glm::distance(view.pixelOf(next), px);
+      if (p.z < wall + slack - 2 * depth_per_px) {
+        EXPECT_GT(most, std::min(0.95, 0.5 * style.line)) << t;
+        ++in_front;
+      } else if (p.z > wall + slack + 2 * depth_per_px) {
+        EXPECT_LT(most, 0.6) << t;
+        ++behind;
+        gaps += most < 0.02 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(in_front, 100);
+  EXPECT_GT(behind, 100);
+  EXPECT_GT(gaps, behind / 10);
+}
+
+// A crop has the pixels of the whole, bit by bit; and the planes of an EXR are the layer that is laid over a picture.
+TEST_P(AnnotationsAt, Crops_equalTheWhole) {
+  AnnotatedPicture picture = pictureOf(GetParam());
+  picture.annotations = {.scale_bar = true, .box = true, .legend = true, .axes = true};
+  picture.annotations.text = "Grüße, {{µ}}";
+  picture.has_depth = true;
+  std::vector<float> depth(picture.pixels.count());
+  for (std::size_t i = 0; i < depth.size(); ++i) depth[i] = static_cast<float>(190 + 30 * std::sin(0.01 * i));
+  const Image whole = drawn(picture, depth.data());
+  const int w = whole.width, h = whole.height;
+  for (const PixelRect& crop :
+       {PixelRect{w / 3, h / 4, w / 3 + 101, h / 4 + 57}, PixelRect{w - 90, h - 80, w, h}, PixelRect{0, 0, 33, 29}}) {
+    picture.pixels = crop;
+    std::vector<float> of_crop;
+    for (int y = crop.y0; y < crop.y1; ++y)
+      of_crop.insert(of_crop.end(), depth.begin() + y * w + crop.x0, depth.begin() + y * w + crop.x1);
+    const Image part = drawn(picture, of_crop.data());
+    Image planes(crop.width(), crop.height());
+    Annotator(picture).addPlanes(planes, crop.y0, of_crop.data());
+    ASSERT_EQ(planes.planes.size(), 4u);
+    std::size_t different = 0;
+    for (int y = 0; y < part.height; ++y) {
+      for (int x = 0; x < part.width; ++x) {
+        for (int channel = 0; channel < 4; ++channel) {
+          const auto c = static_cast<std::size_t>(channel);
+          const float here = part.pixel(x, y)[channel];
+          different += here != whole.pixel(crop.x0 + x, crop.y0 + y)[channel] ? 1 : 0;
+          different += here != planes.planes[c].values[static_cast<std::size_t>(y * part.width + x)] ? 1 : 0;
+        }
+      }
+    }
+    EXPECT_EQ(different, 0u);
+  }
+}
+
+// A corner cut off by a plane at one voxel's third: 3 edges more; all points lie in the box and above the plane.
+TEST(VolumeOutline, CutCorner_hasATriangle) {
+  VolumeGeometry box;
+  box.dims = {10, 10, 10};
+  Clipping clipping;
+  clipping.planes = {{{-1, -1, -1}, 24}};
+  const std::vector<WorldLine> edges = edgesOf(box, clipping);
+  EXPECT_EQ(edges.size(), 15u);
+  for (const auto& [a, b] : edges) {
+    for (const glm::dvec3& p : {a, b}) {
+      EXPECT_LE(p.x + p.y + p.z, 24 + 1e-9);
+      EXPECT_LE(std::max({p.x, p.y, p.z}), 9.5 + 1e-9);
+    }
+  }
+}
+
+// Planes on the box's faces change nothing; a region is a smaller box; a plane beside the box leaves nothing.
+TEST(VolumeOutline, FacesAndRegions_areBoxes) {
+  VolumeGeometry box;
+  box.dims = {10, 20, 30};
+  Clipping faces;
+  faces.planes = {{{1, 0, 0}, 0.5}, {{-2, 0, 0}, 19}, {{0, 0, 1}, 0.5}};
+  EXPECT_EQ(edgesOf(box, faces).size(), 12u);
+  Clipping region;
+  region.region = VoxelBox{{2, 3, 4}, {5, 6, 7}};
+  double longest = 0;
+  for (const auto& [a, b] : edgesOf(box, region)) longest = std::max(longest, glm::distance(a, b));
+  EXPECT_NEAR(longest, 3, 1e-12);
+  Clipping none;
+  none.planes = {{{1, 0, 0}, -100}};
+  EXPECT_TRUE(edgesOf(box, none).empty());
+}
+
+TEST(Directions, PatientFrames_haveTheirLetters) {
+  AnnotatedPicture picture = pictureOf({Projection::kOrthographic, {100, 100}});
+  for (const auto& [frame, positive_x] : {std::pair{PatientFrame::kLps, "L"}, std::pair{PatientFrame::kRas, "R"}}) {
+    picture.box.frame = frame;
+    const std::vector<Direction> all = directionsOf(picture);
+    ASSERT_EQ(all.size(), 6u);
+    for (const Direction& direction : all) {
+      const glm::dvec3 x = glm::dvec3(picture.view.view_from_world[0]);
+      if (direction.name == positive_x) EXPECT_LT(glm::distance(direction.seen, x), 1e-12);
+    }
+    EXPECT_GE(all.front().seen.z, all.back().seen.z);
+  }
+  picture.box.frame = PatientFrame::kUnknown;
+  EXPECT_EQ(directionsOf(picture).size(), 3u);
+}
+
+TEST(Legend, SurfacesAndLabels_areEntries) {
+  TransferFunction surfaces;
+  surfaces.surfaces = {{100, {1, 0, 0}, 1}, {200, {0, 1, 0}, 0}, {300.5, {0, 0, 1}, 0.5}};
+  const std::vector<LegendEntry> of_surfaces = legendEntries(surfaces);
+  ASSERT_EQ(of_surfaces.size(), 2u);
+  EXPECT_EQ(of_surfaces[0].text, "300.5");
+  EXPECT_EQ(of_surfaces[1].color, glm::dvec3(1, 0, 0));
+  TransferFunction labels;
+  for (int i = 0; i < 40; ++i)
+    labels.labels.push_back({double(i), i == 1 ? "liver" : "", glm::dvec3(0.5), i > 0 ? 1.0 : 0.0});
+  const std::vector<LegendEntry> of_labels = legendEntries(labels);
+  ASSERT_EQ(of_labels.size(), kMostEntries);
+  EXPECT_EQ(of_labels[0].text, "liver");
+  EXPECT_EQ(of_labels[1].text, "2");
+  EXPECT_EQ(of_labels.back().text, "… 26 more");
+}
+
+TEST(RoundNumbers, TextsAndTicks) {
+  EXPECT_EQ(roundNumberBelow(1), 1);
+  EXPECT_EQ(roundNumberBelow(4.99), 2);
+  EXPECT_EQ(roundNumberBelow(0.0501), 0.05);
+  EXPECT_EQ(roundNumberBelow(1e5), 1e5);
+  EXPECT_EQ(textOfNumber(0.05, 0.05), "0.05");
+  EXPECT_EQ(textOfNumber(-200, 100), "−200");
+  EXPECT_EQ(textOfNumber(0, 0.5), "0.0");
+  EXPECT_EQ(textOfNumber(2e9, 1e9), "2e+09");
+  EXPECT_EQ(roundTicks(-0.1, 1.1, 7), (std::vector<double>{0, 0.2, 0.4, 0.6, 0.8, 1}));
+  EXPECT_EQ(roundTicks(3, 3, 7), std::vector<double>{3});
+  for (double lo = -3; lo < 3; lo += 0.37) {
+    for (double span = 0.001; span < 1e5; span *= 3.7) {
+      const std::vector<double> ticks = roundTicks(lo, lo + span, 7);
+      EXPECT_GE(ticks.size(), 2u) << lo << " " << span;
+      EXPECT_LE(ticks.size(), 7u) << lo << " " << span;
+    }
+  }
+}
+
+// Known: the area of an outline, and that overlapping parts count once.
+TEST(Coverage, Areas_areExactToALine) {
+  const auto areaOf = [](const Outline& outline) {
+    const Coverage coverage(outline);
+    double out = 0;
+    for (int row = 0; row < 60; ++row) {
+      std::vector<std::int32_t> sums(60);
+      coverage.addRow(row, 0, sums);
+      for (const std::int32_t sum : sums) {
+        EXPECT_LE(sum, Coverage::kFull);
+        out += static_cast<double>(sum) / Coverage::kFull;
+      }
+    }
+    return out;
+  };
+  EXPECT_NEAR(areaOf({rectangle({10.25, 5.5}, {30.75, 20.5})}), 20.5 * 15, 1e-9);
+  EXPECT_NEAR(areaOf({disc({30, 30}, 20, 64)}), 0.5 * 64 * 400 * std::sin(2 * 3.14159265358979 / 64), 0.5);
+  EXPECT_NEAR(areaOf({rectangle({0, 0}, {20, 20}), rectangle({10, 10}, {30, 30})}), 700, 1e-9);
+  EXPECT_NEAR(areaOf(stroke({5, 5}, {35, 45}, 4)), 200, 0.5);
+  EXPECT_NEAR(areaOf({rectangle({-500, 10}, {500, 20})}), 600, 1e-9);
+}
+
+}  // namespace
+}  // namespace kiln

@@ -1,0 +1,222 @@
+// Annotated pictures as users see them: layers of an EXR, pictures composited, crops, tiles and ranks equal to the
+// whole, and each wrong combination refused in one line.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "base/file/file.h"
+#include "image/file/image_file.h"
+#include "image/srgb.h"
+#include "support/system/tool_test.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+const std::vector<std::string> kAll = {"--scale-bar", "--box",  "--legend", "--legend-title",
+                                       "value",       "--axes", "--text",   "{volume} {frame}"};
+const std::vector<std::string> kLayer = {"annotation.R", "annotation.G", "annotation.B", "annotation.A"};
+
+class AnnotationsCli : public ToolTest {
+ protected:
+  AnnotationsCli() : ToolTest("annotations_") {}
+  void SetUp() override { done({"convert", "phantom:head:40x40x40", in("h.kiln"), "--brick-size", "16"}); }
+
+  // `kiln render h.kiln -o NAME --size 160x120 OPTIONS`, with all annotations.
+  void drawn(const std::string& name, std::vector<std::string> options = {}, bool annotated = true) const {
+    options.insert(options.begin(), {"render", in("h.kiln"), "-o", in(name), "--size", "160x120"});
+    if (annotated) options.insert(options.end(), kAll.begin(), kAll.end());
+    done(options);
+  }
+  Image read(const std::string& name, const std::vector<std::string>& planes = {}) const {
+    return readImage(in(name), planes);
+  }
+  void refused(std::vector<std::string> options, const std::string& mention) const {
+    options.insert(options.begin(), {"render", in("h.kiln")});
+    ToolTest::refused(options, 2, mention);
+  }
+};
+
+bool same(const ZeroPages<float>& a, const ZeroPages<float>& b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin());
+}
+
+double inkOf(const Image& image) {
+  double out = 0;
+  for (const float alpha : image.planes.back().values) out += alpha;
+  return out;
+}
+
+TEST_F(AnnotationsCli, AnExrHasTheLayerBesideEqualColours) {
+  drawn("plain.exr", {"--exr-type", "float"}, false);
+  drawn("layer.exr", {"--exr-type", "float"});
+  drawn("depth.exr", {"--exr-type", "float", "--aov", "depth"});
+  const Image plain = read("plain.exr"), layer = read("layer.exr", kLayer), depth = read("depth.exr", kLayer);
+  EXPECT_TRUE(same(plain.rgba, layer.rgba));
+  EXPECT_GT(inkOf(layer), 500);
+  // The outline is hidden by depth whether the file holds the depth or not.
+  for (std::size_t i = 0; i < kLayer.size(); ++i) EXPECT_TRUE(same(layer.planes[i].values, depth.planes[i].values));
+  const std::vector<std::string> channels = readPixelLayout(in("layer.exr")).channels;
+  EXPECT_EQ(std::count(channels.begin(), channels.end(), "Z"), 0);
+  EXPECT_EQ(channels.size(), 8u);
+}
+
+// Known: "over", in linear light.
+TEST_F(AnnotationsCli, APngIsTheLayerOverTheColours) {
+  const std::vector<std::string> options = {"--exr-type", "float", "--background", "navy:0.2,0.2,0.2"};
+  drawn("layer.exr", options);
+  drawn("flat.png", {"--background", "navy:0.2,0.2,0.2", "--png-bits", "16"});
+  const Image layer = read("layer.exr", kLayer), flat = read("flat.png");
+  double worst = 0;
+  for (int y = 0; y < flat.height; ++y) {
+    for (int x = 0; x < flat.width; ++x) {
+      const auto place = static_cast<std::size_t>(y * flat.width + x);
+      const float open = 1 - layer.planes[3].values[place];
+      for (int channel = 0; channel < 3; ++channel) {
+        const double expected =
+            layer.planes[static_cast<std::size_t>(channel)].values[place] + open * layer.pixel(x, y)[channel];
+        worst = std::max(worst,
+                         std::abs(srgbFromLinear(std::min(expected, 1.0)) - srgbFromLinear(flat.pixel(x, y)[channel])));
+      }
+    }
+  }
+  EXPECT_LT(worst, 2e-4);
+}
+
+TEST_F(AnnotationsCli, CropsAreThePixelsOfTheWhole) {
+  for (const std::string& ending : {std::string(".png"), std::string(".exr")}) {
+    drawn("whole" + ending);
+    drawn("crop" + ending, {"--crop", "83,20,70,90"});
+    const std::vector<std::string> planes = ending == ".exr" ? kLayer : std::vector<std::string>();
+    const Image whole = read("whole" + ending, planes), crop = read("crop" + ending, planes);
+    ASSERT_EQ(crop.width, 70);
+    std::size_t different = 0;
+    for (int y = 0; y < 90; ++y) {
+      different += std::equal(crop.pixel(0, y), crop.pixel(0, y) + 4 * 70, whole.pixel(83, 20 + y)) ? 0 : 1;
+      for (std::size_t i = 0; i < planes.size(); ++i)
+        different += std::equal(crop.planes[i].values.begin() + y * 70, crop.planes[i].values.begin() + (y + 1) * 70,
+                                whole.planes[i].values.begin() + (20 + y) * 160 + 83)
+                         ? 0
+                         : 1;
+    }
+    EXPECT_EQ(different, 0u) << ending;
+  }
+}
+
+TEST_F(AnnotationsCli, TilesThatSurviveAKillGiveEqualFiles) {
+  for (const char* const name : {"whole.png", "whole.exr"}) {
+    const std::string tiles = std::string("tiles_") + name;
+    drawn(name, {"--tone", "soft", "--exposure", "0.5"});
+    drawn(tiles, {"--tone", "soft", "--exposure", "0.5", "--checkpoint"});
+    EXPECT_EQ(readFile(in(name)), readFile(in(tiles))) << name;
+  }
+}
+
+TEST_F(AnnotationsCli, RanksGiveEqualFiles) {
+  if (!canRunRanks()) GTEST_SKIP() << "mpirun is not here";
+  drawn("alone.png");
+  for (const char* const share : {"tiles", "frames", "bricks"}) {
+    std::vector<std::string> arguments = {"render", in("h.kiln"), "-o",           in("ranks.png"),
+                                          "--size", "160x120",    "--distribute", share};
+    arguments.insert(arguments.end(), kAll.begin(), kAll.end());
+    const ToolResult result = runTool(arguments, {.ranks = 2});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const Image alone = read("alone.png"), ranks = read("ranks.png");
+    double worst = 0;
+    for (std::size_t i = 0; i < alone.rgba.size(); ++i)
+      worst = std::max<double>(worst, std::abs(srgbFromLinear(alone.rgba[i]) - srgbFromLinear(ranks.rgba[i])));
+    EXPECT_LE(worst, std::string(share) == "bricks" ? 2.0 / 255 : 0.0) << share;
+  }
+}
+
+// The number of the frame is part of a frame's picture: a file of another frame is no finished one.
+TEST_F(AnnotationsCli, ResumeKnowsTheTextOfAFrame) {
+  const std::vector<std::string> options = {"--frames", "1,2"};
+  drawn("f_#.png", options);
+  EXPECT_NE(readFile(in("f_1.png")), readFile(in("f_2.png")));
+  std::vector<std::string> again = {"render",  in("h.kiln"), "-o",  in("f_#.png"), "--size",
+                                    "160x120", "--frames",   "1,2", "--resume"};
+  again.insert(again.end(), kAll.begin(), kAll.end());
+  done(again);
+  fs::copy_file(in("f_2.png"), in("f_1.png"), fs::copy_options::overwrite_existing);
+  ToolTest::refused(again, 1, "annotations.text is");
+}
+
+// The job in a header draws the same picture again, braces included.
+TEST_F(AnnotationsCli, TheJobOfAHeaderDrawsAnEqualPicture) {
+  std::vector<std::string> arguments = {"render",
+                                        in("h.kiln"),
+                                        "-o",
+                                        in("a.exr"),
+                                        "--size",
+                                        "160x120",
+                                        "--frames",
+                                        "7",
+                                        "--text",
+                                        "{{{frame}}} of {volume}: {minimum} to {maximum}, {voxels}, {time}",
+                                        "--annotation-color",
+                                        "orange",
+                                        "--annotation-size",
+                                        "1.5",
+                                        "--axes"};
+  done(arguments);
+  done({"render", in("a.exr"), "-o", in("b.exr")});
+  const Image a = read("a.exr", kLayer), b = read("b.exr", kLayer);
+  for (std::size_t i = 0; i < kLayer.size(); ++i) EXPECT_TRUE(same(a.planes[i].values, b.planes[i].values));
+}
+
+TEST_F(AnnotationsCli, BothEyesAreAnnotated) {
+  const std::vector<std::string> pair = {"--stereo", "both", "--interocular", "4"};
+  drawn("both.png", pair);
+  std::vector<std::string> plain = pair;
+  drawn("plain.png", plain, false);
+  const Image both = read("both.png"), without = read("plain.png");
+  for (const int eye : {0, 1}) {
+    std::size_t different = 0;
+    for (int y = 0; y < both.height; ++y) {
+      for (int x = eye * 160; x < (eye + 1) * 160; ++x)
+        different += std::equal(both.pixel(x, y), both.pixel(x, y) + 4, without.pixel(x, y)) ? 0 : 1;
+    }
+    EXPECT_GT(different, 500u) << eye;
+  }
+  std::vector<std::string> one = {"--stereo", "left", "--interocular", "4"};
+  drawn("left.png", one);
+  const Image left = read("left.png");
+  std::size_t different = 0;
+  for (int y = 0; y < left.height; ++y)
+    different += std::equal(left.pixel(0, y), left.pixel(0, y) + 4 * 160, both.pixel(0, y)) ? 0 : 1;
+  EXPECT_EQ(different, 0u);
+  drawn("both.exr", pair);
+  EXPECT_GT(inkOf(read("both.exr", kLayer)), 500);
+}
+
+TEST_F(AnnotationsCli, SheetsProjectionsAndPanoramasAreAnnotated) {
+  drawn("sheet.png", {"--turntable", "12", "--sheet", "2"});
+  drawn("plain.png", {"--turntable", "12", "--sheet", "2"}, false);
+  EXPECT_NE(readFile(in("sheet.png")), readFile(in("plain.png")));
+  drawn("mip.exr", {"--mode", "mip"});
+  EXPECT_GT(inkOf(read("mip.exr", kLayer)), 500);
+  done({"render", in("h.kiln"), "-o", in("around.exr"), "--size", "128x64", "--projection", "equirectangular", "--text",
+        "around", "--legend"});
+  EXPECT_GT(inkOf(read("around.exr", kLayer)), 50);
+}
+
+TEST_F(AnnotationsCli, WrongCombinationsAreRefused) {
+  refused({"-o", in("a.exr"), "--part", "1/2", "--box"}, "--part: a partial image is not finished");
+  refused({"-o", in("a.png"), "--projection", "equirectangular", "--axes"}, "a panorama has no scale bar");
+  refused({"-o", in("a.png"), "--legend-title", "HU"}, "--legend-title: no legend is drawn");
+  refused({"-o", in("a.png"), "--text", "{fraem}"}, "{fraem}");
+  refused({"-o", in("a.png"), "--text", "a}"}, "--text: expected a text with placeholders");
+  refused({"-o", in("a.exr"), "--deep", "--scale-bar"}, "annotations: are drawn over colours");
+  refused({"-o", in("a.png"), "--annotation-size", "0.1"}, "--annotation-size: expected");
+  refused({"-o", in("a.png"), "--annotation-color", "inky"}, "--annotation-color: expected");
+  writeText(in("job.json"), R"({"kiln": 2, "volume": "h.kiln", "output": "a.png", "annotations": {"text": "{x}"}})");
+  ToolTest::refused({"render", in("job.json")}, 2, "annotations.text: expected a text with placeholders");
+}
+
+}  // namespace
+}  // namespace kiln::test
