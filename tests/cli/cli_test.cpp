@@ -624,9 +624,10 @@ TEST_F(Cli, NoSpaceLeft) {
   expectRefused({"export", in("n.kiln"), in("n.vdb"), "--overwrite"}, 1, {in("n.vdb"), "free space"}, full);
   EXPECT_EQ(readTextFile(in("n.vdb")), whole);
   fs::remove(in("n.vdb"));
-  // Noise in every pixel: no PNG of 40 x 40 such pixels is shorter than the limit.
+  // Noise in every pixel: no picture of 40 x 40 such pixels is shorter than the limit.
   full.file_bytes = 512;
-  expectRefused({"slice", in("n.kiln"), "-o", in("p.png")}, 1, {in("p.png"), "free space"}, full);
+  for (const char* const name : {"p.png", "p.tif", "p.jpg"})
+    expectRefused({"slice", in("n.kiln"), "-o", in(name)}, 1, {in(name), "free space"}, full);
   if (fs::exists("/dev/full")) {
     // Through a link, so that a program that replaces its output replaces only the link.
     fs::create_symlink("/dev/full", in("full.json"));

@@ -42,7 +42,7 @@ TEST(ImageRows, BandsOfAnyHeight_giveTheBytesOfTheWholePicture) {
   ImageMetadata metadata;
   metadata.text["comments"] = "bands";
   metadata.whole = ImageMetadata::Whole{5, 9, 100, 400};
-  for (const std::string name : {"a.png", "b.exr", "c.exr"}) {
+  for (const std::string name : {"a.png", "d.tif", "e.jpg", "b.exr", "c.exr"}) {
     // Planes are of EXR files only.
     if (name == "b.exr") image.planes.push_back({"Z", ZeroPages<float>(image.rgba.size() / 4, 3.5F)});
     for (const char* const compression : {"zip", "piz", "none"}) {
@@ -57,7 +57,7 @@ TEST(ImageRows, BandsOfAnyHeight_giveTheBytesOfTheWholePicture) {
     }
   }
   // No temporary file remains.
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory), {}), 6);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory), {}), 10);
 }
 
 }  // namespace

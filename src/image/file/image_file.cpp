@@ -11,7 +11,9 @@
 #include "base/memory/memory.h"
 #include "image/file/exr_deep.h"
 #include "image/file/exr_file.h"
+#include "image/file/jpeg_file.h"
 #include "image/file/png_file.h"
+#include "image/file/tiff_picture.h"
 #include "image/image_memory.h"
 
 namespace kiln {
@@ -38,11 +40,21 @@ bool isExrPath(const std::filesystem::path& path) { return extensionOf(path) == 
 
 bool isPictureName(const std::filesystem::path& path) { return isExrPath(path) || extensionOf(path) == ".png"; }
 
+std::optional<PictureFormat> pictureFormatOf(const std::filesystem::path& path) {
+  const std::string ending = extensionOf(path);
+  if (ending == ".exr") return PictureFormat::kExr;
+  if (ending == ".png") return PictureFormat::kPng;
+  if (ending == ".tif" || ending == ".tiff") return PictureFormat::kTiff;
+  if (ending == ".jpg" || ending == ".jpeg") return PictureFormat::kJpeg;
+  return std::nullopt;
+}
+
 void requireImagePath(const std::filesystem::path& path, bool with_planes) {
-  if (!isPictureName(path))
-    throw Error(ErrorCode::kUsage, path, "", "is no picture's name; it must end in .exr or .png");
+  if (!pictureFormatOf(path))
+    throw Error(ErrorCode::kUsage, path, "", "is no picture's name; it must end in .exr, .png, .tif or .jpg");
   if (with_planes && !isExrPath(path))
-    throw Error(ErrorCode::kUsage, path, "", "a PNG holds colours only; planes (--aov) need a name ending in .exr");
+    throw Error(ErrorCode::kUsage, path, "",
+                "only an EXR holds more than colours; planes (--aov) need a name ending in .exr");
 }
 
 namespace {
@@ -50,6 +62,13 @@ namespace {
 PatternPlace patternPlaceOf(const ImageMetadata& metadata) {
   const ImageMetadata::Whole whole = metadata.whole.value_or(ImageMetadata::Whole());
   return {whole.x, whole.y, metadata.views_beside};
+}
+
+void requireJpegSize(const ImageRows& rows, const std::filesystem::path& path) {
+  if (std::max(rows.width, rows.height) > kLargestJpegSide_px)
+    throw Error(ErrorCode::kUsage, path, "",
+                fmt::format("a JPEG has sides of at most {} pixels (found {} x {}); write a PNG or a TIFF",
+                            kLargestJpegSide_px, rows.width, rows.height));
 }
 
 }  // namespace
@@ -60,7 +79,8 @@ void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFi
   assert(image.rgba.size() == static_cast<std::size_t>(image.width) * image.height * 4 || image.rgba.empty());
   assert(options.png_bits == 8 || options.png_bits == 16);
   requireImagePath(path, !image.planes.empty());
-  if (pixelBytes(image) > kEncodedInMemory) {
+  const bool other = !isPictureName(path);  // TIFF and JPEG have one way
+  if (other || pixelBytes(image) > kEncodedInMemory) {
     RowsOfImage rows(image);
     return writeImage(rows, metadata, options, path);
   }
@@ -73,9 +93,17 @@ void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFi
 void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path) {
   requireImagePath(path, !rows.bandAt(0).image->planes.empty());
+  const PictureFormat format = *pictureFormatOf(path);
+  if (format == PictureFormat::kJpeg) {
+    requireJpegSize(rows, path);
+    return chosenDisk(options.disk).writeAtomic(path, encodeJpeg(rows, options.jpeg_quality, metadata.text));
+  }
   ScratchOutput out(path, chosenDisk(options.disk));
-  if (isExrPath(path))
+  if (format == PictureFormat::kExr)
     encodeExr(rows, metadata, options, path, out);
+  else if (format == PictureFormat::kTiff)
+    encodeTiff(rows, path, metadata.text,
+               [&](std::uint64_t offset, std::span<const std::byte> bytes) { out.write(offset, bytes); });
   else
     encodePng(rows, options.png_bits, path, metadata.text, patternPlaceOf(metadata),
               [&](std::span<const std::byte> bytes) { out.write(out.size(), bytes); });
@@ -106,7 +134,8 @@ void writeDeepImage(const DeepSamples& samples, const ImageMetadata& metadata, c
 namespace {
 
 Error notAPicture(const std::filesystem::path& path) {
-  return Error(ErrorCode::kFormat, path, "byte 0", "the file is neither OpenEXR nor PNG");
+  return Error(ErrorCode::kFormat, path, "byte 0",
+               "the file is no picture that Kiln writes: OpenEXR, PNG, TIFF or JPEG");
 }
 
 // Returns enough bytes to recognize a picture.
@@ -138,6 +167,8 @@ Image readImage(const std::filesystem::path& path, std::span<const std::string> 
   if (!planes.empty())
     throw Error(ErrorCode::kUnsupported, path, "channel " + planes[0], "is available in an EXR only");
   if (looksLikePng(data)) return decodePng(data, path, left);
+  if (looksLikeTiff(data)) return decodeTiff(data, path, left);
+  if (looksLikeJpeg(data)) return decodeJpeg(data, path, left);
   throw notAPicture(path);
 }
 
@@ -151,6 +182,8 @@ void checkImage(const std::filesystem::path& path, std::uint64_t memory_bytes) {
   const std::uint64_t left = memory_bytes - data.size();
   if (looksLikeExr(data)) return checkExr(data, path, left);
   if (looksLikePng(data)) return checkPng(data, path, left);
+  if (looksLikeTiff(data)) return checkTiff(data, path);
+  if (looksLikeJpeg(data)) return checkJpeg(data, path);
   throw notAPicture(path);
 }
 
@@ -159,6 +192,8 @@ std::map<std::string, std::string> readImageText(const std::filesystem::path& pa
   const std::vector<std::byte> first = firstBytes(file);
   if (looksLikeExr(first)) return readExrPart(file).text;
   if (looksLikePng(first)) return decodePngText(readWithin(path, memory_bytes), path, memory_bytes - file.size());
+  if (looksLikeTiff(first)) return decodeTiffText(readWithin(path, memory_bytes), path);
+  if (looksLikeJpeg(first)) return decodeJpegText(readWithin(path, memory_bytes), path);
   throw notAPicture(path);
 }
 

@@ -1,5 +1,5 @@
-// Pictures on disk: OpenEXR (linear, premultiplied) and PNG (sRGB, straight alpha). A file is written whole or not at
-// all.
+// Pictures on disk: OpenEXR (linear, premultiplied); PNG and TIFF (sRGB, straight alpha); JPEG (sRGB, opaque). A file
+// is written whole or not at all.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ namespace kiln {
 class FileSystem;
 class ImageRows;
 
-/// Contents of a file beside the pixels; a PNG holds only the texts. shape: matrices for column vectors
+/// Contents of a file beside the pixels; only an EXR holds more than the texts. shape: matrices for column vectors
 /// (`scene/camera/camera.h`); the file holds their transposes, because OpenEXR multiplies row vectors.
 struct ImageMetadata {
   /// Position of the first pixel in a larger picture, and the size of the larger picture: data window and display
@@ -50,13 +50,14 @@ struct ImageFileOptions {
   /// bytes.
   std::uint64_t writer_bytes = UINT64_MAX;
   FileSystem* disk = nullptr;  // null: the operating system's
+  int jpeg_quality = 92;       // 1 to 100
 
   /// Returns the options with the memory that a picture leaves of `memory_bytes` for the writer.
   ImageFileOptions within(std::uint64_t memory_bytes, const Image& picture) const;
 };
 
-/// Writes a file in the format of its extension, .exr or .png; equal input gives equal bytes. cost: memory of the
-/// compressed file for pictures up to 1 MiB; for larger pictures twice the file's size on disk.
+/// Writes a file in the format of its extension, .exr, .png, .tif or .jpg; equal input gives equal bytes. cost: memory
+/// of the compressed file for pictures up to 1 MiB; for larger pictures twice the file's size on disk.
 void writeImage(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                 const std::filesystem::path& path);
 
@@ -91,8 +92,12 @@ void writeDeepImage(const DeepSamples& samples, const ImageMetadata& metadata, c
 /// True if `writeImage` writes an EXR to this path.
 bool isExrPath(const std::filesystem::path& path);
 
-/// True if the name is a picture's, .exr or .png.
+/// True if the name is that of a picture whose job is read, .exr or .png. Other names of pictures may be volumes'.
 bool isPictureName(const std::filesystem::path& path);
+
+enum class PictureFormat { kExr, kPng, kTiff, kJpeg };
+/// Returns the format that `writeImage` writes to this path; nothing for other extensions.
+std::optional<PictureFormat> pictureFormatOf(const std::filesystem::path& path);
 
 /// throws: Error kUsage if `writeImage` refuses the extension for a picture with or without planes. Call before long
 /// work.
@@ -104,15 +109,15 @@ inline constexpr std::uint64_t kUnlimitedBytes = UINT64_MAX;
 /// Returns whether the file begins as an EXR or a PNG. throws: Error kNotFound, kIo.
 bool isPicture(const std::filesystem::path& path);
 
-/// Reads R, G, B, A (or Y) of an EXR's data window and the named planes, or a PNG, as linear premultiplied values. The
-/// first bytes decide the format. Samples of a deep EXR are composited. `memory_bytes` bounds the file, the picture and
-/// decoding buffers.
-/// throws: Error kFormat, kNotFound, kUnsupported; kBudget, naming the sufficient memory, before the allocation.
+/// Reads R, G, B, A (or Y) of an EXR's data window and the named planes, a PNG, a JPEG or Kiln's own TIFF, as linear
+/// premultiplied values. The first bytes decide the format. Samples of a deep EXR are composited. `memory_bytes` bounds
+/// the file, the picture and decoding buffers. throws: Error kFormat, kNotFound, kUnsupported; kBudget, naming the
+/// sufficient memory, before the allocation.
 Image readImage(const std::filesystem::path& path, std::span<const std::string> planes = {},
                 std::uint64_t memory_bytes = kUnlimitedBytes);
 /// Reads a file to its end and discards the pixels. throws: as readImage.
 void checkImage(const std::filesystem::path& path, std::uint64_t memory_bytes = kUnlimitedBytes);
-/// Returns the string attributes of an EXR, or the texts of a PNG in front of its pixels. cost: reads no pixels.
+/// Returns the string attributes of an EXR, or the texts of another picture. cost: reads no pixels.
 /// throws: as readImage.
 std::map<std::string, std::string> readImageText(const std::filesystem::path& path,
                                                  std::uint64_t memory_bytes = kUnlimitedBytes);

@@ -1,24 +1,34 @@
-// libjpeg reports errors by longjmp, which must not pass over C++ objects with destructors: all calls are in a single
-// function with locals of plain data.
+// libjpeg reports errors by longjmp, which must not pass over C++ objects with destructors: its calls are in small
+// noexcept functions whose locals are plain data. Its warnings tell of missing or damaged data, so a warning is an
+// error.
 #include "image/file/jpeg_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <csetjmp>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <span>
-#include <string>
+#include <string_view>
 
 // jpeglib.h needs stdio.h in front.
 #include <jpeglib.h>
 
 #include "base/error.h"
 #include "base/thread/parallel.h"
+#include "image/file/text_block.h"
+#include "image/image_memory.h"
 #include "image/srgb.h"
 
 namespace kiln {
 namespace {
+
+constexpr int kRowsAtATime = 16;
+constexpr int kFullColorQuality = 90;
+// Begins the comments that hold texts.
+constexpr std::string_view kTextMark = "kiln\n";
+constexpr std::size_t kMostOfComment = 65533;
 
 struct JpegOutput {
   jpeg_error_mgr errors;
@@ -27,7 +37,11 @@ struct JpegOutput {
   char complaint[JMSG_LENGTH_MAX] = "";
   unsigned char* bytes = nullptr;
   unsigned long count = 0;
-  ~JpegOutput() { std::free(bytes); }
+  JpegOutput() { jpeg = {}; }
+  ~JpegOutput() {
+    jpeg_destroy_compress(&jpeg);
+    std::free(bytes);
+  }
 };
 
 [[noreturn]] void onEncodeError(j_common_ptr jpeg) {
@@ -37,18 +51,14 @@ struct JpegOutput {
 }
 void onEncodeMessage(j_common_ptr) {}
 
-// Returns false if libjpeg found an error. shape: 3 bytes a pixel.
-bool compress(JpegOutput& output, std::uint8_t* pixels, int width, int height, int quality) noexcept {
+// The functions below return false if libjpeg found an error. shape: 3 bytes a pixel.
+bool begin(JpegOutput& output, int width, int height, int quality) noexcept {
   jpeg_compress_struct& jpeg = output.jpeg;
-  jpeg = {};
   jpeg.err = jpeg_std_error(&output.errors);
   output.errors.error_exit = &onEncodeError;
   output.errors.output_message = &onEncodeMessage;
   jpeg.client_data = &output;
-  if (setjmp(output.jump) != 0) {
-    jpeg_destroy_compress(&jpeg);
-    return false;
-  }
+  if (setjmp(output.jump) != 0) return false;
   jpeg_create_compress(&jpeg);
   jpeg_mem_dest(&jpeg, &output.bytes, &output.count);
   jpeg.image_width = static_cast<JDIMENSION>(width);
@@ -57,41 +67,179 @@ bool compress(JpegOutput& output, std::uint8_t* pixels, int width, int height, i
   jpeg.in_color_space = JCS_RGB;
   jpeg_set_defaults(&jpeg);
   jpeg_set_quality(&jpeg, quality, TRUE);
+  if (quality >= kFullColorQuality) jpeg.comp_info[0].h_samp_factor = jpeg.comp_info[0].v_samp_factor = 1;
   jpeg.dct_method = JDCT_ISLOW;
   jpeg_start_compress(&jpeg, TRUE);
-  while (jpeg.next_scanline < jpeg.image_height) {
-    JSAMPROW row = pixels + std::size_t{3} * jpeg.next_scanline * jpeg.image_width;
-    jpeg_write_scanlines(&jpeg, &row, 1);
-  }
-  jpeg_finish_compress(&jpeg);
-  jpeg_destroy_compress(&jpeg);
   return true;
+}
+
+bool putComment(JpegOutput& output, const char* text, std::size_t bytes) noexcept {
+  if (setjmp(output.jump) != 0) return false;
+  jpeg_write_marker(&output.jpeg, JPEG_COM, reinterpret_cast<const JOCTET*>(text), static_cast<unsigned>(bytes));
+  return true;
+}
+
+bool putRows(JpegOutput& output, std::uint8_t* pixels, int rows) noexcept {
+  if (setjmp(output.jump) != 0) return false;
+  for (int y = 0; y < rows; ++y) {
+    JSAMPROW row = pixels + std::size_t{3} * static_cast<std::size_t>(y) * output.jpeg.image_width;
+    jpeg_write_scanlines(&output.jpeg, &row, 1);
+  }
+  return true;
+}
+
+bool end(JpegOutput& output) noexcept {
+  if (setjmp(output.jump) != 0) return false;
+  jpeg_finish_compress(&output.jpeg);
+  return true;
+}
+
+struct JpegInput {
+  jpeg_error_mgr errors;
+  jpeg_decompress_struct jpeg;
+  std::jmp_buf jump;
+  char complaint[JMSG_LENGTH_MAX] = "";
+  bool warned = false;
+  JpegInput() { jpeg = {}; }
+  ~JpegInput() { jpeg_destroy_decompress(&jpeg); }
+};
+
+JpegInput& inputOf(j_common_ptr jpeg) { return *static_cast<JpegInput*>(jpeg->client_data); }
+
+[[noreturn]] void onDecodeError(j_common_ptr jpeg) {
+  jpeg->err->format_message(jpeg, inputOf(jpeg).complaint);
+  std::longjmp(inputOf(jpeg).jump, 1);
+}
+void onDecodeMessage(j_common_ptr jpeg, int level) {
+  if (level >= 0 || inputOf(jpeg).warned) return;
+  inputOf(jpeg).warned = true;
+  jpeg->err->format_message(jpeg, inputOf(jpeg).complaint);
+}
+
+bool readHead(JpegInput& input, std::span<const std::byte> data) noexcept {
+  jpeg_decompress_struct& jpeg = input.jpeg;
+  jpeg.err = jpeg_std_error(&input.errors);
+  input.errors.error_exit = &onDecodeError;
+  input.errors.emit_message = &onDecodeMessage;
+  input.errors.output_message = &onEncodeMessage;
+  jpeg.client_data = &input;
+  if (setjmp(input.jump) != 0) return false;
+  jpeg_create_decompress(&jpeg);
+  jpeg_mem_src(&jpeg, reinterpret_cast<const unsigned char*>(data.data()), static_cast<unsigned long>(data.size()));
+  jpeg_save_markers(&jpeg, JPEG_COM, 0xffff);
+  jpeg_read_header(&jpeg, TRUE);
+  return !input.warned;
+}
+
+bool startRows(JpegInput& input) noexcept {
+  if (setjmp(input.jump) != 0) return false;
+  input.jpeg.out_color_space = JCS_RGB;
+  jpeg_start_decompress(&input.jpeg);
+  return !input.warned;
+}
+
+bool readRow(JpegInput& input, std::uint8_t* pixels) noexcept {
+  if (setjmp(input.jump) != 0) return false;
+  JSAMPROW row = pixels;
+  jpeg_read_scanlines(&input.jpeg, &row, 1);
+  return !input.warned;
+}
+
+bool readEnd(JpegInput& input) noexcept {
+  if (setjmp(input.jump) != 0) return false;
+  jpeg_finish_decompress(&input.jpeg);
+  return !input.warned;
+}
+
+void requireRead(bool done, const JpegInput& input, const std::filesystem::path& path) {
+  if (!done)
+    throw Error(ErrorCode::kFormat, path, "",
+                fmt::format("cannot be decoded; the file is cut short or damaged (libjpeg: {})", input.complaint));
+}
+
+// Passes each row, of 3 bytes a pixel, to `use`.
+template <class Use>
+void readRows(JpegInput& input, const std::filesystem::path& path, const Use& use) {
+  requireRead(startRows(input), input, path);
+  std::vector<std::uint8_t> row(std::size_t{3} * input.jpeg.output_width);
+  for (unsigned y = 0; y < input.jpeg.output_height; ++y) {
+    requireRead(readRow(input, row.data()), input, path);
+    use(static_cast<int>(y), row);
+  }
+  requireRead(readEnd(input), input, path);
 }
 
 }  // namespace
 
-std::vector<std::byte> encodeJpeg(ImageRows& rows, int quality) {
+bool looksLikeJpeg(std::span<const std::byte> data) {
+  return data.size() >= 3 && data[0] == std::byte{0xff} && data[1] == std::byte{0xd8} && data[2] == std::byte{0xff};
+}
+
+std::vector<std::byte> encodeJpeg(ImageRows& rows, int quality, const std::map<std::string, std::string>& text) {
+  JpegOutput output;
+  const auto require = [&](bool done) {
+    if (!done) throw Error(ErrorCode::kIo, std::string("libjpeg cannot encode a picture: ") + output.complaint);
+  };
+  require(begin(output, rows.width, rows.height, quality));
+  const std::string block = textBlock(text);
+  for (std::size_t at = 0; at < block.size(); at += kMostOfComment - kTextMark.size()) {
+    const std::string comment = std::string(kTextMark) + block.substr(at, kMostOfComment - kTextMark.size());
+    require(putComment(output, comment.data(), comment.size()));
+  }
   const SrgbBytes& srgb = SrgbBytes::all();
   const auto width = static_cast<std::size_t>(rows.width);
-  std::vector<std::uint8_t> pixels(3 * width * static_cast<std::size_t>(rows.height));
+  std::vector<std::uint8_t> pixels(3 * width * kRowsAtATime);
   for (int y = 0; y < rows.height;) {
     const ImageRows::Band band = rows.bandAt(y);
-    const int end = std::min(band.end(), rows.height);
-    parallelFor(static_cast<std::size_t>(end - y), [&](std::size_t i) {
-      const int row = y + static_cast<int>(i);
-      std::uint8_t* out = pixels.data() + 3 * width * static_cast<std::size_t>(row);
-      const float* rgba = band.image->pixel(0, row - band.first_row);
+    const int count = std::min({band.end() - y, rows.height - y, kRowsAtATime});
+    parallelFor(static_cast<std::size_t>(count), [&](std::size_t i) {
+      std::uint8_t* out = pixels.data() + 3 * width * i;
+      const float* rgba = band.image->pixel(0, y + static_cast<int>(i) - band.first_row);
       for (std::size_t x = 0; x < width; ++x, rgba += 4) {
         for (int channel = 0; channel < 3; ++channel) *out++ = srgb.of(rgba[channel]);
       }
     });
-    y = end;
+    require(putRows(output, pixels.data(), count));
+    y += count;
   }
-  JpegOutput output;
-  if (!compress(output, pixels.data(), rows.width, rows.height, quality))
-    throw Error(ErrorCode::kIo, std::string("libjpeg cannot encode a picture: ") + output.complaint);
+  require(end(output));
   const auto bytes = std::as_bytes(std::span(output.bytes, output.count));
   return {bytes.begin(), bytes.end()};
+}
+
+std::map<std::string, std::string> decodeJpegText(std::span<const std::byte> data, const std::filesystem::path& path) {
+  JpegInput input;
+  requireRead(readHead(input, data), input, path);
+  std::string block;
+  for (auto* marker = input.jpeg.marker_list; marker != nullptr; marker = marker->next) {
+    const std::string_view comment(reinterpret_cast<const char*>(marker->data), marker->data_length);
+    if (comment.starts_with(kTextMark)) block += comment.substr(kTextMark.size());
+  }
+  return textsOfBlock(block).value_or(std::map<std::string, std::string>());
+}
+
+Image decodeJpeg(std::span<const std::byte> data, const std::filesystem::path& path, std::uint64_t memory_bytes) {
+  JpegInput input;
+  requireRead(readHead(input, data), input, path);
+  const std::uint64_t pixels = std::uint64_t{input.jpeg.image_width} * input.jpeg.image_height;
+  requireMemory(pixels * 4 * sizeof(float), memory_bytes, path);
+  std::array<float, 256> light;
+  for (std::size_t i = 0; i < light.size(); ++i) light[i] = static_cast<float>(linearFromSrgb(double(i) / 255));
+  Image out(static_cast<int>(input.jpeg.image_width), static_cast<int>(input.jpeg.image_height));
+  readRows(input, path, [&](int y, const std::vector<std::uint8_t>& row) {
+    float* pixel = out.pixel(0, y);
+    for (std::size_t i = 0; i < row.size(); i += 3, pixel += 4) {
+      for (std::size_t channel = 0; channel < 3; ++channel) pixel[channel] = light[row[i + channel]];
+      pixel[3] = 1;
+    }
+  });
+  return out;
+}
+
+void checkJpeg(std::span<const std::byte> data, const std::filesystem::path& path) {
+  JpegInput input;
+  requireRead(readHead(input, data), input, path);
+  readRows(input, path, [](int, const std::vector<std::uint8_t>&) {});
 }
 
 }  // namespace kiln

@@ -34,6 +34,7 @@
 #include "sequence/sequence_sheet.h"
 #include "sequence/series_volumes.h"
 #include "sequence_report.h"
+#include "standard_output.h"
 #include "store/manifest/read_manifest.h"
 #include "store/store_reader.h"
 
@@ -72,7 +73,7 @@ void findEncoder(const RenderArguments& a, RenderJob& job) {
 
 void requireOutput(const RenderArguments& a, const OutputOptions& output) {
   if (output.path.empty() && output.files.empty() && output.video.path.empty() && !a.dry_run)
-    throw Error(ErrorCode::kUsage, "-o: name the picture to write, .exr or .png, or a video, .mp4 or .webm");
+    throw Error(ErrorCode::kUsage, "-o: name the picture to write, such as .exr or .png, or a video, .mp4 or .webm");
 }
 
 // Leaves every N-th of the job's frames, from the I-th on.
@@ -181,8 +182,23 @@ void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
   }
 }
 
-RenderJob jobOf(const RenderArguments& a) {
+// Checks that standard output gets one whole picture.
+void requireOnePicture(const RenderArguments& a, const RenderJob& job, const Context& context) {
+  if (a.resume || a.checkpoint)
+    throw Error(ErrorCode::kUsage,
+                "-o -: standard output keeps nothing to go on from; leave --resume and --checkpoint out");
+  if (!context.ranks->alone())
+    throw Error(ErrorCode::kUsage, "-o -: is one process's standard output (found several ranks); name a file");
+  if (const std::size_t frames = framesOf(job).size(); frames > 1 && a.sheet == 0)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("-o -: standard output takes one picture (found {} frames); add --frames 1, or name files",
+                            frames));
+}
+
+RenderJob jobOf(const RenderArguments& a, StandardOutput& standard_output, const Context& context) {
   RenderJob job = jobOfInput(a.input, a.job.given(), a.volumes);
+  standard_output.take(job.output);
+  if (standard_output.taken()) requireOnePicture(a, job, context);
   requireOutput(a, job.output);
   if (a.share) applyShare(*a.share, job);
   findEncoder(a, job);
@@ -317,7 +333,8 @@ void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions&
 void drawSheet(const RenderArguments& a, const RenderJob& job, const SequenceOptions& options, Context& context) {
   FileSystem::real().requirePlaceFor(job.output.path);
   const Image sheet = drawSequenceSheet(job, options.store_for, context.progress);
-  const ImageFileOptions file{job.output.exr_float, job.output.png_bits, job.output.exr_compression};
+  ImageFileOptions file{job.output.exr_float, job.output.png_bits, job.output.exr_compression};
+  file.jpeg_quality = job.output.jpeg_quality;
   writeImage(sheet, {}, file.within(job.speed.memory_bytes, sheet), job.output.path);
   context.progress.clear();
   if (!a.quiet)
@@ -338,7 +355,8 @@ void run(const RenderArguments& a, Context& context) {
   if (a.repeat < 1) throw Error(ErrorCode::kUsage, "--repeat: expected at least 1");
   applyProgress(a.quiet && a.progress == "auto" ? "none" : a.progress, context.progress);
   shareHeaps();
-  const RenderJob job = jobOf(a);
+  StandardOutput standard_output;
+  const RenderJob job = jobOf(a, standard_output, context);
   if (!context.ranks->first() && (a.dry_run || a.repeat > 1 || a.sheet > 0)) return;
   SequenceOptions options;
   options.ranks = context.ranks;
@@ -369,6 +387,7 @@ void run(const RenderArguments& a, Context& context) {
     drawSheet(a, job, options, context);
   else
     runFrames(a, job, options, context);
+  standard_output.copy();
 }
 
 // Adds the job's file to an error of the job's camera, unless an option changed the camera.

@@ -168,8 +168,9 @@ void addView(CLI::App& app, Context& context) {
       ->allow_extra_args(false);
   command->add_flag("--no-browser", a->no_browser,
                     "Print the address, and open no browser. Without a desktop or a terminal none is opened.");
-  for (const OptionGroup group : {OptionGroup::kCamera, OptionGroup::kTransferFunction, OptionGroup::kLight,
-                                  OptionGroup::kShown, OptionGroup::kQuality, OptionGroup::kCost}) {
+  for (const OptionGroup group :
+       {OptionGroup::kCamera, OptionGroup::kTransferFunction, OptionGroup::kLight, OptionGroup::kShown,
+        OptionGroup::kAnnotations, OptionGroup::kQuality, OptionGroup::kCost}) {
     a->job.addTo(*command, group);
     if (group == OptionGroup::kShown) a->volumes.addTo(*command);
   }

@@ -1,0 +1,76 @@
+// Pictures as TIFF and JPEG, and on standard output. Known: standard output has the bytes of the file that the same
+// command writes, and nothing else; all text is on standard error.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "base/file/file.h"
+#include "image/compare.h"
+#include "image/file/image_file.h"
+#include "support/system/tool_test.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+class PicturesCli : public ToolTest {
+ protected:
+  PicturesCli() : ToolTest("pictures_") {}
+  void SetUp() override { done({"convert", "phantom:head:40x40x40", in("h.kiln"), "--brick-size", "16"}); }
+
+  std::vector<std::string> render(const std::string& output, std::vector<std::string> options = {}) const {
+    options.insert(options.begin(), {"render", in("h.kiln"), "-o", output, "--size", "60x40", "--background", "white"});
+    return options;
+  }
+};
+
+TEST_F(PicturesCli, StandardOutputHasTheBytesOfTheFile) {
+  for (const auto& [output, file] : {std::pair{"-", "a.png"}, std::pair{"-.exr", "a.exr"}, std::pair{"-.tif", "a.tif"},
+                                     std::pair{"-.jpg", "a.jpg"}, std::pair{"-.png", "a.png"}}) {
+    done(render(in(file)));
+    const ToolResult result = done(render(output, {"--verbose"}));
+    EXPECT_EQ(result.out, readTextFile(in(file))) << output;
+    EXPECT_FALSE(result.err.empty());
+  }
+  EXPECT_FALSE(fs::exists(directory_ / "-"));
+}
+
+TEST_F(PicturesCli, StandardOutputTakesOneWholePicture) {
+  refused(render("-", {"--turntable", "4"}), 2, "takes one picture (found 4 frames)");
+  refused(render("-", {"--resume"}), 2, "keeps nothing to go on from");
+  EXPECT_TRUE(done(render("-", {"--turntable", "4", "--sheet", "2"})).out.starts_with("\x89PNG"));
+  EXPECT_TRUE(done(render("-", {"--dry-run"})).out.empty());
+}
+
+TEST_F(PicturesCli, TiffAndJpegShowThePicture) {
+  done(render(in("a.png"), {"--png-bits", "16"}));
+  for (const auto& [name, least] : {std::pair{"a.tif", 90.0}, std::pair{"a.jpg", 30.0}}) {
+    done(render(in(name)));
+    const ImageDifference difference = compareImages(readImage(in("a.png")), readImage(in(name)));
+    EXPECT_GT(difference.psnr_db, least) << name;
+  }
+}
+
+TEST_F(PicturesCli, ResumeKeepsTiffAndJpeg) {
+  for (const std::string name : {"a.tif", "a.jpg"}) {
+    done(render(in(name)));
+    const auto time = fs::last_write_time(in(name));
+    done(render(in(name), {"--resume"}));
+    EXPECT_EQ(fs::last_write_time(in(name)), time);
+    refused(render(in(name), {"--resume", "--axes"}), 1, "is a picture of another job: annotations");
+    // A file that a killed copy has left short is drawn again.
+    fs::resize_file(in(name), fs::file_size(in(name)) - 40);
+    done(render(in(name), {"--resume"}));
+    checkImage(in(name));
+  }
+  refused(render(in("a.jpg"), {"--resume", "--jpeg-quality", "50"}), 1, "is a picture of another job");
+}
+
+TEST_F(PicturesCli, AJpegNeedsABackground) {
+  refused({"render", in("h.kiln"), "-o", in("a.jpg"), "--size", "8x8"}, 2, "a JPEG has no transparency");
+  done({"render", in("h.kiln"), "-o", in("a.jpg"), "--size", "8x8", "--mode", "mip"});
+  refused({"render", in("h.kiln"), "-o", in("a.tif"), "--size", "8x8", "--aov", "depth"}, 2, "only an EXR holds more");
+}
+
+}  // namespace
+}  // namespace kiln::test

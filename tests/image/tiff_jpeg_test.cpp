@@ -1,0 +1,143 @@
+// TIFF and JPEG files. Known: the pixels that were written, within the steps of 16 bits and the loss of a JPEG of
+// quality 100; the texts; files of another length than written are damaged; a full disk leaves no file.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/error.h"
+#include "base/file/file.h"
+#include "image/file/image_file.h"
+#include "image/file/text_block.h"
+#include "image/srgb.h"
+#include "support/system/expect_error.h"
+#include "support/system/faulty_file_system.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+// Smooth colours, premultiplied; opaque without `alpha`.
+Image smooth(int width, int height, bool alpha) {
+  Image out(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const float u = static_cast<float>(x) / static_cast<float>(width),
+                  v = static_cast<float>(y) / static_cast<float>(height);
+      const float opacity = alpha ? 0.25f + 0.75f * u : 1.0f;
+      const float rgba[] = {opacity * u, opacity * v, opacity * (1 - u), opacity};
+      std::copy_n(rgba, 4, out.pixel(x, y));
+    }
+  }
+  return out;
+}
+
+double worstShown(const Image& a, const Image& b) {
+  double out = 0;
+  for (std::size_t i = 0; i < a.rgba.size(); ++i)
+    out = std::max(out, std::abs(srgbFromLinear(a.rgba[i]) - srgbFromLinear(b.rgba[i])));
+  return out;
+}
+
+class TiffAndJpeg : public ::testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    directory_ = freshDirectory(fmt::format("tiff_jpeg_{}", std::string(GetParam()).substr(2)));
+    metadata_.text = {{"kiln:job", std::string(150000, 'j') + "\n=1:ü"}, {"comments", "two\nlines"}, {"empty", ""}};
+  }
+  fs::path file() const { return directory_ / GetParam(); }
+  bool tiff() const { return fs::path(GetParam()).extension() == ".tif"; }
+
+  fs::path directory_;
+  ImageMetadata metadata_;
+  const ImageFileOptions options_{.jpeg_quality = 100};
+};
+
+INSTANTIATE_TEST_SUITE_P(Formats, TiffAndJpeg, ::testing::Values("a.tif", "a.jpg"));
+
+TEST_P(TiffAndJpeg, PixelsAndTexts_areReadBack) {
+  for (const auto& [width, height] : {std::pair{1, 1}, std::pair{67, 45}, std::pair{130, 16}}) {
+    const Image image = smooth(width, height, tiff());
+    writeImage(image, metadata_, options_, file());
+    const Image again = readImage(file());
+    ASSERT_EQ(again.width, width);
+    ASSERT_EQ(again.height, height);
+    EXPECT_LT(worstShown(image, again), tiff() ? 1e-3 : 0.03);
+    EXPECT_EQ(readImageText(file()), metadata_.text);
+    checkImage(file());
+    const std::vector<std::byte> bytes = readFile(file());
+    writeImage(image, metadata_, options_, file());
+    EXPECT_EQ(readFile(file()), bytes);
+  }
+}
+
+TEST_P(TiffAndJpeg, AlphaAndLightBeyondOne_areBounded) {
+  Image image = smooth(8, 8, true);
+  image.pixel(0, 0)[0] = 7, image.pixel(1, 0)[0] = -3, image.pixel(2, 0)[0] = NAN, image.pixel(3, 0)[3] = 2;
+  writeImage(image, {}, options_, file());
+  const Image again = readImage(file());
+  for (const float value : again.rgba) EXPECT_TRUE(value >= 0 && value <= 1) << value;
+  EXPECT_TRUE(readImageText(file()).empty());
+}
+
+TEST_P(TiffAndJpeg, ShortenedFiles_areDamaged) {
+  writeImage(smooth(67, 45, false), {}, options_, file());
+  const std::vector<std::byte> bytes = readFile(file());
+  for (std::size_t length = 3; length < bytes.size(); length += 1 + bytes.size() / 97) {
+    writeText(file(), std::string_view(reinterpret_cast<const char*>(bytes.data()), length));
+    EXPECT_THROW(checkImage(file()), Error) << length;
+  }
+}
+
+TEST_P(TiffAndJpeg, ReadingTakesTheGivenMemory) {
+  writeImage(smooth(200, 100, false), {}, options_, file());
+  expectError([&] { readImage(file(), {}, fs::file_size(file()) + 200 * 100 * 16 - 1); }, ErrorCode::kBudget,
+              "--memory");
+  EXPECT_EQ(readImage(file(), {}, fs::file_size(file()) + 200 * 100 * 16).width, 200);
+}
+
+TEST_P(TiffAndJpeg, AFullDisk_leavesNoFile) {
+  std::uint64_t calls = 0;
+  {
+    FaultyFileSystem counting;
+    writeImage(smooth(67, 45, false), metadata_, {.disk = &counting}, file());
+    calls = counting.calls();
+    fs::remove(file());
+  }
+  ASSERT_GT(calls, 0u);
+  for (std::uint64_t n = 0; n < calls; ++n) {
+    FaultyFileSystem disk({.after_calls = n});
+    try {
+      writeImage(smooth(67, 45, false), metadata_, {.disk = &disk}, file());
+      fs::remove(file());  // a failed wish of the disk, such as reserving space, is no failure
+    } catch (const Error& error) {
+      EXPECT_TRUE(error.code() == ErrorCode::kNoSpace || error.code() == ErrorCode::kIo) << error.what();
+      EXPECT_NE(std::string(error.what()).find(GetParam()), std::string::npos) << error.what();
+    }
+    EXPECT_TRUE(fs::is_empty(directory_)) << n;
+  }
+}
+
+TEST(TiffPictures, OtherTiffs_areRefused) {
+  const fs::path file = freshDirectory("other_tiff") / "a.tif";
+  // A grey picture of one pixel of 8 bits.
+  const unsigned char bytes[] = {'I', 'I', 42, 0, 8,  0, 0, 0, 4, 0, 0, 1, 3, 0, 1, 0, 0, 0, 1, 0, 0,
+                                 0,   1,   1,  3, 0,  1, 0, 0, 0, 1, 0, 0, 0, 6, 1, 3, 0, 1, 0, 0, 0,
+                                 1,   0,   0,  0, 17, 1, 4, 0, 1, 0, 0, 0, 8, 0, 0, 0, 0, 0, 0, 0};
+  writeText(file, std::string_view(reinterpret_cast<const char*>(bytes), sizeof bytes));
+  expectError([&] { readImage(file); }, ErrorCode::kUnsupported, "of another program");
+}
+
+TEST(TextBlocks, Blocks_keepTextsAndRefuseOtherBytes) {
+  const std::map<std::string, std::string> text = {{"a", "1:\n="}, {"b", ""}};
+  EXPECT_EQ(textsOfBlock(textBlock(text)), text);
+  EXPECT_EQ(textBlock(text), "a=4:1:\n=\nb=0:\n");
+  for (const char* const wrong : {"a", "a=1:", "a=9:b\n", "a=1:bc", "a=x:b\n", "ImageJ=1.53\n"})
+    EXPECT_FALSE(textsOfBlock(wrong)) << wrong;
+}
+
+}  // namespace
+}  // namespace kiln::test
