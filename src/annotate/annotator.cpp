@@ -47,13 +47,16 @@ void Annotator::drawRow(int row, const float* depth, std::vector<float>& rgba) c
   std::vector<std::int32_t> sums(width);
   for (const auto& [shape, coverage] : layers_) {
     if (row < coverage.firstRow() || row >= coverage.endRow()) continue;
+    const bool darkens = lightness(shape.color) < kMiddleGrey;
     std::ranges::fill(sums, 0);
     coverage.addRow(row, pixels_.x0, sums);
     for (std::size_t x = 0; x < width; ++x) {
       if (sums[x] == 0) continue;
       const float behind = depth == nullptr ? std::numeric_limits<float>::infinity() : depth[x];
       if (shape.depth && !shape.depth->shows({pixels_.x0 + static_cast<double>(x) + 0.5, row + 0.5}, behind)) continue;
-      const double alpha = shape.opacity * sums[x] / Coverage::kFull;
+      const double covered = static_cast<double>(sums[x]) / Coverage::kFull;
+      // Light adds up: a thin dark line over light is lighter to the eye than its share of the pixel.
+      const double alpha = shape.opacity * (darkens ? covered * (2 - covered) : covered);
       float* const pixel = rgba.data() + 4 * x;
       for (int channel = 0; channel < 4; ++channel) {
         const double light = channel < 3 ? shape.color[channel] : 1;

@@ -14,8 +14,7 @@
 namespace kiln {
 namespace {
 
-constexpr double kTextsOfSide = 36;        // lines of text, without gaps, along the shorter side
-constexpr double kLightBackground = 0.18;  // middle grey
+constexpr double kTextsOfSide = 36;  // lines of text, without gaps, along the shorter side
 constexpr double kDarkInk = 0.005, kLightInk = 1;
 constexpr double kRimOpacity = 0.5;
 constexpr double kLinePitch = 1.4;
@@ -48,9 +47,9 @@ Style::Style(const AnnotatedPicture& picture) {
   margin = 1.2 * em;
   line = 0.09 * em;
   halo = 0.11 * em;
-  const bool light = lightnessOf(picture.background) > kLightBackground;
+  const bool light = lightnessOf(picture.background) > kMiddleGrey;
   ink = picture.annotations.color.value_or(glm::dvec3(light ? kDarkInk : kLightInk));
-  rim = glm::dvec3(lightness(ink) > kLightBackground ? 0 : 1);
+  rim = glm::dvec3(lightness(ink) > kMiddleGrey ? 0 : 1);
 }
 
 void Drawing::ink(const Outline& outline, double opacity) { fill(outline, style_.ink, opacity); }

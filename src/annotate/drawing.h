@@ -83,6 +83,9 @@ class Drawing {
   std::vector<Shape> shapes_;
 };
 
+/// Lightness below which a colour is dark. unit: linear light.
+inline constexpr double kMiddleGrey = 0.18;
+
 /// Lightness of a colour of linear light; 0 to 1.
 double lightness(const glm::dvec3& color);
 

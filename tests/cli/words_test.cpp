@@ -37,10 +37,10 @@ TEST(Words, EndingsOfOutputs_areListed) {
   const std::filesystem::path directory = freshDirectory("words_endings");
   const std::string store = (directory / "h.kiln").string();
   ASSERT_EQ(runTool({"convert", "phantom:head:24x24x24", store}).exit_code, 0);
-  for (const char* name : {"x.gif", "x.jpg", "x"}) {
+  for (const char* name : {"x.gif", "x.webp", "x"}) {
     const ToolResult result = runTool({"render", store, "-o", (directory / name).string()});
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_NE(result.err.find("pictures end in .exr or .png, videos in .mp4, .mov, .mkv or .webm"), std::string::npos)
+    EXPECT_NE(result.err.find("pictures end in .exr, .png, .tif or .jpg, videos in .mp4, .mov, .mkv or .webm"), std::string::npos)
         << result.err;
   }
   const ToolResult video = runTool({"render", store, "-o", (directory / "x.mp4").string()});

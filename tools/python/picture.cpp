@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <optional>
 #include <utility>
 
 #include "frame/background.h"
@@ -11,6 +12,7 @@
 #include "image/shown_row.h"
 #include "job/job_facts.h"
 #include "python/job_words.h"
+#include "sequence/frame_annotations.h"
 #include "store/store_reader.h"
 
 namespace kiln::python {
@@ -54,11 +56,15 @@ Picture::Picture(RenderJob job, int frame, DrawnFrame drawn, std::shared_ptr<con
 std::vector<std::uint8_t> Picture::srgbBytes(std::size_t view) const {
   const Image& image = drawn_.views[view].image;
   const PixelRect drawn = pixelsOf(drawn_.scene.picture);
-  const std::unique_ptr<ImageRows> rows = shownRows(image, drawn.y0, finishOf(drawn_));
+  const std::unique_ptr<ImageRows> shown = shownRows(image, drawn.y0, finishOf(drawn_));
+  const Annotators annotators = annotatorsOf(job_, drawn_, *volume_);
+  std::optional<AnnotatedRows> annotated;
+  if (annotators[view]) annotated.emplace(*shown, *annotators[view], depthOf(image));
+  ImageRows& rows = annotated ? static_cast<ImageRows&>(*annotated) : *shown;
   const auto row_bytes = static_cast<std::size_t>(image.width) * 4;
   std::vector<std::uint8_t> out(row_bytes * static_cast<std::size_t>(image.height));
   for (int y = 0; y < image.height; ++y) {
-    const ImageRows::Band band = rows->bandAt(y);
+    const ImageRows::Band band = rows.bandAt(y);
     encodeShownRow(*band.image, y - band.first_row, y, {drawn.x0, drawn.y0, 1}, 8,
                    out.data() + static_cast<std::size_t>(y) * row_bytes);
   }

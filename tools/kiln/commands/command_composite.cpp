@@ -51,7 +51,7 @@ void addComposite(CLI::App& app, Context& context) {
   CLI::App* command =
       app.add_subcommand("composite", "put partial images of a volume, drawn with render --part, together");
   command->add_option("PARTS", a->parts, "the partial images, in any order")->required();
-  command->add_option("-o,--output", a->output, "the whole picture, .exr or .png")->required();
+  command->add_option("-o,--output", a->output, "the whole picture, such as .exr or .png")->required();
   command->add_option("--exr-type", a->exr_type, "half (default) or float")->check(CLI::IsMember({"half", "float"}));
   command
       ->add_option("--compression", a->exr_compression,
