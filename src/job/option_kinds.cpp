@@ -347,6 +347,10 @@ ordered_json PictureShift::write(const std::optional<glm::dvec2>& shift) const {
 OptionForm ColorValue::form() const {
   OptionForm out;
   out.schema["anyOf"] = {{{"$ref", "colorName"}}, arrayOf({{"$ref", ref}}, 3)};
+  out.value_name = "COLOR";
+  out.expected = fmt::format("R,G,B from {}, or {}", range.text(), kColorForms);
+  out.words = stringsOf(colorNames());
+  out.parse = [](const std::string& text) { return colorOfText(text); };
   return out;
 }
 

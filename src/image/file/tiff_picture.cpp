@@ -64,6 +64,7 @@ class PictureTiff {
                     put_ ? "libtiff cannot encode the picture" : "cannot be decoded; the file is cut short or damaged",
                     complaint_));
   }
+  bool complained() const { return complaint_[0] != 0; }
   // Writes the directory.
   void finish() {
     require(TIFFWriteDirectory(tiff_) == 1);
@@ -215,7 +216,11 @@ void encodeTiff(ImageRows& rows, const std::filesystem::path& path, const std::m
 std::map<std::string, std::string> decodeTiffText(std::span<const std::byte> data, const std::filesystem::path& path) {
   const PictureTiff tiff(path, "rm", data, nullptr);
   const char* description = nullptr;
-  if (TIFFGetField(tiff.get(), TIFFTAG_IMAGEDESCRIPTION, &description) != 1) return {};
+  // The directory is behind the pixels: in a shortened file the description is unreadable.
+  if (TIFFGetField(tiff.get(), TIFFTAG_IMAGEDESCRIPTION, &description) != 1) {
+    tiff.require(!tiff.complained());
+    return {};
+  }
   return textsOfBlock(description).value_or(std::map<std::string, std::string>());
 }
 
