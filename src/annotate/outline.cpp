@@ -9,7 +9,7 @@
 namespace kiln {
 namespace {
 
-// Contours wind alike, so that overlapping ones unite.
+// Contours wind alike: overlapping contours unite.
 Contour wound(Contour contour) {
   double area = 0;
   for (std::size_t i = 0; i < contour.size(); ++i) {
