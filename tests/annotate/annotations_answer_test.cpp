@@ -296,8 +296,10 @@ TEST_P(AnnotationsAt, EdgesBehindTheDepth_areDashedAndDim) {
 // A crop has the pixels of the whole, bit by bit; and the planes of an EXR are the layer that is laid over a picture.
 TEST_P(AnnotationsAt, Crops_equalTheWhole) {
   AnnotatedPicture picture = pictureOf(GetParam());
-  picture.annotations = {.scale_bar = true, .box = true, .legend = true, .axes = true};
-  picture.annotations.text = "Grüße, {{µ}}";
+  Annotations& all = picture.annotations;
+  all.scale_bar = all.box = all.legend = all.axes = true;
+  all.color.reset();
+  all.text = "Grüße, {{µ}}";
   picture.has_depth = true;
   std::vector<float> depth(picture.pixels.count());
   for (std::size_t i = 0; i < depth.size(); ++i) depth[i] = static_cast<float>(190 + 30 * std::sin(0.01 * i));
@@ -369,7 +371,9 @@ TEST(Directions, PatientFrames_haveTheirLetters) {
     ASSERT_EQ(all.size(), 6u);
     for (const Direction& direction : all) {
       const glm::dvec3 x = glm::dvec3(picture.view.view_from_world[0]);
-      if (direction.name == positive_x) EXPECT_LT(glm::distance(direction.seen, x), 1e-12);
+      if (direction.name == positive_x) {
+        EXPECT_LT(glm::distance(direction.seen, x), 1e-12);
+      }
     }
     EXPECT_GE(all.front().seen.z, all.back().seen.z);
   }

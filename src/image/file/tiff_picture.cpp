@@ -38,7 +38,7 @@ class PictureTiff {
     const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(TIFFOpenOptionsAlloc(),
                                                                                    &TIFFOpenOptionsFree);
     TIFFOpenOptionsSetErrorHandlerExtR(options.get(), &complain, this);
-    TIFFOpenOptionsSetWarningHandlerExtR(options.get(), &ignore, this);
+    TIFFOpenOptionsSetWarningHandlerExtR(options.get(), &warn, this);
     tiff_ = TIFFClientOpenExt(path.c_str(), mode, this, &read, &write, &seek, &close, &size, nullptr, nullptr,
                               options.get());
     require(tiff_ != nullptr);
@@ -79,7 +79,10 @@ class PictureTiff {
     if (self.complaint_[0] == 0) std::vsnprintf(self.complaint_, sizeof self.complaint_, format, arguments);
     return 1;
   }
-  static int ignore(TIFF*, void*, const char*, const char*, va_list) { return 1; }
+  // An entry whose value lies beyond the end of the file is a mere warning to libtiff.
+  static int warn(TIFF* tiff, void* user, const char* module, const char* format, va_list arguments) {
+    return std::string_view(format).starts_with("IO error") ? complain(tiff, user, module, format, arguments) : 1;
+  }
   static tmsize_t read(thandle_t handle, void* out, tmsize_t bytes) {
     PictureTiff& self = of(handle);
     if (self.place_ > self.data_.size()) return 0;
