@@ -1,6 +1,6 @@
 # Packages for Debian: `cpack -G DEB --config BUILD/CPackConfig.cmake` makes one of each component that is installed
 # (KilnInstall.cmake). What the programs link is found by dpkg-shlibdeps. MPI's module is a package of its own, because
-# Open MPI brings a hundred megabytes that one machine does not need.
+# Open MPI brings 70 MB that one machine does not need.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME kiln)
 set(CPACK_PACKAGE_VENDOR "Kiln")

@@ -5,10 +5,11 @@
 #   otherwise    in a bare Debian (mmdebstrap, as root), from a fresh clone of this repository's last commit: configures
 #                with MPI's runtime but no headers, then builds with and without MPI, with and without GTest, and each
 #                time installs the build and has another project find and use it.
-# Debian's release, mirror, keys and proxy are those of the host's apt.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source=$PWD
+# shellcheck source=scripts/bare_debian.sh
+source scripts/bare_debian.sh
 
 fail() { echo "check_builds.sh: $*" >&2; exit 1; }
 step() { echo "== $*, after $SECONDS s"; }
@@ -84,30 +85,21 @@ check_configure() {
 
 check_chroot() {
   [ "$(id -u)" = 0 ] || fail "a bare Debian needs root"
-  command -v mmdebstrap >/dev/null || fail "mmdebstrap was not found; scripts/install_packages.sh chroot installs it"
   local root
   root=$(mktemp -d /var/tmp/kiln_chroot.XXXXXX)
   # shellcheck disable=SC2064
   trap "if [ \$? = 0 ]; then rm -rf --one-file-system '$root'; else echo 'the bare Debian is left in $root' >&2; fi" EXIT
 
   step "a bare Debian"
-  apt-get indextargets --format 'deb $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' | sort -u >"$root.list"
-  { apt-config dump Acquire | grep -E '^Acquire::(http|https|ftp|Retries)' || true; echo 'Dpkg::Use-Pty "false";'; } >"$root.apt"
-  # shellcheck disable=SC1091
-  mmdebstrap --quiet --variant=apt --aptopt="$root.apt" --skip=cleanup/apt/lists "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$root" "$root.list"
-  rm -f "$root.list" "$root.apt"
+  make_bare_debian "$root"
 
-  # /proc is there for the command alone.
-  inside() {
-    unshare --mount sh -c 'mount -t proc proc "$0/proc" && exec chroot "$0" "$@"' "$root" /usr/bin/env -i PATH=/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 "$@"
-  }
   # fresh: a clone without what was built or installed before.
   fresh() {
     rm -rf "${root:?}/kiln" "${root:?}/usr/local"/*
     mkdir -p "$root/kiln"
     git archive HEAD | tar -x -C "$root/kiln"
   }
-  install() { inside /kiln/scripts/install_packages.sh "$@" >/dev/null; }
+  install() { inside "$root" /kiln/scripts/install_packages.sh "$@" >/dev/null; }
 
   # as_readme_says NAME: README's commands, then Kiln is used as a program and as a library.
   as_readme_says() {
@@ -116,32 +108,32 @@ check_chroot() {
     (cd "$source" && readme_commands | sed 's/$/ || exit 1/') >"$root/kiln/commands"
     # Prints wall, user and system time: the processor's time is comparable on a busy machine.
     TIMEFORMAT='%R s, processor %U + %S s'
-    time { inside sh -c "cd /kiln && export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_DIR=/ccache && sh commands" >"$root/kiln/log" 2>&1 ||
+    time { inside "$root" sh -c "cd /kiln && export CMAKE_CXX_COMPILER_LAUNCHER=ccache CCACHE_DIR=/ccache && sh commands" >"$root/kiln/log" 2>&1 ||
       { tail -50 "$root/kiln/log"; fail "$1: README's commands failed"; }; }
-    inside sh -c 'cd /tmp && rm -rf used && mkdir used && cd used && kiln convert phantom:head:48x48x48 h.kiln && kiln render h.kiln -o h.png --size 48x48 --progress none' >/dev/null ||
+    inside "$root" sh -c 'cd /tmp && rm -rf used && mkdir used && cd used && kiln convert phantom:head:48x48x48 h.kiln && kiln render h.kiln -o h.png --size 48x48 --progress none' >/dev/null ||
       fail "$1: the installed program failed"
-    inside sh -c 'cmake -G Ninja -S /kiln/tests/consumer -B /tmp/used/consumer -D CMAKE_BUILD_TYPE=Release && cmake --build /tmp/used/consumer && /tmp/used/consumer/consumer /tmp/used/c.png' >"$root/kiln/log" 2>&1 ||
+    inside "$root" sh -c 'cmake -G Ninja -S /kiln/tests/consumer -B /tmp/used/consumer -D CMAKE_BUILD_TYPE=Release && cmake --build /tmp/used/consumer && /tmp/used/consumer/consumer /tmp/used/c.png' >"$root/kiln/log" 2>&1 ||
       { tail -50 "$root/kiln/log"; fail "$1: a program that uses the installed library failed"; }
     ! grep -q 'COMPONENT = ' "$root/kiln/log" || fail "$1: find_package(kiln) prints"
     for folder in /kiln/build/release /usr/local; do
-      inside bash /kiln/scripts/check_run_paths.sh $folder $([ $folder = /kiln/build/release ] || echo /kiln/build)
+      inside "$root" bash /kiln/scripts/check_run_paths.sh $folder $([ $folder = /kiln/build/release ] || echo /kiln/build)
     done
   }
   built() { [ -e "$root/kiln/build/release/$1" ]; }
 
   step "packages of the build"
   fresh
-  inside apt-get -qq update
-  inside apt-get -qq install -y --no-install-recommends ccache >/dev/null 2>&1
-  ! inside sh -c 'cd /kiln && cmake --version' >/dev/null 2>&1 || fail "the Debian is not bare"
+  inside "$root" apt-get -qq update
+  inside "$root" apt-get -qq install -y --no-install-recommends ccache >/dev/null 2>&1
+  ! inside "$root" sh -c 'cd /kiln && cmake --version' >/dev/null 2>&1 || fail "the Debian is not bare"
   install build
 
   as_readme_says "without MPI, without GTest"
   ! built tools/lib/kiln/libkiln_mpi.so && ! built tests || fail "what is absent was built"
 
   # The runtime alone is no MPI; headers that are installed later are found in the same build tree.
-  inside apt-get -qq install -y --no-install-recommends openmpi-bin >/dev/null 2>&1
-  inside sh -c 'cd /kiln && cmake --preset release' | grep 'MPI was not found' >/dev/null || fail "MPI's runtime without headers is taken for MPI"
+  inside "$root" apt-get -qq install -y --no-install-recommends openmpi-bin >/dev/null 2>&1
+  inside "$root" sh -c 'cd /kiln && cmake --preset release' | grep 'MPI was not found' >/dev/null || fail "MPI's runtime without headers is taken for MPI"
   install mpi
   as_readme_says "with MPI, installed later, without GTest"
   built tools/lib/kiln/libkiln_mpi.so && ! built tests || fail "the module for MPI was not built"
@@ -150,11 +142,11 @@ check_chroot() {
   fresh
   as_readme_says "with MPI, with GTest"
   built tools/lib/kiln/libkiln_mpi.so || fail "the module for MPI was not built"
-  inside sh -c 'cd /kiln && ctest --preset release -L cli -R "Help|Ranks.One" --no-tests=error' >"$root/kiln/log" 2>&1 ||
+  inside "$root" sh -c 'cd /kiln && ctest --preset release -L cli -R "Help|Ranks.One" --no-tests=error' >"$root/kiln/log" 2>&1 ||
     { tail -50 "$root/kiln/log"; fail "tests failed"; }
 
-  inside apt-get -qq purge -y libopenmpi-dev openmpi-bin >/dev/null 2>&1
-  inside apt-get -qq autoremove -y >/dev/null 2>&1
+  inside "$root" apt-get -qq purge -y libopenmpi-dev openmpi-bin >/dev/null 2>&1
+  inside "$root" apt-get -qq autoremove -y >/dev/null 2>&1
   fresh
   as_readme_says "without MPI, with GTest"
   ! built tools/lib/kiln/libkiln_mpi.so && built tests/kiln_unit_tests || fail "the tests were not built"

@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
 # From nothing to a picture: installs what is missing, builds the program, converts a CT of a head and draws it.
 # What is already there and newer than what it was made from is left alone. Everything but the build goes to out/demo/.
+#   demo.sh [PROGRAM [FOLDER]]   with a Kiln that is installed, PROGRAM, nothing is built; FOLDER in place of out/demo/
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-kiln=build/release/tools/kiln/kiln
-out=out/demo
+kiln=${1:-build/release/tools/kiln/kiln}
+out=${2:-out/demo}
 picture=$out/head.png
 study=/usr/share/doc/invesalius-examples/examples/Cranium.inv3
 
 scripts/install_packages.sh demo
-scripts/build_release.sh
+[ $# -gt 0 ] || scripts/build_release.sh
 
 mkdir -p "$out"
 if [ ! -e "$out/matrix.dat" ]; then
@@ -62,4 +63,4 @@ if [ ! "$picture" -nt "$store/manifest.json" ] || [ ! "$picture" -nt "$kiln" ]; 
   "$kiln" render "$store" -o "$picture" --size 1024x1024 --view front --azimuth 25 --elevation 10 \
     --fit box --target 6,-10,-8 --zoom 1.55 --tf ct-skin --look studio --background 0.01,0.012,0.016
 fi
-echo "The picture: $PWD/$picture"
+echo "The picture: $(realpath "$picture")"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that are missing: install_packages.sh [build|mpi|python|test|browser|bench|demo|peers|chroot ...], `build` if nothing is named.
+# Installs the Debian packages that are missing: install_packages.sh [build|mpi|python|test|browser|bench|demo|peers|chroot|packages ...], `build` if nothing is named.
 # Where all are there it changes nothing and needs no root. Debian 12 and its successors.
 set -euo pipefail
 
@@ -19,8 +19,10 @@ bench=(libbenchmark-dev)
 demo=(invesalius-examples tar)
 # Other renderers, to compare with.
 peers=(libvolpack1-dev libopenvdb-tools python3-vtk9 python3-numpy xvfb xauth libgl1-mesa-dri)
-# A bare Debian, for scripts/check_builds.sh.
+# A bare Debian, for scripts/check_builds.sh and check_packages.sh.
 chroot=(mmdebstrap)
+# Packages, for scripts/check_packages.sh.
+packages=(dpkg-dev file lintian patchelf xz-utils lowdown libopenjp2-tools python3-h5py)
 
 [ $# -gt 0 ] || set -- build
 wanted=()
@@ -35,7 +37,8 @@ for group in "$@"; do
     demo) wanted+=("${demo[@]}") ;;
     peers) wanted+=("${peers[@]}") ;;
     chroot) wanted+=("${chroot[@]}") ;;
-    *) echo "install_packages.sh: '$group' is not one of build mpi python test browser bench demo peers chroot" >&2; exit 2 ;;
+    packages) wanted+=("${packages[@]}") ;;
+    *) echo "install_packages.sh: '$group' is not one of build mpi python test browser bench demo peers chroot packages" >&2; exit 2 ;;
   esac
 done
 

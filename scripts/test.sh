@@ -7,6 +7,7 @@
 #   asan       unit, property, format and fault tests under the address and undefined-behaviour sanitizers
 #   tsan       tests of what threads wait for each other in, under the thread sanitizer
 #   chroot     a fresh clone built by README's text in a bare Debian; nightly, or alone
+#   packages   packages of the release build, installed and used in bare Debians; nightly, or alone
 # With --nightly long tests are run, the address sanitizer sees the program and threads, too, the thread sanitizer frames,
 # the release and dev stages run all tests, as they do alone, and the release stage builds everything, with the benchmarks.
 # The first stage that fails ends the script with an exit code other than 0; what is built is not built again. Tests wait for
@@ -16,7 +17,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-usage() { echo "usage: scripts/test.sh [--ci] [--nightly] [--only configure|asan|tsan|release|dev|chroot]" >&2; exit 2; }
+usage() { echo "usage: scripts/test.sh [--ci] [--nightly] [--only configure|asan|tsan|release|dev|chroot|packages]" >&2; exit 2; }
 
 stages=(configure release asan tsan)
 nightly=OFF
@@ -25,9 +26,9 @@ ci=${CI:-false}
 while [ $# -gt 0 ]; do
   case $1 in
     --ci) ci=true; shift ;;
-    --nightly) nightly=ON; whole=ON; stages=(configure release dev asan tsan chroot); shift ;;
+    --nightly) nightly=ON; whole=ON; stages=(configure release dev asan tsan chroot packages); shift ;;
     --only)
-      case ${2-} in configure | asan | tsan | release | dev | chroot) stages=("$2") ;; *) usage ;; esac
+      case ${2-} in configure | asan | tsan | release | dev | chroot | packages) stages=("$2") ;; *) usage ;; esac
       whole=ON
       shift 2 ;;
     *) usage ;;
@@ -103,6 +104,12 @@ for stage in "${stages[@]}"; do
   case $stage in
     configure) scripts/check_builds.sh --configure ;;
     chroot) finish_tests; scripts/install_packages.sh chroot; scripts/check_builds.sh ;;
+    packages)
+      finish_tests
+      scripts/install_packages.sh demo chroot packages
+      cmake --preset release "${configure[@]}"
+      cmake --build --preset release -j "$(nproc)" --target kiln kiln_tool kiln_python
+      scripts/check_packages.sh ;;
     *) build_and_start_tests "$stage" ;;
   esac
 done
