@@ -12,7 +12,7 @@ source scripts/bare_debian.sh
 
 fail() { echo "check_packages.sh: $*" >&2; exit 1; }
 step() { echo "== $*, after $SECONDS s"; }
-megabytes() { awk '{ printf "%.1f MB\n", $1 / 1e6 }'; }
+megabytes() { awk '{ printf "%.2f MB\n", $1 / 1e6 }'; }
 
 build=${1:-build/release}
 out=${2:-build/packages}
@@ -159,9 +159,12 @@ ranks "$debian" "$folder/bin/kiln"
 step "an older Debian"
 make_bare_debian "$old" bullseye
 cp -r "$bare/opt/." "$old/opt/"
-inside "$old" ldd --version | head -1
+inside "$old" ldd --version | sed -n 1p
 ! inside "$old" "$folder/bin/kiln" --version >/dev/null 2>&1 || fail "the older Debian has a new glibc"
 use "$old" "$folder/bin/kiln-with-glibc"
+logged inside "$old" apt-get -qq update
+logged inside "$old" apt-get install -y --no-install-recommends openmpi-bin
+ranks "$old" "$folder/bin/kiln-with-glibc"
 
 step "sizes"
 for file in "$out"/*.deb "$tarball"; do

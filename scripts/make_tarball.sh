@@ -75,7 +75,9 @@ for text in $(grep -hoE '/usr/share/common-licenses/[A-Za-z0-9.-]*[A-Za-z0-9]' -
   [ ! -e "$text" ] || cp -L "$text" "$licences/common-licenses/"
 done
 loader=$(basename "$loader")
-# starter FILE PROGRAM: a script that runs PROGRAM, a path from the tarball's folder on, with the loader of the tarball.
+# starter FILE PROGRAM UP: a script that runs PROGRAM, a path from the tarball's folder on, with the loader of the tarball.
+# UP leads from FILE's folder to the tarball's. The loader knows the program by an empty name, which the colon ends: without
+# the program's own path the folder of glibc comes first, and in it the scripts that start workers.
 up=$(realpath --relative-to="$glibc" "$root")
 starter() {
   cat >"$1" <<SCRIPT
@@ -84,7 +86,7 @@ starter() {
 here=\$(dirname "\$(readlink -f "\$0")")
 root=\$here/$3
 glibc=\$root/$(realpath --relative-to="$root" "$glibc")
-exec "\$glibc/$loader" --argv0 "\$0" --inhibit-rpath "\$root/$2" \\
+exec "\$glibc/$loader" --argv0 "\$0" --inhibit-rpath : \\
   --library-path "\$glibc:\$root/$(realpath --relative-to="$root" "$modules")\${LD_LIBRARY_PATH:+:\$LD_LIBRARY_PATH}" "\$root/$2" "\$@"
 SCRIPT
   chmod 755 "$1"
