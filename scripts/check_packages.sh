@@ -155,6 +155,14 @@ logged inside "$debian" apt-get install -y --no-install-recommends openmpi-bin
 cp -r "$bare/opt/." "$debian/opt/"
 ! inside "$debian" sh -c 'ldconfig -p | grep libopenvdb' || fail "Debian's OpenVDB is still installed"
 ranks "$debian" "$folder/bin/kiln"
+# Libraries of the same names, which no program can use, in a folder of LD_LIBRARY_PATH.
+mkdir "$debian/modules"
+for library in "$debian/$folder"/lib*/kiln/*.so.*; do
+  : >"$debian/modules/$(basename "$library")"
+done
+for program in kiln kiln-with-glibc; do
+  logged inside "$debian" env LD_LIBRARY_PATH=/modules "$folder/bin/$program" convert /input/array.h5 /input/modules.kiln --overwrite
+done
 
 step "an older Debian"
 make_bare_debian "$old" bullseye
