@@ -1,7 +1,7 @@
-// Lays annotations over a picture, or writes them into planes of their own.
+// Lays annotations over a picture, or writes annotations into planes.
 //
-// Invariant: a pixel of the annotations depends on its place in the whole picture and on its own depth only, so that
-// crops, tiles and bands of rows equal the whole picture.
+// Invariant: a pixel of the annotations depends only on its place in the whole picture and on its depth. So crops,
+// tiles and bands of rows equal the whole picture.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ class Annotator {
   /// throws: Error kUnsupported for letters without a font.
   explicit Annotator(const AnnotatedPicture& picture);
 
-  /// Composites the annotations over the colours of an image that holds rows from `first_row` of the whole picture on;
-  /// the first drawn column is at `column` of the image. `depth` is the plane "Z" of these rows, null if there is none.
+  /// Composites the annotations over an image's colours. `first_row`: of the image, in the whole picture. `column`: of
+  /// the first drawn column, in the image. `depth`: the plane "Z" of the image's rows; may be null.
   void over(Image& image, int column, int first_row, const float* depth) const;
   /// Appends the planes annotation.R, .G, .B and .A, in linear light, premultiplied.
   void addPlanes(Image& image, int first_row, const float* depth) const;
@@ -45,7 +45,7 @@ inline constexpr const char* kAnnotationPlanes = "annotation.";
 /// Returns the rows of the plane "Z" of a picture; null if the picture has none.
 const float* depthOf(const Image& image);
 
-/// Other rows with annotations over them. requires: the depth is of all rows.
+/// Rows of a picture with annotations laid over.
 class AnnotatedRows : public ImageRows {
  public:
   /// requires: all arguments outlive the object. `depth`: of all rows; may be null.

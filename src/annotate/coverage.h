@@ -18,7 +18,7 @@ class Coverage {
  public:
   explicit Coverage(const Outline& outline);
 
-  /// The rows and columns that the outline may touch, half-open. unit: pixels.
+  /// The rows that the outline may touch, half-open. unit: pixels.
   int firstRow() const { return first_row_; }
   int endRow() const { return end_row_; }
 

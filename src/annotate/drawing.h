@@ -1,4 +1,4 @@
-// Shapes of annotations in the order in which they are laid over the picture, and the sizes and colours they share.
+// Shapes of annotations in the order of drawing, and the sizes and colours that annotations share.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -16,7 +16,7 @@
 
 namespace kiln {
 
-/// What annotations are made of.
+/// The facts that annotations are drawn from.
 struct AnnotatedPicture {
   Annotations annotations;  // placeholders are filled in
   View view;
@@ -31,13 +31,13 @@ struct AnnotatedPicture {
   Clipping clipping;
 };
 
-/// Shows a line at pixels where the line is in front of the picture's depth, or only where it is behind.
+/// Shows a line at pixels where the line is in front of the picture's depth, or only where the line is behind.
 struct DepthTest {
   glm::dvec2 a_px{0}, b_px{0};  // ends of the line
   double a_depth = 1, b_depth = 1;
   bool perspective = false;
   bool shows_hidden = false;
-  double slack = 0;  // a line this much behind the depth is in front of it. unit: world
+  double slack = 0;  // a line counts as behind beyond this distance. unit: world
 
   /// Returns whether the line is shown at a pixel of this depth.
   bool shows(const glm::dvec2& pixel, float depth) const;
@@ -94,7 +94,7 @@ void addScaleBar(const AnnotatedPicture& picture, Drawing& drawing);
 void addLegend(const AnnotatedPicture& picture, Drawing& drawing);
 void addAxes(const AnnotatedPicture& picture, Drawing& drawing);
 void addText(const AnnotatedPicture& picture, Drawing& drawing);
-/// Returns shapes that lie below all others.
+/// Returns shapes to lie below all annotations with letters.
 std::vector<Shape> outlineOfVolume(const AnnotatedPicture& picture, const Style& style);
 
 }  // namespace kiln

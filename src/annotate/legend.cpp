@@ -30,7 +30,7 @@ ValueRange valuesOf(const AnnotatedPicture& picture) {
   return out;
 }
 
-// The widest of these texts. unit: pixels.
+// Returns the width of the widest text. unit: pixels.
 template <class Texts, class TextOf>
 double widest(const Texts& texts, double size, const TextOf& text_of) {
   double out = 0;

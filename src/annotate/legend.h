@@ -26,8 +26,8 @@ struct LegendEntry {
   glm::dvec3 color;  // linear light; negative: an entry without a colour
   std::string text;
 };
-/// Returns the visible surfaces, the greatest value first, or the visible labels; empty for a function of points. More
-/// labels than kMostEntries end in an entry that counts the others.
+/// Returns the visible surfaces, the greatest value first, or the visible labels; empty for a function of points. A
+/// list longer than kMostEntries ends in an entry that counts the rest.
 std::vector<LegendEntry> legendEntries(const TransferFunction& function);
 inline constexpr std::size_t kMostEntries = 14;
 

@@ -100,7 +100,7 @@ std::optional<SeenLine> seen(const WorldLine& line, const View& view, double nea
   return SeenLine{view.pixelOf(a), view.pixelOf(b), a.z + view.origin_depth, b.z + view.origin_depth};
 }
 
-// Returns the share of the line that a picture with this border shows, from one number to the other.
+// Returns the part of the line inside the picture and its border, as positions along the line: begin and end.
 std::optional<std::pair<double, double>> within(const SeenLine& line, const ImageSize& size, double border) {
   double begin = 0, end = 1;
   const glm::dvec2 hi(size.width, size.height);

@@ -69,7 +69,7 @@ glm::dvec3 downOf(const glm::dvec3& normal) {
   return glm::normalize(down - glm::dot(down, normal) * normal);
 }
 
-// What the samples of a pixel sum up to.
+// The sum, or the extreme value, of a pixel's samples.
 struct Gathered {
   double value = 0;
   std::uint32_t samples = 0;

@@ -26,10 +26,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Memory of a parsed glTF file: the JSON of 16 MiB at most is held while the camera is read. unit: bytes.
+// Upper bound for the memory of a parsed glTF file. unit: bytes.
 constexpr std::uint64_t kJsonMemory = std::uint64_t{256} << 20;
 constexpr std::size_t kMostNodes = 1 << 16;
-// The file is at most this long if its JSON is part of it: meshes may follow. unit: bytes.
+// Upper bound for the JSON chunk of a .glb file; the meshes behind are not read. unit: bytes.
 constexpr std::uint32_t kLongestJson = 16 << 20;
 
 // The elements of a ParaView file: <Property name="CameraPosition"><Element index="0" value="1.5"/>…

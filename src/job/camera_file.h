@@ -1,6 +1,6 @@
 // Cameras in files of other programs.
-// Formats. ParaView's camera files (.pvcc), an XML list of properties; glTF 2.0 (.gltf, .glb), whose cameras look along
-// -z of their node with y up (Khronos, glTF 2.0 specification, 3.10). Coordinates are taken as they stand.
+// Formats. ParaView's camera files (.pvcc) are XML lists of properties. Cameras of glTF 2.0 (.gltf, .glb) look along -z
+// of their node with y up. Source: Khronos, glTF 2.0 specification, 3.10. Coordinates are the file's.
 #pragma once
 
 #include <filesystem>

@@ -49,7 +49,7 @@ class ArraySource {
   /// throws: Error kUsage if the source was taken before.
   std::unique_ptr<VolumeSource> take();
   bool labels() const { return labels_; }
-  /// True if the state of the array can be told from that of another.
+  /// Returns true if the array's state distinguishes the array from other arrays.
   bool hasState() const { return has_state_; }
   /// Runs work that reads the array; an exception of Python's replaces the error that it caused.
   void run(const py::object& on_progress, const std::function<void(Progress&)>& work) const;

@@ -1,7 +1,7 @@
 // Work of the library on behalf of a call from Python.
 //
 // Method. The work has a thread of its own. The calling thread waits without the interpreter's lock, and looks for
-// signals and progress 20 times a second: only the calling thread may run Python's handlers, and a handler that raises
+// signals and progress 20 times a second, because no other thread may run Python's handlers. A handler that raises
 // cancels the work. Sentences for the user become warnings and log records after the work.
 #pragma once
 

@@ -1,4 +1,4 @@
-// The extension module kiln._kiln. What users call is written in Python, in the folder kiln.
+// The extension module kiln._kiln. The functions that users call are written in Python, in the folder kiln.
 #include "python/arrays.h"
 #include "python/call.h"
 #include "python/job_words.h"

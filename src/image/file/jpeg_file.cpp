@@ -1,5 +1,5 @@
 // libjpeg reports errors by longjmp, which must not pass over C++ objects with destructors: its calls are in small
-// noexcept functions whose locals are plain data. Its warnings tell of missing or damaged data, so a warning is an
+// noexcept functions whose locals are plain data. Its warnings report missing or damaged data, so a warning is an
 // error.
 #include "image/file/jpeg_file.h"
 

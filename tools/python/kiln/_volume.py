@@ -225,8 +225,9 @@ def open(
     `kiln convert` do: dims, type, channel, time, .... An array (anything with shape, dtype and slices) is drawn without a
     file: a NumPy array in place, anything else sliced brick by brick; coarser levels are made within `memory`.
 
-    axes: the array's, by default its `dims` (xarray) or "zyx"; c and t are chosen by channel and time. spacing: along z, y and x of `axes`, in
-    this order. affine: world (x, y, z) from voxel (x, y, z), 4 x 4. labels: values are labels. The array must not change.
+    axes: the array's, by default its `dims` (xarray) or "zyx"; c and t are chosen by channel and time. spacing: along x, y
+    and z in the order of `axes`. affine: world (x, y, z) from voxel (x, y, z), 4 x 4. labels: values are labels. The array
+    must not change.
     """
     if is_array(source) and not isinstance(source, (str, os.PathLike)):
         described = source_of(
