@@ -107,7 +107,9 @@ Texts textsOf(const RenderJob& job, const RenderJob& plain) {
 
 // Returns a job without options: size, memory and threads are not stated.
 RenderJob withoutOptions(const RenderJob& job) {
-  RenderJob out;
+  // GCC 12 warns of lights without a value where a job is made in place.
+  static const RenderJob kDefaults;
+  RenderJob out = kDefaults;
   out.picture.size = job.picture.size;
   out.speed = job.speed;
   out.speed.visibility = {};
