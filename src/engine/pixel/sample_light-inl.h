@@ -219,6 +219,15 @@ class SampleLight {
     return hn::AllFalse(d, between) ? out : betweenLayers(*of.map, place, {x, y, depth}, {x0, y0}, between, out);
   }
 
+  // Number of depths that are not above `whole`, in a comparison or two.
+  static HWY_INLINE std::size_t passedIn(const DeepShadowMap::Depths& depths, std::uint16_t whole) {
+    const hn::CappedTag<std::uint16_t, kShadowKnots> d;
+    std::size_t behind = 0;
+    for (std::size_t i = 0; i < depths.size(); i += hn::Lanes(d))
+      behind += hn::CountTrue(d, hn::Gt(hn::LoadU(d, depths.data() + i), hn::Set(d, whole)));
+    return depths.size() - behind;
+  }
+
   struct Pixels {
     VI x, y;
   };
@@ -227,6 +236,8 @@ class SampleLight {
                                       M between, V out) {
     const D d;
     constexpr std::size_t kLanes = hn::MaxLanes(D());
+    constexpr auto kPassed = [](const DeepShadowMap::Depths& z, std::uint16_t whole)
+                                 HWY_ATTR { return passedIn(z, whole); };
     alignas(64) std::int32_t places[kLanes];
     alignas(64) float fx[kLanes], fy[kLanes], depth[kLanes], asks[kLanes], share[kLanes];
     hn::Store(place, DI(), places);
@@ -236,7 +247,7 @@ class SampleLight {
     hn::Store(hn::IfThenElseZero(between, hn::Set(d, 1.0f)), d, asks);
     hn::Store(out, d, share);
     for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
-      if (asks[i] != 0) share[i] = map.between(places[i], fx[i], fy[i], depth[i]);
+      if (asks[i] != 0) share[i] = map.between(places[i], fx[i], fy[i], depth[i], kPassed);
     }
     return hn::Load(d, share);
   }
@@ -275,26 +286,34 @@ class SampleLight {
     const VI first =
         hn::Add(cell[0], hn::Add(hn::Mul(cell[1], hn::Set(di, width)), hn::Mul(cell[2], hn::Set(di, plane))));
     const auto* const cells = reinterpret_cast<const std::int32_t*>(ambient.grid().cells());
-    V mean = hn::Zero(d), turned_mean = hn::Zero(d);
-    for (int corner = 0; corner < 8; ++corner) {
-      const std::int32_t beside = (corner & 1) + (corner >> 1 & 1) * width + (corner >> 2) * plane;
+    const V one = hn::Set(d, 1.0f);
+    // Sums over the eight cells around the sample.
+    V mean = hn::Zero(d), along_x = mean, along_y = mean, along_z = mean;
+    const auto add = [&](std::int32_t beside, V weight) {
       const VI word = hn::GatherIndex(di, cells, hn::Add(first, hn::Set(di, beside)));
-      const V one = hn::Set(d, 1.0f);
-      V weight = (corner & 1) != 0 ? part[0] : hn::Sub(one, part[0]);
-      weight = hn::Mul(weight, (corner & 2) != 0 ? part[1] : hn::Sub(one, part[1]));
-      weight = hn::Mul(weight, (corner & 4) != 0 ? part[2] : hn::Sub(one, part[2]));
       // The cell's bytes, from the lowest: mean, x, y, z.
-      const V m0 = hn::ConvertTo(d, hn::And(word, hn::Set(di, 255)));
-      const V mx = hn::ConvertTo(d, hn::ShiftRight<24>(hn::ShiftLeft<16>(word)));
-      const V my = hn::ConvertTo(d, hn::ShiftRight<24>(hn::ShiftLeft<8>(word)));
-      const V mz = hn::ConvertTo(d, hn::ShiftRight<24>(word));
-      mean = fused(weight, m0, mean);
-      turned_mean = fused(weight, dotOf({mx, my, mz}, turned), turned_mean);
-    }
+      mean = fused(weight, hn::ConvertTo(d, hn::And(word, hn::Set(di, 255))), mean);
+      along_x = fused(weight, hn::ConvertTo(d, hn::ShiftRight<24>(hn::ShiftLeft<16>(word))), along_x);
+      along_y = fused(weight, hn::ConvertTo(d, hn::ShiftRight<24>(hn::ShiftLeft<8>(word))), along_y);
+      along_z = fused(weight, hn::ConvertTo(d, hn::ShiftRight<24>(word)), along_z);
+    };
+    const auto add_row = [&](std::int32_t beside, V weight) {
+      const V after = hn::Mul(weight, part[0]);
+      add(beside, hn::Sub(weight, after));
+      add(beside + 1, after);
+    };
+    const auto add_plane = [&](std::int32_t beside, V weight) {
+      const V after = hn::Mul(weight, part[1]);
+      add_row(beside, hn::Sub(weight, after));
+      add_row(beside + width, after);
+    };
+    add_plane(0, hn::Sub(one, part[2]));
+    add_plane(plane, part[2]);
+    const V turned_mean = dotOf({along_x, along_y, along_z}, turned);
     const V seen =
         fused(turned_mean, hn::Set(d, 2 * AmbientCell::kAlong), hn::Mul(mean, hn::Set(d, AmbientCell::kMean)));
     const V shut = hn::Sub(hn::Set(d, 1.0f), hn::Min(hn::Max(seen, hn::Zero(d)), hn::Set(d, 1.0f)));
-    return fusedLess(hn::Set(d, ambient.strength()), shut, hn::Set(d, 1.0f));
+    return fusedLess(hn::Set(d, ambient.strength()), shut, one);
   }
 
   const Shader::Model& s_;

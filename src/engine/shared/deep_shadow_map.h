@@ -82,15 +82,20 @@ class DeepShadowMap {
     const auto whole = static_cast<std::uint32_t>(depth);
     if ((span & 0xffff) > whole) return 1;
     if (whole > span >> 16) return 0;
-    return between(place, x - static_cast<float>(x0), y - static_cast<float>(y0), depth);
+    return between(place, x - static_cast<float>(x0), y - static_cast<float>(y0), depth, &passedIn);
   }
-  /// Transmittance between the pixel at `place` and its three neighbours to the right and below.
-  float between(std::int32_t place, float fx, float fy, float depth) const {
+  /// Depths of a pixel's knots. shape: kShadowKnots, ascending. unit: steps.
+  using Depths = std::array<std::uint16_t, kShadowKnots>;
+  /// Transmittance between the pixel at `place` and its three neighbours to the right and below. `passed(depths,
+  /// whole)` counts the depths that are not above `whole`.
+  template <class Passed>
+  float between(std::int32_t place, float fx, float fy, float depth, const Passed& passed) const {
+    const auto whole = static_cast<std::uint16_t>(depth);
     const Knots* const above = &pixels_[static_cast<std::size_t>(place)];
     const Knots* const below = above + frame_.width;
     const auto along = [&](const Knots* pixel) {
-      const float t = transmittanceAt(pixel[0], depth);
-      return t + fx * (transmittanceAt(pixel[1], depth) - t);
+      const float t = transmittanceAt(pixel[0], depth, passed(pixel[0].z, whole));
+      return t + fx * (transmittanceAt(pixel[1], depth, passed(pixel[1].z, whole)) - t);
     };
     const float upper = along(above);
     return upper + fy * (along(below) - upper);
@@ -99,7 +104,8 @@ class DeepShadowMap {
  private:
   // Sorted by depth; a pixel with fewer knots repeats the last transmittance at the greatest depth.
   struct alignas(64) Knots {
-    std::array<std::uint16_t, kShadowKnots> z, t;
+    Depths z;
+    std::array<std::uint16_t, kShadowKnots> t;
   };
   struct Point {
     float z = 0, t = 1;
@@ -116,13 +122,15 @@ class DeepShadowMap {
   }
   void addPoint(const Point& point, Column& column, Knots& knots) const;
   void addKnot(const Point& point, Column& column, Knots& knots) const;
-  static float transmittanceAt(const Knots& knots, float depth) {
-    const auto whole = static_cast<std::uint16_t>(depth);
-    std::uint16_t passed = 0;
-    for (const std::uint16_t z : knots.z) passed = static_cast<std::uint16_t>(passed + (z <= whole ? 1 : 0));
+  static std::size_t passedIn(const Depths& depths, std::uint16_t whole) {
+    std::size_t out = 0;
+    for (const std::uint16_t z : depths) out += z <= whole ? 1 : 0;
+    return out;
+  }
+  static float transmittanceAt(const Knots& knots, float depth, std::size_t passed) {
     if (passed == 0) return 1;
     if (passed == kShadowKnots) return static_cast<float>(knots.t.back()) / kSteps;
-    const float z = knots.z[passed - 1u], t = knots.t[passed - 1u];
+    const float z = knots.z[passed - 1], t = knots.t[passed - 1];
     const float part = (depth - z) / (static_cast<float>(knots.z[passed]) - z);
     return (t + part * (static_cast<float>(knots.t[passed]) - t)) / kSteps;
   }
