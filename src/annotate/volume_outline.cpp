@@ -19,7 +19,7 @@ constexpr double kSameShare = 1e-9;  // of the box's diagonal
 
 // unit: the font's size.
 constexpr double kDash = 0.5, kDashGap = 0.45;
-constexpr double kHiddenOpacity = 0.55, kRimOpacity = 0.35;
+constexpr double kHiddenOpacity = 0.55, kEdgeRimOpacity = 0.35;
 
 std::vector<Face> facesOfBox(const VolumeGeometry& volume, const Clipping& clipping) {
   glm::dvec3 lo(-0.5), hi(0.0);
@@ -159,11 +159,11 @@ std::vector<Shape> outlineOfVolume(const AnnotatedPicture& picture, const Style&
     const Outline whole = stroke(at(shown->first), at(shown->second), style.line);
     const Outline rim = stroke(at(shown->first), at(shown->second), style.line + style.halo);
     if (!picture.has_depth) {
-      rims.push_back({rim, style.rim, kRimOpacity});
+      rims.push_back({rim, style.rim, kEdgeRimOpacity});
       lines.push_back({whole, style.ink});
       continue;
     }
-    rims.push_back({rim, style.rim, kRimOpacity, test});
+    rims.push_back({rim, style.rim, kEdgeRimOpacity, test});
     lines.push_back({whole, style.ink, 1, test});
     test.shows_hidden = true;
     const double length = glm::distance(line->a_px, line->b_px), period = (kDash + kDashGap) * style.em / length;

@@ -10,7 +10,7 @@
 namespace kiln {
 namespace {
 
-StoredNumber numberOf(const JsonNode& dtype) {
+StoredNumber storedNumberOf(const JsonNode& dtype) {
   if (!dtype.isText()) dtype.unsupported("arrays of records are not read; write each field as an array of its own");
   const std::string text = dtype.text();
   const auto [order, code] = numpyTypeText(text);
@@ -47,7 +47,7 @@ ZarrArray readZarr2(const JsonNode& header) {
   if (const JsonNode version = header.at("zarr_format"); version.whole() != 2) version.fail("must be 2 in a .zarray");
   ZarrArray out;
   out.format = "Zarr v2";
-  out.number = numberOf(header.at("dtype"));
+  out.number = storedNumberOf(header.at("dtype"));
   out.shape = header.at("shape").wholes();
   out.chunk_shape = out.file_shape = header.at("chunks").wholes();
   const std::optional<JsonNode> separator = header.find("dimension_separator"), order = header.find("order");
