@@ -65,6 +65,7 @@ use() {
     logged inside "$root" "$program" export "/input/$store.kiln" "/input/$store.raw"
   done
   cmp "$root/input/hdf5.raw" "$root/input/slices.raw" || fail "$program: HDF5 and JPEG 2000 give different voxels"
+  logged inside "$root" "$program" render /demo/cranium.kiln -o /demo/scale.png --size 128x128 --scale-bar
   # The viewer serves until it is ended.
   timeout 10 unshare --pid --fork --kill-child bash -c "source scripts/bare_debian.sh; inside '$root' '$program' view /demo/cranium.kiln --no-browser --port 0" >"$scratch/log" 2>&1 || true
   grep -q 'http://' "$scratch/log" || { cat "$scratch/log"; fail "$program: the viewer does not start"; }
@@ -73,7 +74,7 @@ use() {
     logged "$build/tools/kiln/kiln" compare "$picture" "$root/demo/head.png"
     grep -q '^equal colours' "$scratch/log" || { cat "$scratch/log"; fail "$program: draws another picture"; }
   fi
-  echo "$program: converts, draws, reads HDF5 and JPEG 2000, serves a viewer"
+  echo "$program: converts, draws, letters, reads HDF5 and JPEG 2000, serves a viewer"
 }
 
 # ranks ROOT COMMAND...: two ranks draw the picture that one process draws.

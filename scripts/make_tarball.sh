@@ -22,6 +22,10 @@ done
 modules=$(dirname "$(find "$root" -name libkiln_view.so)")
 [ -e "$modules/kiln_gdcm_reader" ] || { echo "make_tarball.sh: $build: has no modules; configure with -DKILN_VIEW=ON" >&2; exit 1; }
 workers=("$modules"/kiln_*_reader)
+linked=()  # modules, but for MPI's
+for module in "$modules"/libkiln_*.so; do
+  [[ $module == */libkiln_mpi.so ]] || linked+=("$module")
+done
 documents=$root/share/doc/kiln
 licences=$documents/licences
 mkdir -p "$licences"
@@ -35,7 +39,7 @@ add_licence() {
   dpkg-query -W -f='${Package} ${Version}\n' "$1" | sed 's/:[^ ]* / /' >>"$licences/versions"
 }
 
-# The libraries of the program, the workers and the viewer, and the libraries of these.
+# The libraries of the program, the workers and the modules, and the libraries of these.
 while read -r library; do
   package=$(package_of "$library")
   case $package in
@@ -44,7 +48,7 @@ while read -r library; do
   esac
   cp -L "$library" "$modules/"
   [ -e "$licences/$package" ] || add_licence "$package"
-done < <(ldd "$root/bin/kiln" "${workers[@]}" "$modules/libkiln_view.so" | awk '$2 == "=>" { print $3 }' | sort -u)
+done < <(ldd "$root/bin/kiln" "${workers[@]}" "${linked[@]}" | awk '$2 == "=>" { print $3 }' | sort -u)
 # Libraries that are headers are inside the program.
 for header in glm/glm.hpp nlohmann/json.hpp CLI/CLI.hpp boost/beast/http.hpp; do
   add_licence "$(package_of "/usr/include/$header")"
@@ -68,6 +72,8 @@ for library in $(dpkg -L libc6 | grep -E '/(libc|libm|libmvec|libdl|libpthread|l
   cp -L "$library" "$glibc/"
 done
 add_licence libc6
+font=$(sed -n 's/^KILN_FONT_FILE:.*=//p' "$build/CMakeCache.txt")
+[ ! -e "$font" ] || add_licence "$(package_of "$font")"
 sort -u -o "$licences/versions" "$licences/versions"
 # Debian's files refer to one copy of each common licence.
 mkdir "$licences/common-licenses"
@@ -108,5 +114,5 @@ Without Open MPI, Kiln works on one machine.
 Manual: share/doc/kiln/manual, share/man. Licences of the libraries in $(realpath --relative-to="$root" "$modules"): share/doc/kiln/licences.
 TEXT
 "$(dirname "${BASH_SOURCE[0]}")/check_run_paths.sh" "$root" "$build"
-tar -C "$out" --sort=name --owner=0 --group=0 --numeric-owner -cf - "$name" | xz -T0 -6 >"$root.tar.xz"
+tar -C "$out" --sort=name --owner=0 --group=0 --numeric-owner -cf - "$name" | xz -T0 -5 >"$root.tar.xz"
 echo "$root.tar.xz: $(stat -c %s "$root.tar.xz") bytes, unpacked $(du -sb "$root" | cut -f1), needs $needed"

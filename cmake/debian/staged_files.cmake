@@ -18,6 +18,13 @@ foreach(component ${CPACK_COMPONENTS_ALL})
     "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\nUpstream-Name: Kiln\n\n"
     "Files: *\nCopyright: ${year} ${CPACK_PACKAGE_CONTACT}\nLicense: Apache-2.0\n"
     " On Debian systems the licence's text is in /usr/share/common-licenses/Apache-2.0.\n")
+  file(GLOB_RECURSE font ${usr}/lib/libkiln_font.so)
+  if(font)
+    file(READ /usr/share/doc/fonts-dejavu-core/copyright licence)
+    string(REGEX REPLACE ".*\nFiles: \\*\n(.*)\n\nFiles: debian.*" "\\1" licence "${licence}")
+    file(APPEND ${documents}/copyright
+      "\nFiles: usr/lib/kiln/libkiln_font.so\nComment: The font DejaVu Sans is compiled in.\n${licence}\n")
+  endif()
   file(WRITE ${documents}/changelog.Debian
     "kiln (${CPACK_PACKAGE_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) unstable; urgency=medium\n\n"
     "  * Built from the sources of version ${CPACK_PACKAGE_VERSION}.\n\n -- ${CPACK_PACKAGE_CONTACT}  ${date}\n")

@@ -15,6 +15,7 @@ class Kiln(CMakePackage):
     variant("mpi", default=True, description="Work on many machines")
     variant("hdf5", default=True, description="Read HDF5 files")
     variant("openjpeg", default=True, description="Read slices of JPEG 2000")
+    variant("letters", default=False, description="Draw letters over pictures; needs DejaVuSans.ttf on the machine")
     variant("view", default=True, description="View volumes in a browser")
     variant("python", default=False, description="Make the Python package")
 
@@ -50,6 +51,7 @@ class Kiln(CMakePackage):
     depends_on("mpi@3:", when="+mpi")
     depends_on("hdf5@1.10:~mpi", when="+hdf5")
     depends_on("openjpeg@2.3:", when="+openjpeg")
+    depends_on("freetype", when="+letters")
     depends_on("py-pybind11@2.10:", when="+python", type="build")
     depends_on("py-numpy", when="+python", type=("build", "run"))
     extends("python", when="+python")
@@ -65,5 +67,6 @@ class Kiln(CMakePackage):
             self.define_from_variant("KILN_HDF5", "hdf5"),
             self.define_from_variant("KILN_OPENJPEG", "openjpeg"),
             self.define_from_variant("KILN_VIEW", "view"),
+            self.define_from_variant("KILN_FREETYPE", "letters"),
             self.define_from_variant("KILN_PYTHON", "python"),
         ]
