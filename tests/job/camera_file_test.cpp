@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <glm/geometric.hpp>
 #include <string>
 
 #include "base/error.h"
+#include "job/job_flags.h"
 #include "job/render_job.h"
 #include "support/volumes/test_store.h"
 
@@ -130,6 +132,15 @@ TEST_F(CameraFile, InAJob_isBelowOtherKeys) {
   expectVector(read.picture.camera.eye, {1, -2.5, 300});
   expectVector(read.picture.camera.target, {0, 0, 1});
   EXPECT_EQ(read.picture.camera.fov_deg, 25);
+}
+
+TEST_F(CameraFile, Flag_readsTheFile) {
+  writeText(directory_ / "a.pvcc", paraView(0));
+  const auto flag = std::ranges::find(jobFlags(), "--camera", &JobFlag::flag);
+  ASSERT_NE(flag, jobFlags().end());
+  RenderJob job;
+  flag->apply({(directory_ / "a.pvcc").string()}, job);
+  EXPECT_EQ(job.picture.camera.eye, glm::dvec3(1, -2.5, 300));
 }
 
 }  // namespace
