@@ -341,7 +341,8 @@ void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const Bricke
 
 std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store) {
   const DrawnView& first = drawn.views.front();
-  ImageMetadata metadata = metadataOf(job, {}, drawn, first.view, store);
+  // The ending alone enters the header.
+  ImageMetadata metadata = metadataOf(job, {"picture.png", Content::kPicture, {}}, drawn, first.view, store);
   const Annotators annotators = annotatorsOf(job, drawn, store);
   if (drawn.views.size() > 1) {
     metadata.views_beside = 2;

@@ -21,6 +21,7 @@ JOBS = [
     {"region": "10,10,10,80,70,60", "level": 1, "interpolation": "cubic"},
     {"look": "studio", "exposure": 0.5, "crop": "10,5,80,60", "background": "black:#336"},
     {"stereo": "both", "interocular": 60, "tf": None},
+    {"scale_bar": True, "box": True, "legend": True, "text": "{voxels}", "background": "black"},
 ]
 
 

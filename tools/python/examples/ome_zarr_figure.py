@@ -29,7 +29,6 @@ nuclei = kiln.convert("cells.ome.zarr", "nuclei.kiln", channel=1, overwrite=True
 print(membranes, membranes.spacing, membranes.unit)
 
 # %% Both channels in one picture, with a bar of a round length.
-bar = {"scale_bar": True} if "scale_bar" in {option.word for option in kiln.options()} else {}
 image = membranes.render(
     tf=kiln.transfer_function([(200, 0), (900, 0.04, "cyan")]),
     add=nuclei,
@@ -39,7 +38,7 @@ image = membranes.render(
     projection="orthographic",
     size=(640, 480),
     background="black",
-    **bar,
+    scale_bar=True,
 )
 image.save("figure.png")
 image
