@@ -245,6 +245,34 @@ def test_memmap_h5py_and_zarr():
             assert same_voxels(kiln.convert(source, out, resume=True), array)
 
 
+def test_resume_tells_voxels_of_one_file_apart():
+    """Each pair has equal files, shapes and types. A resumed conversion of the second must not keep the first's bricks."""
+    import h5py
+
+    cube = ramp("int16", (20, 20, 20))
+    mapped = numpy.memmap("a.raw", dtype="int16", mode="w+", shape=(4, 20, 20, 20))
+    mapped[...] = numpy.stack([cube, cube + 1, cube[::-1], cube.transpose(2, 1, 0)])
+    mapped.flush()
+    same = numpy.memmap("a.raw", dtype="int16", mode="r", offset=16000, shape=cube.shape)
+    with h5py.File("a.h5", "w") as file:
+        file.create_dataset("x", data=mapped)
+    with h5py.File("a.h5", "r") as file:
+        sources = {"mapped": mapped, "h5": file["x"]}
+        pairs = {"place": ((mapped[0], {}), (mapped[1], {})), "order": ((mapped[0], {}), (mapped[0].view(">i2"), {}))}
+        for name, source in sources.items():
+            pairs[name + " time"] = tuple((source, {"axes": "tzyx", "time": i}) for i in (0, 1))
+            pairs[name + " channel"] = tuple((source, {"axes": "czyx", "channel": i}) for i in (2, 3))
+            pairs[name + " axes"] = tuple((source, {"axes": axes, "time": 1}) for axes in ("tzyx", "txyz"))
+        pairs["identity"] = tuple((cube, {"axes": axes, "identity": "cube"}) for axes in ("zyx", "xyz"))
+        for name, ((first, words), (second, other)) in pairs.items():
+            kiln.convert(first, name, brick_size=16, **words)
+            with pytest.raises(kiln.Error) as failure:
+                kiln.convert(second, name, brick_size=16, resume=True, **other)
+            assert failure.value.code in ("exists", "replaced"), name
+            assert kiln.convert(first, name, brick_size=16, resume=True, **words).shape == cube.shape
+    assert same_voxels(kiln.convert(same, "same"), cube + 1)
+
+
 def test_damaged_words_are_refused():
     with pytest.raises(ValueError, match="affine"):
         kiln.convert("a.npy", "a.kiln", affine=numpy.eye(4))

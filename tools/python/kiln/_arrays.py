@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mmap
 import os
 from typing import Any, Sequence
 
@@ -48,12 +49,25 @@ def _edges(array: Any, shape: Sequence[int], fixed: Sequence[bool], itemsize: in
     return edges
 
 
+def _place(array: Any) -> str:
+    """Returns the place of a memmap's first voxel in its file, as a text: slices share the file and its offset."""
+    import numpy
+
+    base = array
+    while base is not None and not isinstance(base, mmap.mmap):
+        base = getattr(base, "base", None)
+    if base is None:
+        return ""
+    begin = numpy.frombuffer(base, dtype="uint8").__array_interface__["data"][0]
+    return f", place {array.__array_interface__['data'][0] - begin}"
+
+
 def _state(array: Any) -> tuple[str, list[str], list[str]]:
     """Returns a text that tells the array from others of its files, and these files and folders."""
     filename = getattr(array, "filename", None)  # numpy.memmap
     if filename is not None and hasattr(array, "__array_interface__"):
-        base = getattr(array, "offset", 0)
-        return f"offset {base}, strides {array.strides}", [os.fspath(filename)], []
+        text = f"offset {getattr(array, 'offset', 0)}{_place(array)}, type {array.dtype.str}, strides {array.strides}"
+        return text, [os.fspath(filename)], []
     file = getattr(array, "file", None)  # h5py
     if file is not None and isinstance(getattr(file, "filename", None), str):
         return str(getattr(array, "name", "")), [file.filename], []
@@ -136,6 +150,8 @@ def source_of(
     text, files, trees = _state(array)
     if identity is not None:
         text, files, trees = identity, [], []
+    if text:
+        text += f", axes {axes}" + "".join(f", {axis} {at[axis]}" for axis in axes if axis in at)
     kind = f"{type(array).__module__.split('.')[0]} {type(array).__name__}" if identity is None else "array"
     words.name = f"{kind}, {text}" if text else kind
     words.known = identity is not None
