@@ -42,6 +42,29 @@ def test_eight_threads_draw_at_once(head):
         assert (pixels == alone[(i + turn) % 8]).all()
 
 
+def test_frames_are_drawn_by_one_call_at_a_time(head):
+    """A call from another thread, or from a report of progress, is refused; the frames go on in their order."""
+    job = {"volume": str(head), "image": {"width": 512, "height": 512}, "camera": {"turntable": {"frames": 2}}}
+    refused = []
+
+    def refuse(call):
+        with pytest.raises(kiln.Error, match="one call at a time") as failure:
+            call()
+        refused.append(failure.value.code)
+
+    def report(*_):
+        if len(refused) < 6:
+            refuse(lambda: next(frames))
+            refuse(frames.run)
+            thread = threading.Thread(target=refuse, args=(lambda: next(frames),))
+            thread.start()
+            thread.join()
+
+    frames = kiln.render(job, progress=report)
+    assert [image.frame for image in frames] == [1, 2]
+    assert len(refused) in (3, 6) and set(refused) == {"usage"}
+
+
 def test_python_runs_while_a_picture_is_drawn(head):
     """The lock is free while Kiln works: a thread of Python gets on."""
     counted, ended = [0], threading.Event()

@@ -16,7 +16,7 @@
 namespace kiln::python {
 namespace {
 
-// thread: one caller at a time.
+// thread: one call at a time, which Turn ensures.
 class Frames {
  public:
   // `volumes` are open volumes of the job, or none: then the job's stores and files are opened.
@@ -64,6 +64,25 @@ class Frames {
     return runSequence(job_, options, progress, silent);
   }
 
+  // A call of Python, as long as it lasts. A call during another is refused, as by Python's generators: the lock of
+  // Python is free while a frame is drawn, and `on_progress` may call. thread: holds the lock.
+  class Turn {
+   public:
+    Turn(Frames& frames, const char* call) : frames_(frames) {
+      if (frames_.in_call_)
+        throw Error(ErrorCode::kUsage, std::string(call) +
+                                           ": expected one call at a time (found a call under way); ask for frames "
+                                           "from one thread, or make frames for each thread");
+      frames_.in_call_ = true;
+    }
+    ~Turn() { frames_.in_call_ = false; }
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    Frames& frames_;
+  };
+
  private:
   bool hasFiles() const {
     return !job_.output.path.empty() || !job_.output.files.empty() || !job_.output.video.path.empty();
@@ -99,6 +118,7 @@ class Frames {
   const std::vector<int> numbers_;
   const std::filesystem::path store_directory_;
   const std::vector<std::shared_ptr<const BrickedVolume>> volumes_;
+  bool in_call_ = false;  // guarded by Python's lock
   std::size_t place_ = 0;
   Relay relay_;
   std::unique_ptr<SequenceFrames> frames_;
@@ -122,9 +142,11 @@ void bindFrames(py::module_& module) {
       .def_property_readonly("count", &Frames::count)
       .def("next",
            [](Frames& self, const py::object& on_progress) {
+             const Frames::Turn turn(self, "next");
              return resultForCall(on_progress, [&](Progress& progress) { return self.next(progress); });
            })
       .def("run", [](Frames& self, bool resume, bool checkpoint, const py::object& on_progress) {
+        const Frames::Turn turn(self, "run");
         const SequenceResult result =
             resultForCall(on_progress, [&](Progress& progress) { return self.run(resume, checkpoint, progress); });
         std::vector<int> drawn;
