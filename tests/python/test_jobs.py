@@ -96,6 +96,42 @@ def test_transfer_functions(head):
         s.render(tf=kiln.transfer_function([(2, 0), (1, 1)]), **size)
 
 
+def test_colour_maps_without_range_span_the_volume(head):
+    s, size = kiln.open(head), {"size": (64, 48)}
+    half = kiln.open(s[...] // 2, affine=s.affine, unit="mm", frame=s.frame)
+
+    def function(of=None):
+        return kiln.transfer_function(lambda t: (t, 1 - t, t, 1), range=of and of.range, opacity=(0, 0.5))
+
+    def pixels(image):
+        return numpy.asarray(image)
+
+    def job(*functions):
+        several = [{"volume": v, "transferFunction": f} for v, f in zip((s, half), functions)]
+        return pixels(*kiln.render({"image": JOB["image"], **(several[0] if len(several) == 1 else {"volumes": several})}))
+
+    assert (job(function()) == job(function(s))).all() and job(function(s)).max() > 0
+    assert (job(function(), function()) == job(function(s), function(half))).all()
+    for words in ({"add": half}, {"add": [s, half]}):
+        volumes = words["add"] if isinstance(words["add"], list) else [words["add"]]
+        found = s.render(tf="fog", add_tf=[function() for _ in volumes], **words, **size)
+        known = s.render(tf="fog", add_tf=[function(one) for one in volumes], **words, **size)
+        assert (pixels(found) == pixels(known)).all()
+    for refused in (
+        lambda: kiln.render({"volume": str(head), "transferFunction": function()}),
+        lambda: kiln.render({"volumes": [{"volume": s}], "transferFunction": function()}),
+        lambda: function().json(),
+        lambda: function().save("map.json"),
+    ):
+        with pytest.raises(kiln.Error, match="range: .*; give range") as failure:
+            refused()
+        assert failure.value.code == "usage"
+    assert not os.path.exists("map.json")
+    nothing = kiln.open(numpy.full((8, 8, 8), numpy.nan, "f4"))
+    with pytest.warns(kiln.Warning, match="transparent"):
+        assert pixels(nothing.render(tf=function(), **size)).max() == 0
+
+
 def test_files_become_stores_once(head):
     numpy.save("a.npy", kiln.open(head)[...])
     s = kiln.open("a.npy", spacing=(2, 1, 1))

@@ -7,6 +7,7 @@ import json as _json
 from typing import Any, Callable, Iterable, Sequence
 
 from kiln import _kiln
+from kiln._errors import wrong_word
 
 _SAMPLES = 64  # of a colour map
 
@@ -23,12 +24,15 @@ class TransferFunction:
         """Returns the function as a job's JSON; an empty text for a preset or a file.
 
         value_range: the values of the first and last colour, for a colour map made without `range`.
+        throws: kiln.Error if such a map has no values.
         """
         if not self.points:
             return ""
         points = self.points
         if self._stretched:
-            low, high = value_range or (0.0, 1.0)
+            if value_range is None:
+                raise wrong_word("range", "a colour map spans values", "no open volume", "give range to transfer_function")
+            low, high = value_range
             points = [{**point, "value": low + (high - low) * point["value"]} for point in points]
         return _json.dumps({"kiln": _kiln.job_format, "points": points})
 
@@ -36,8 +40,9 @@ class TransferFunction:
         """Writes a file for --tf. A preset has no file: use `kiln tf --json`."""
         if not self.points:
             raise ValueError(f"{self.name} is a preset or a file; kiln tf --json writes its points")
+        text = self.json()
         with open(path, "w", encoding="utf-8") as file:
-            file.write(self.json() + "\n")
+            file.write(text + "\n")
 
     def __repr__(self) -> str:
         return f"kiln.TransferFunction({self.name!r}" + (f", {len(self.points)} points)" if self.points else ")")

@@ -9,7 +9,7 @@ from typing import Any, Iterator, NamedTuple
 from kiln import _kiln
 from kiln._functions import TransferFunction
 from kiln._image import Image
-from kiln._volume import Progress, Volume
+from kiln._volume import Progress, Volume, range_of
 
 
 class Finished(NamedTuple):
@@ -46,20 +46,22 @@ class Frames(Iterator[Image]):
         return Finished(*self._frames.run(resume, checkpoint, self._progress))
 
 
-def _plain(value: Any, volumes: list[Volume]) -> Any:
+def _plain(value: Any, volumes: list[Volume], drawn: Any = None) -> Any:
+    """Returns a job's value as JSON has it, and collects open volumes. `drawn`: the volume of the object around it."""
     if isinstance(value, Volume):
         volumes.append(value)
         return value.path
     if isinstance(value, TransferFunction):
-        text = value.json()
+        text = value.json(range_of(drawn) if isinstance(drawn, Volume) else None)
         return json.loads(text) if text else value.name
     if isinstance(value, os.PathLike):
         return os.fspath(value)
     if isinstance(value, dict):
-        return {key: _plain(inner, volumes) for key, inner in value.items()}
+        drawn = value.get("volume", drawn)
+        return {key: _plain(inner, volumes, drawn) for key, inner in value.items()}
     if hasattr(value, "tolist"):
         value = value.tolist()
-    return [_plain(inner, volumes) for inner in value] if isinstance(value, (list, tuple)) else value
+    return [_plain(inner, volumes, drawn) for inner in value] if isinstance(value, (list, tuple)) else value
 
 
 def render(
@@ -71,8 +73,9 @@ def render(
     """Returns the frames of a job, drawn as they are iterated.
 
     job: the file of a job, or its object (the manual's page jobs.md); its volumes are names of stores and files, or
-    open volumes, then all of them. A frame's files are written, if the job names any ("output", "outputs"), when the frame
-    is drawn; the video after the last frame. store: folder for stores of volume files.
+    open volumes, then all of them. A colour map without `range` needs an open volume. A frame's files are written, if the
+    job names any ("output", "outputs"), when the frame is drawn; the video after the last frame. store: folder for stores
+    of volume files.
     progress: called with (step, done, total). throws: kiln.Error.
     """
     folder = os.fspath(store) if store is not None else os.environ.get("KILN_STORE_DIR", "")

@@ -8,7 +8,7 @@ import weakref
 from typing import Any
 
 from kiln import _kiln
-from kiln._volume import Volume, open
+from kiln._volume import Volume, open, range_of
 from kiln._words import job_words
 
 
@@ -59,4 +59,4 @@ def view(
         volume = open(volume)
     title = os.path.basename(os.path.normpath(volume.path))
     name = os.fspath(job) if job is not None else ""
-    return Viewer(_kiln.Viewer(volume._volume, job_words(words, volume.range), name, title, port), height)
+    return Viewer(_kiln.Viewer(volume._volume, job_words(words, range_of(volume)), name, title, port), height)

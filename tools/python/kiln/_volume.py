@@ -178,11 +178,16 @@ class Volume:
         for word in ("output", "deep", "trace"):
             if words.get(word):
                 raise TypeError(f"{word}: a picture in memory has no file; save it, or use kiln.render")
-        return job_words(words, self.range)
+        return job_words(words, range_of(self))
 
     def __repr__(self) -> str:
         z, y, x = self.shape
         return f"<kiln.Volume {self.path}: {z} x {y} x {x} voxels of {self.dtype}, {len(self.levels)} levels>"
+
+
+def range_of(volume: Volume) -> tuple[float, float]:
+    """Returns the values that a colour map spans; in a volume without values all are alike."""
+    return volume.range or (0.0, 1.0)
 
 
 def _more_volumes(words: dict[str, Any]) -> tuple[_kiln.MoreVolumes, dict[str, Any]]:
@@ -193,15 +198,21 @@ def _more_volumes(words: dict[str, Any]) -> tuple[_kiln.MoreVolumes, dict[str, A
         value = words.pop(word, None)
         return [] if value is None else list(value) if isinstance(value, (list, tuple)) else [value]
 
-    def opened(volume: Any, labels: bool) -> _kiln.Volume:
-        return (volume if isinstance(volume, Volume) else open(volume, labels=labels))._volume
+    def opened(volume: Any, labels: bool) -> Volume:
+        return volume if isinstance(volume, Volume) else open(volume, labels=labels)
 
-    def text(function: Any) -> str:
-        return function.json() or function.name if isinstance(function, TransferFunction) else text_of(function)
+    def text(function: Any, volume: Volume | None) -> str:
+        if not isinstance(function, TransferFunction):
+            return text_of(function)
+        # A function without a volume is refused later, by the number of functions.
+        return function.json(range_of(volume) if volume is not None else (0.0, 1.0)) or function.name
 
-    functions = [text(one) for one in listed("add_tf")]
     added, labels = [opened(one, False) for one in listed("add")], [opened(one, True) for one in listed("labels")]
-    return _kiln.MoreVolumes(added, labels, functions), words
+    functions = listed("add_tf")
+    volumes: list[Volume | None] = [*added, *labels]
+    volumes += [None] * (len(functions) - len(volumes))
+    texts = [text(function, volume) for function, volume in zip(functions, volumes)]
+    return _kiln.MoreVolumes([one._volume for one in added], [one._volume for one in labels], texts), words
 
 
 def open(
