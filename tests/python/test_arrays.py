@@ -1,6 +1,7 @@
 """Arrays as volumes. Known because an array holds the voxels of a file whose pictures and stores are known, or because
 the array counts what is read of it."""
 
+import os
 import threading
 
 import numpy
@@ -271,6 +272,30 @@ def test_resume_tells_voxels_of_one_file_apart():
             assert failure.value.code in ("exists", "replaced"), name
             assert kiln.convert(first, name, brick_size=16, resume=True, **words).shape == cube.shape
     assert same_voxels(kiln.convert(same, "same"), cube + 1)
+
+
+def test_words_without_effect_are_refused():
+    array = ramp("uint8", (8, 8, 8))
+    numpy.save("a.npy", array)
+    of_arrays = {"axes": "xyz", "unit": "mm", "frame": "RAS"}
+    refused = [(kiln.open, array, word, value) for word, value in {"channel": 1, "time": 0, "store": "stores"}.items()]
+    refused += [(kiln.convert, array, word, value) for word, value in {"channel": 0, "time": 2, "levels": -1}.items()]
+    refused += [(kiln.open, "a.npy", word, value) for word, value in {**of_arrays, "brick_size": 128}.items()]
+    refused += [(kiln.convert, "a.npy", word, value) for word, value in {**of_arrays, "identity": "a", "levels": -2}.items()]
+    refused += [
+        (call, "a.npy", word, value)
+        for call in (kiln.open, kiln.convert)
+        for word in ("allow_irregular", "luminance")
+        for value in ("yes", "", 1)
+    ]
+    refused += [(kiln.view, array, "port", value) for value in (70000, 65536, -1)]
+    for call, source, word, value in refused:
+        with pytest.raises(kiln.Error, match=rf"^{word}: .+ \(found .+\); .+") as failure:
+            call(source, *(["out.kiln"] if call is kiln.convert else []), **{word: value})
+        assert failure.value.code == "usage" and failure.value.path is None
+    assert sorted(os.listdir()) == ["a.npy"]
+    volume = kiln.convert("a.npy", "a.kiln", allow_irregular=False, luminance=False, levels=1, spacing=SPACING)
+    assert same_voxels(volume, array) and len(volume.levels) == 1 and volume.spacing == SPACING
 
 
 def test_damaged_words_are_refused():

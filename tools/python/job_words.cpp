@@ -25,7 +25,11 @@ std::int64_t wholeOf(const std::string& name, const std::string& text) {
   return *value;
 }
 
-bool isOn(const std::string& text) { return text == "on"; }
+bool isOn(const std::string& name, const std::string& text) {
+  if (text != "on" && text != "off")
+    throw Error(ErrorCode::kUsage, fmt::format("{}: expected on or off (found '{}'); give True or False", name, text));
+  return text == "on";
+}
 
 }  // namespace
 
@@ -81,8 +85,8 @@ SourceWords sourceWords(const std::map<std::string, std::string>& texts) {
       {"time", [&](const std::string& text) { out.time = wholeOf("time", text); }},
       {"scale", [&](const std::string& text) { out.scale = wholeOf("scale", text); }},
       {"skip", [&](const std::string& text) { out.skip = static_cast<std::uint64_t>(wholeOf("skip", text)); }},
-      {"allow_irregular", [&](const std::string& text) { out.allow_irregular = isOn(text); }},
-      {"luminance", [&](const std::string& text) { out.luminance = isOn(text); }}};
+      {"allow_irregular", [&](const std::string& text) { out.allow_irregular = isOn("allow_irregular", text); }},
+      {"luminance", [&](const std::string& text) { out.luminance = isOn("luminance", text); }}};
   for (const auto& [name, text] : texts) {
     const auto member = members.find(name);
     if (member == members.end()) {

@@ -7,6 +7,7 @@ import os
 from typing import Any, Sequence
 
 from kiln import _kiln
+from kiln._errors import wrong_word
 
 # Read in place, without Python.
 _IN_PLACE = {"uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64"}
@@ -116,9 +117,13 @@ def _checked_axes(axes: str | None, array: Any, shape: Sequence[int]) -> str:
     return out
 
 
-def _checked_index(word: str, index: int, axes: str, shape: Sequence[int]) -> int:
+def _checked_index(word: str, index: int | None, axes: str, shape: Sequence[int]) -> int:
     axis = axes.find(word[0])
-    if axis >= 0 and not 0 <= index < shape[axis]:
+    if index is None:
+        return 0
+    if axis < 0:
+        raise wrong_word(word, f"needs an axis {word[0]}", f"axes {axes!r}", "name all axes, or leave it out")
+    if not 0 <= index < shape[axis]:
         raise ValueError(f"{word}: expected 0 to {shape[axis] - 1} (found {index})")
     return index
 
@@ -132,8 +137,8 @@ def source_of(
     unit: str,
     frame: str,
     labels: bool,
-    channel: int = 0,
-    time: int = 0,
+    channel: int | None = None,
+    time: int | None = None,
     identity: str | None = None,
 ) -> _kiln.ArraySource:
     """Opens an array as a source of a conversion or a volume."""

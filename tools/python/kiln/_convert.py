@@ -7,7 +7,7 @@ from typing import Any
 
 from kiln import _kiln
 from kiln._arrays import is_array, source_of
-from kiln._volume import Progress, Volume, file_words, open
+from kiln._volume import Progress, Volume, file_words, open, refuse_words_of_arrays
 from kiln._words import source_texts, text_of
 
 
@@ -38,7 +38,8 @@ def convert(
     shape, dtype and slices: NumPy arrays and memmaps, h5py, zarr, dask. It is read box by box, in whole chunks of its own,
     each once where `memory` has room for the chunks that neighbouring bricks share.
 
-    axes, spacing, affine, unit, frame, labels: as for kiln.open. half: round to half floats.
+    axes, spacing, affine, unit, frame, labels: as for kiln.open. levels: the most levels, 0 for all. half: round to half
+    floats.
     resume: continue an interrupted conversion. Kiln compares the state of the files of memmap, h5py and zarr; for other
     arrays `identity` is a text that is another for other voxels.
     progress: called with (step, done, total). Ctrl-C cancels and keeps finished bricks. throws: kiln.Error, and what the
@@ -66,7 +67,8 @@ def convert(
     else:
         path = os.fspath(source)
         options.command = f"kiln.convert({path!r}, {target!r})"
-        texts = source_texts(dict(words, **file_words(axes, spacing, affine)))
+        refuse_words_of_arrays(axes=axes, unit=unit, frame=frame, identity=identity)
+        texts = source_texts(dict(words, **file_words(spacing, affine)))
         report = _kiln.convert_file(path, texts, target, options, progress)
     volume = open(target, memory=memory)
     volume.report = report

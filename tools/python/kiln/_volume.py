@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, Sequence
 
 from kiln import _kiln
 from kiln._arrays import is_array, source_of
+from kiln._errors import wrong_word
 from kiln._functions import TransferFunction
 from kiln._image import Image
 from kiln._words import job_words, source_texts, text_of
@@ -227,7 +228,7 @@ def open(
     affine: Any = None,
     unit: str = "",
     frame: str = "",
-    brick_size: int = 128,
+    brick_size: int | None = None,
     **words: Any,
 ) -> Volume:
     """Opens a store, a volume file or an array.
@@ -237,27 +238,45 @@ def open(
     file: a NumPy array in place, anything else sliced brick by brick; coarser levels are made within `memory`.
 
     axes: the array's, by default its `dims` (xarray) or "zyx"; c and t are chosen by channel and time. spacing: along x, y
-    and z in the order of `axes`. affine: world (x, y, z) from voxel (x, y, z), 4 x 4. labels: values are labels. The array
-    must not change.
+    and z in the order of `axes`, of a file along z, y and x. affine: world (x, y, z) from voxel (x, y, z), 4 x 4. unit,
+    frame: of the world, "mm" and "RAS". labels: values are labels. brick_size: by default 128. The array must not change.
+    All but spacing and labels are for arrays: a file has its own.
     """
     if is_array(source) and not isinstance(source, (str, os.PathLike)):
+        if store is not None:
+            raise wrong_word("store", "is for files", "an array", "leave it out; kiln.convert makes a store of an array")
         described = source_of(
             source, axes=axes, spacing=spacing, affine=affine, unit=unit, frame=frame, labels=labels, **words
         )
-        return Volume(_kiln.Volume.open_array(described, brick_size, text_of(memory), progress))
+        edge = 128 if brick_size is None else brick_size
+        return Volume(_kiln.Volume.open_array(described, edge, text_of(memory), progress))
+    refuse_words_of_arrays(axes=axes, unit=unit, frame=frame, brick_size=brick_size)
     folder = os.fspath(store) if store is not None else os.environ.get("KILN_STORE_DIR", "")
-    texts = source_texts(dict(words, **file_words(axes, spacing, affine)))
+    texts = source_texts(dict(words, **file_words(spacing, affine)))
     return Volume(_kiln.Volume.open_file(os.fspath(source), texts, folder, labels, text_of(memory), progress))
 
 
-def file_words(axes: str | None, spacing: Any, affine: Any) -> dict[str, Any]:
+_REMEDIES = {
+    "axes": "leave it out; spacing is along z, y, x",
+    "identity": "leave it out; the state of the file is compared",
+    "brick_size": "leave it out; kiln.convert makes a store with other bricks",
+}
+
+
+def refuse_words_of_arrays(**words: Any) -> None:
+    """throws: kiln.Error for a word that a file cannot take."""
+    for word, value in words.items():
+        if value not in (None, ""):
+            raise wrong_word(word, "is for arrays", "a file", _REMEDIES.get(word, "leave it out; a file has its own"))
+
+
+def file_words(spacing: Any, affine: Any) -> dict[str, Any]:
     """Returns the words of a file for the place of its voxels; the command line has spacings along x, y, z."""
     if affine is not None:
         raise ValueError("affine: is for arrays (found a file); a file has its own, or spacing")
     if spacing is None or isinstance(spacing, str):
         return {"spacing": spacing}
-    order = axes or "zyx"
-    by_axis = dict(zip(order, spacing))
-    if set(by_axis) != set("xyz"):
-        raise ValueError(f"spacing: expected three numbers, along {', '.join(order)}")
-    return {"spacing": [by_axis[axis] for axis in "xyz"]}
+    edges = list(spacing)
+    if len(edges) != 3:
+        raise ValueError(f"spacing: expected three numbers, along z, y, x (found {len(edges)})")
+    return {"spacing": edges[::-1]}
