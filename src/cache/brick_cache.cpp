@@ -141,11 +141,19 @@ void BrickCache::read(Slots::iterator slot, Lock& lock) {
   done.block = std::move(block);
   done.failure = failure;
   if (failure) recency_.erase(done.recency);
-  if (done.block) {
-    ++(entry.constant ? counts_.constants : from_disk ? counts_.reads : counts_.shared);
-    (from_disk ? counts_.read_bytes : counts_.shared_bytes) += entry.file_bytes;
-  }
+  if (done.block) countRead(entry, *done.block, from_disk);
   changed_.notify_all();
+}
+
+void BrickCache::countRead(const BrickEntry& entry, const BrickBlock& block, bool from_disk) {
+  counts_.companion_reads += block.companion_reads;
+  counts_.companion_bytes += block.companion_bytes;
+  if (block.masked) {
+    ++counts_.emptied;
+    return;
+  }
+  ++(entry.constant || block.constant ? counts_.constants : from_disk ? counts_.reads : counts_.shared);
+  (from_disk ? counts_.read_bytes : counts_.shared_bytes) += entry.file_bytes;
 }
 
 std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {

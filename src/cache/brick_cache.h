@@ -25,12 +25,16 @@
 
 namespace kiln {
 
+struct BrickEntry;
+
 struct CacheCounts {
   std::uint64_t reads = 0;       // bricks decoded from a file read from disk by this cache
   std::uint64_t read_bytes = 0;  // bytes of these files
   std::uint64_t shared = 0;      // bricks decoded from a file in the memory of any rank
   std::uint64_t shared_bytes = 0;
   std::uint64_t constants = 0;  // bricks made without a file
+  std::uint64_t emptied = 0;    // bricks that were not read because their mask turned out to be empty
+  std::uint64_t companion_reads = 0, companion_bytes = 0;  // bricks of companions, such as masks, and their files
   std::uint64_t hits = 0;       // requested bricks that were in memory or being read
   std::uint64_t unused = 0;     // bricks read ahead and evicted without a request
   std::uint64_t skipped = 0;    // requests that returned null because the brick is unreadable
@@ -114,6 +118,7 @@ class BrickCache {
   bool makeRoom(std::uint64_t bytes, bool spare_announced);
   Slots::iterator begin(const StoredBrick& brick);
   void read(Slots::iterator slot, Lock& lock);
+  void countRead(const BrickEntry& entry, const BrickBlock& block, bool from_disk);
   std::shared_ptr<const BrickBlock> skip(const Slot& failed, bool first, Lock& lock);
   void erase(Slots::iterator slot);
   void noteFreed(std::uint64_t bytes);

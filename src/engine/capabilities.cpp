@@ -28,6 +28,7 @@ constexpr CapabilityRow kCapabilityRows[] = {
     {&EngineCapabilities::filters_rays, "pixel filter, automatic `--samples`"},
     {&EngineCapabilities::depth_and_normal, "`--aov depth,normal`"},
     {&EngineCapabilities::value, "`--aov value`"},
+    {&EngineCapabilities::companions, "`--mask`, `--color-by`"},
     {&EngineCapabilities::deep, "`--deep`"},
     {&EngineCapabilities::parts, "`--part`, `--distribute bricks`"},
 };
@@ -62,6 +63,7 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .two_samples = true,
        .filters_rays = true,
        .depth_and_normal = true,
+       .companions = true,
        .deep = true,
        .parts = true},
       {.kind = EngineKind::kVoxel,
@@ -88,6 +90,7 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .two_samples = true,
        .filters_rays = true,
        .depth_and_normal = true,
+       .companions = true,
        .deep = true},
   };
   return table;

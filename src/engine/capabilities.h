@@ -33,6 +33,7 @@ struct EngineCapabilities {
   bool filters_rays = false;      // samples of a pixel are rays of light: automatic number, pixel filter
   bool depth_and_normal = false;  // has planes of depth and normals
   bool value = false;             // has a plane of values
+  bool companions = false;        // draws volumes with masks or colours of another volume
   bool deep = false;              // draws deep images
   bool parts = false;             // draws partial images, also of ranks that share bricks
 };

@@ -122,8 +122,10 @@ VoxelBox boxOfVoxels(const BrickBlock& block, const ShownValues& shown, const Vo
           continue;
         }
         ValueRange range;
-        for (const std::int64_t step : steps)
-          range.include(static_cast<double>(values[block.offsetOf(cell.lo) + step]));
+        for (const std::int64_t step : steps) {
+          const std::int64_t voxel = block.offsetOf(cell.lo) + step;
+          if (block.shown.all() || block.shown.at(voxel)) range.include(static_cast<double>(values[voxel]));
+        }
         if (shown.in(range)) include(out, intersection({{x, y, z}, {x + 2, y + 2, z + 2}}, within));
       }
     }

@@ -43,6 +43,8 @@ nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
           {"bricks",
            {{"total", frame.bricks_total},
             {"interesting", frame.bricks_interesting},
+            {"masked", frame.bricks_masked},
+            {"emptied", frame.bricks_emptied},
             {"read", frame.bricks_read},
             {"hidden", frame.bricks_hidden},
             {"unused", frame.bricks_unused},
@@ -53,6 +55,7 @@ nlohmann::ordered_json countsOf(const FrameStatistics& frame) {
             {"contributing", frame.bricks_contributing},
             {"contributing_bytes", frame.bricks_contributing_bytes},
             {"read_to_contributing", readToContributing(frame)}}},
+          {"companions", {{"read", frame.companion_reads}, {"read_bytes", frame.companion_bytes}}},
           {"levels", levelsOf(frame)}};
 }
 

@@ -190,7 +190,7 @@ int SceneOfJob::mostSamples() const {
 
 FrameScene SceneOfJob::at(int frame) const {
   const Animation& animation = job_.animation;
-  FrameScene out{job_.picture, {}, functions_.front().at(frame), {}, geometry_};
+  FrameScene out{job_.picture, {}, functions_.front().at(frame), companions_, {}, geometry_};
   if (const auto part = std::exchange(out.picture.part, std::nullopt))
     out.picture.clipping.part = boxOfPart(*part, manifest().geometry().dims, manifest().brick_size);
   out.camera = cameraOf(frame);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "job/render_job.h"
@@ -24,6 +25,7 @@ struct FrameScene {
   PictureOptions picture;
   Camera camera;
   TransferFunction transfer_function;
+  std::vector<Hash128> companions;   // index checksums of masks and volumes of colours
   std::vector<VolumeScene> volumes;  // empty for a single volume; the first volume's function is also above
   VolumeGeometry box;                // the box around all volumes, in the axes of the first
 };
@@ -46,6 +48,8 @@ class SceneOfJob {
   /// framing and transfer functions are those of all frames, and a framing fits whole volumes. Without `shown_box`,
   /// Fit::kVisible is Fit::kRegion.
   SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const ShownBoxOf& shown_box = {});
+  /// Sets FrameScene::companions of all scenes.
+  void accompany(std::vector<Hash128> index_checksums) { companions_ = std::move(index_checksums); }
   /// throws: Error kUsage where the camera cannot be used.
   FrameScene at(int frame) const;
   /// Returns the largest number of samples of all frames; frames whose camera cannot be used are left out.
@@ -74,6 +78,7 @@ class SceneOfJob {
   const VolumeGeometry geometry_;       // geometry of the box around all of them
   std::vector<Functions> functions_;    // one for each volume
   FramedBox framed_;                    // the box that cameras fit
+  std::vector<Hash128> companions_;
 };
 
 }  // namespace kiln

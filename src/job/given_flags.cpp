@@ -83,6 +83,8 @@ void addVolumes(const AddedVolumes& more, const GivenFlags& flags, RenderJob& jo
     first.functions.clear();
   }
   if (flags.has("--window")) first.window = job.picture.window;
+  if (auto mask = std::exchange(job.companions.mask, std::nullopt)) first.companions.mask = std::move(mask);
+  if (auto colors = std::exchange(job.companions.color_by, std::nullopt)) first.companions.color_by = std::move(colors);
   if (auto region = std::exchange(job.picture.clipping.region, std::nullopt)) first.clipping.region = region;
   for (std::size_t i = 0; i < count; ++i) {
     VolumeOptions volume;

@@ -93,6 +93,10 @@ Texts textsOf(const RenderJob& job, const RenderJob& plain) {
     out["--light"].clear();
     for (const Light& light : picture.shading.lights) out["--light"].push_back(lightText(light));
   }
+  if (const auto& mask = job.companions.mask)
+    out["--mask"] = {fmt::format("{}:{}", mask->volume.generic_string(), fmt::join(mask->labels, ","))};
+  if (const auto& colors = job.companions.color_by)
+    out["--color-by"] = {colors->volume.generic_string() + ":" + functionText(colors->transfer_function)};
   const ordered_json stated = statedJson(job);
   if (stated.contains("worldRegion")) out["--world-region"] = {simpleText(stated["worldRegion"])};
   out.erase("--clip");

@@ -40,6 +40,8 @@ EngineChoice engineOf(const RenderJob& job);
 void requirePart(const RenderJob& job);
 /// throws: Error kUsage for several volumes with an option that draws one volume.
 void requireVolumes(const RenderJob& job);
+/// throws: Error kUsage for a mask or colours of another volume if the engine of the job draws none.
+void requireCompanions(const RenderJob& job);
 /// Makes the job's single volume the first of several. requires: `volumes` is empty.
 void makeFirstOfSeveral(RenderJob& job);
 

@@ -69,6 +69,47 @@ constexpr std::string_view kFunctionHelp =
     "ParaView's colour maps (FILE or FILE#NAME) or of ITK-SNAP's labels. iso:VALUE[:OPACITY[:COLOR]],... is a "
     "preset, too: surfaces at these values. solid:VALUE is solid from VALUE on.";
 
+constexpr std::string_view kMaskHelp =
+    "Show the volume only where another volume, at the same place in the world, has one of these labels.";
+constexpr std::string_view kColorByHelp =
+    "Colour the volume by the values of another volume at the same place in the world, such as a PET on a CT. Opacity "
+    "stays the volume's own.";
+
+// "STORE:LABEL,...".
+void putMaskText(OptionForm& form) {
+  form.value_name = "FILE:LABELS";
+  form.expected = "the file of a volume of labels, a colon, and its labels that show, such as organs.kiln:3,7";
+  form.parse = [](const std::string& text) -> json {
+    const std::size_t colon = text.rfind(':');
+    if (colon == std::string::npos || colon == 0) return {};
+    const json labels = numbersOfText(std::string_view(text).substr(colon + 1));
+    if (labels.is_null()) return {};
+    return {{"volume", text.substr(0, colon)}, {"labels", labels}};
+  };
+}
+
+// "STORE[:TF]".
+void putColorByText(OptionForm& form) {
+  form.value_name = "FILE[:TF]";
+  form.expected = "the file of a volume, and after a colon its transfer function, such as pet.kiln:fire";
+  form.parse = [](const std::string& text) -> json {
+    const std::size_t colon = text.find(':');
+    if (colon == 0 || text.empty()) return {};
+    json out = {{"volume", text.substr(0, colon)}};
+    if (colon != std::string::npos) out["transferFunction"] = functionForm().parse(text.substr(colon + 1));
+    return out;
+  };
+}
+
+template <class Owner>
+OptionValue<Owner> maskValue() {
+  return objectValue("mask", optionsIn<Owner>(maskOptions(), KILN_MEMBER(companions.mask)));
+}
+template <class Owner>
+OptionValue<Owner> colorByValue() {
+  return objectValue("colorBy", optionsIn<Owner>(colorByOptions(), KILN_MEMBER(companions.color_by)));
+}
+
 OptionForm sizeForm() {
   OptionForm form;
   form.value_name = "WIDTHxHEIGHT";
@@ -262,6 +303,10 @@ Options<RenderJob> rootOptions() {
           "Several volumes in one picture, each placed by its own affine; instead of volume."));
   add(Row("volume", {KILN_MEMBER(volume), FileName{}, ofOneVolume},
           "A store, or a volume file that is converted to a store beside it first."));
+  OptionValue<RenderJob> mask = maskValue<RenderJob>(), color_by = colorByValue<RenderJob>();
+  putMaskText(mask.form), putColorByText(color_by.form);
+  add(Row("mask", "--mask", kShown, std::move(mask), kMaskHelp));
+  add(Row("colorBy", "--color-by", kTransferFunction, std::move(color_by), kColorByHelp));
   OptionValue<RenderJob> output = {KILN_MEMBER(output.path), FileName{}};
   output.read = [](const JobObject& root, std::string_view key, RenderJob& job) {
     std::filesystem::path path;
@@ -527,6 +572,8 @@ const Options<VolumeOptions>& volumeOptions() {
         Row("volume", {KILN_MEMBER(volume), FileName{}, kAlways}, "A store, or a volume file.",
             "each of several volumes names its store or volume file"),
         Row("labels", {KILN_MEMBER(labels), Switch{}}, "The values of a volume file are labels."),
+        Row("mask", maskValue<VolumeOptions>(), kMaskHelp),
+        Row("colorBy", colorByValue<VolumeOptions>(), kColorByHelp),
         Row("transferFunction",
             OptionValue<VolumeOptions>::custom(
                 functionForm(),

@@ -51,6 +51,8 @@ const Options<GradientTable>& gradientTableOptions();
 const Options<Scattering>& scatteringOptions();
 const Options<LabelStyle>& labelOptions();
 const Options<VolumeOptions>& volumeOptions();
+const Options<MaskChoice>& maskOptions();
+const Options<ColorByChoice>& colorByOptions();
 const Options<OutputFile>& outputFileOptions();
 
 /// Ends an error.

@@ -101,6 +101,17 @@ void requireVolumes(const RenderJob& job) {
   requireOptions(engineOf(job), {});
 }
 
+void requireCompanions(const RenderJob& job) {
+  const auto require = [&](const Companions& companions) {
+    if (companions.mask)
+      requireCapability(engineOf(job), &EngineCapabilities::companions, "--mask: needs", "leave --mask out");
+    if (companions.color_by)
+      requireCapability(engineOf(job), &EngineCapabilities::companions, "--color-by: needs", "leave --color-by out");
+  };
+  require(job.companions);
+  for (const VolumeOptions& volume : job.volumes) require(volume.companions);
+}
+
 void makeFirstOfSeveral(RenderJob& job) {
   PictureOptions& picture = job.picture;
   VolumeOptions first;
@@ -108,6 +119,7 @@ void makeFirstOfSeveral(RenderJob& job) {
   first.transfer_function = picture.transfer_function;
   first.functions = std::exchange(job.animation.functions, {});
   first.window = picture.window;
+  first.companions = std::exchange(job.companions, {});
   first.clipping.region = std::exchange(picture.clipping.region, std::nullopt);
   job.volumes = {std::move(first)};
 }

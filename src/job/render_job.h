@@ -127,6 +127,24 @@ struct Animation {
   std::vector<int> frames() const;
 };
 
+/// Shows a volume only where a volume of labels, at the same place, has one of these labels.
+struct MaskChoice {
+  std::filesystem::path volume;
+  std::vector<std::int64_t> labels;
+};
+
+/// Takes the colours of a volume from the values of another volume at the same place; opacity stays the volume's own.
+struct ColorByChoice {
+  std::filesystem::path volume;
+  TransferFunctionChoice transfer_function = std::string("auto");
+};
+
+struct Companions {
+  std::optional<MaskChoice> mask;
+  std::optional<ColorByChoice> color_by;
+  bool any() const { return mask || color_by; }
+};
+
 /// A volume of a picture with several volumes, placed by its own affine. Lights, planes through all volumes, level,
 /// interpolation and distance of samples are the picture's.
 struct VolumeOptions {
@@ -137,6 +155,7 @@ struct VolumeOptions {
   std::optional<Window> window;
   std::optional<Shading> shading;  // absent: the picture's; lights in it are ignored
   Clipping clipping;               // for the volume alone
+  Companions companions;
 };
 
 struct SeriesLook;
@@ -153,6 +172,7 @@ struct RenderJob {
   /// All of several volumes; `volume` is then the first's. The picture's transfer function, window and region and the
   /// animation's functions then say nothing.
   std::vector<VolumeOptions> volumes;
+  Companions companions;  // of `volume`, if it is the only one
   PictureOptions picture;
   Animation animation;
   std::vector<int> frames;  // in the order of drawing; empty: all frames of the animation

@@ -19,5 +19,6 @@ inline constexpr int kMostTableEdge = 4096;
 inline constexpr std::size_t kMostTableNodes = std::size_t{1} << 22;
 inline constexpr std::size_t kMostIsoSurfaces = 32;  // each sample is compared with all
 inline constexpr std::size_t kMostLabelLooks = 65'536;
+inline constexpr std::size_t kMostMaskLabels = 65'536;
 
 }  // namespace kiln

@@ -58,7 +58,7 @@ DryRun dryRun(const RenderJob& given, const OpenedVolumes& opened, const MemoryB
     ++out.bricks_in_view;
     out.files_in_view += entry.constant ? 0 : 1;
     out.file_bytes_in_view += entry.file_bytes;
-    out.decoded_bytes_in_view += blockBytes(volume.frame(seen.key));
+    out.decoded_bytes_in_view += volume.blockBytes(seen.key);
   }
   out.empty = emptinessOf(out.bricks_in_view > 0, whole, requestOf(whole, job.speed), opened.manifests());
   out.one_colour = isOfOneColour(whole, opened.manifests());

@@ -24,6 +24,7 @@
 #include "sequence/file_part.h"
 #include "sequence/frame_annotations.h"
 #include "sequence/frame_checkpoint.h"
+#include "sequence/sequence_frames.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -72,6 +73,7 @@ RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameSce
   RenderJob out;
   out.volume = job.volume;
   out.volumes = job.volumes;
+  out.companions = job.companions;
   for (std::size_t i = 0; i < out.volumes.size(); ++i) {
     VolumeOptions& volume = out.volumes[i];
     volume.transfer_function = scene.volumes.at(i).transfer_function;
@@ -305,12 +307,11 @@ std::string frameText(const RenderJob& job, const OutputFile& file, const FrameS
 std::string contentHash(const RenderJob& job, const OutputFile& file, const FrameScene& scene,
                         const Manifest& manifest) {
   RenderJob of_file = jobOfFile(job, file, scene);
-  of_file.volume.clear();  // a moved store is the same volume
+  forEachVolume(of_file, [](const fs::path&) { return fs::path(); });  // a moved store is the same volume
   std::string checksums = toHex(manifest.index_checksum);
-  for (std::size_t i = 0; i < of_file.volumes.size(); ++i) {
-    of_file.volumes[i].volume.clear();
-    if (i > 0) checksums.append(" ").append(toHex(scene.volumes[i].index_checksum));
-  }
+  for (std::size_t i = 1; i < of_file.volumes.size(); ++i)
+    checksums.append(" ").append(toHex(scene.volumes[i].index_checksum));
+  for (const Hash128& companion : scene.companions) checksums.append(" ").append(toHex(companion));
   std::string kind = kindOf(job.output, file.path);
   if (file.content == Content::kDeep)
     kind += fmt::format(" {} {}", job.output.deep_bound.samples, job.output.deep_bound.error);

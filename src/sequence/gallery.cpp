@@ -72,7 +72,9 @@ class GalleryPainter {
       const FrameScene scene = scenes.at(view);
       FrameStatistics statistics;
       Progress silent;
-      out.pictures.push_back(renderFrame(cache_, requestOf(scene, job_.speed, memory_), silent, statistics));
+      FrameRequest request = requestOf(scene, job_.speed, memory_);
+      volumes_.dress(request);
+      out.pictures.push_back(renderFrame(cache_, request, silent, statistics));
       if (isVisible(out.pictures.back())) ++out.shown;
       progress_.advance("drawing", "thumbnails", ++done_, total_);
     }

@@ -96,6 +96,7 @@ std::vector<Doubt> doubtsOf(const RenderJob& job, const OpenedVolumes& volumes, 
     add(v, manifest.assumption);
     if (v > 0 && isAuto(job.volumes[v])) add(v, likelyLabelsText(manifest));
   }
+  for (const std::string& assumption : volumes.assumptions()) out.push_back({assumption, assumption});
   const Shading& shading = job.picture.shading;
   if (shading.shadows && std::none_of(shading.lights.begin(), shading.lights.end(),
                                       [&](const Light& light) { return castsShadows(shading, light); }))
@@ -181,6 +182,7 @@ OpenedJob::OpenedJob(const RenderJob& job, OpenedVolumes volumes, Progress& prog
       cache_(volumes_.all(), cacheBytes(memory_, job_.speed.memory_bytes, firstVolume().path()), readersOfCache(),
              skipperOf(job_, progress), for_ranks_.supplier()) {
   requireFont(job_);
+  scenes_.accompany(volumes_.companions());
   boundSparePages(sparePagesBytes(memory_, job_.speed.memory_bytes));
 }
 
@@ -219,6 +221,7 @@ void OpenedJob::noteDeep(Progress& progress) const {
 
 FrameRequest OpenedJob::requestFor(const FrameScene& scene) const {
   FrameRequest request = requestOf(scene, job_.speed, memory_);
+  volumes_.dress(request);
   if (drawsDeep(job_)) request.deep = job_.output.deep_bound;
   request.last_illumination = &shadows_;
   return request;

@@ -3,34 +3,92 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.h"
+#include "companion/accompanied_volume.h"
+#include "companion/color_values.h"
+#include "companion/label_mask.h"
+#include "frame/pass/frame_request.h"
 #include "grid/shared_world.h"
+#include "job/job_facts.h"
 #include "job/series_look.h"
+#include "job/transfer_function_choice.h"
 
 namespace kiln {
 
+namespace {
+
+// The companions of a volume that the job draws: its `volumes` in order, or the only one.
+const Companions& companionsOf(const RenderJob& job, std::size_t volume) {
+  return job.volumes.empty() ? job.companions : job.volumes[volume].companions;
+}
+
+}  // namespace
+
 OpenedVolumes::OpenedVolumes(const RenderJob& job) {
-  std::uint64_t held = 0;
-  const auto open = [&](const std::filesystem::path& path) {
-    auto store = std::make_unique<StoreReader>(path, job.speed.memory_bytes, held);
-    held += store->heldBytes();
+  requireCompanions(job);
+  const std::size_t count = std::max<std::size_t>(job.volumes.size(), 1);
+  bool all_stores = true;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::filesystem::path& path = job.volumes.empty() ? job.volume : job.volumes[i].volume;
+    auto store = std::make_unique<StoreReader>(path, job.speed.memory_bytes, held_bytes_);
+    held_bytes_ += store->heldBytes();
     stores_.push_back(store.get());
-    all_.push_back(store.get());
-    owned_.push_back(std::move(store));
-  };
-  for (const VolumeOptions& volume : job.volumes) open(volume.volume);
-  if (job.volumes.empty()) open(job.volume);
+    all_stores = all_stores && !companionsOf(job, i).any();
+    add(std::move(store), companionsOf(job, i), job);
+  }
+  if (!all_stores) stores_.clear();
   placeTogether(job);
 }
 
 OpenedVolumes::OpenedVolumes(const RenderJob& job, std::span<const BrickedVolume* const> volumes) {
+  requireCompanions(job);
   const std::size_t expected = std::max<std::size_t>(job.volumes.size(), 1);
   if (volumes.size() != expected)
     throw Error(ErrorCode::kUsage,
                 fmt::format("volumes: the job has {} (found {} open); give as many", expected, volumes.size()));
-  for (const BrickedVolume* const volume : volumes) all_.push_back(owned_.emplace_back(volume->share()).get());
+  for (std::size_t i = 0; i < expected; ++i) add(volumes[i]->share(), companionsOf(job, i), job);
   placeTogether(job);
+}
+
+std::unique_ptr<BrickedVolume> OpenedVolumes::opened(const std::filesystem::path& companion, const Manifest& drawn,
+                                                     const RenderJob& job) {
+  auto out = std::make_unique<StoreReader>(companion, job.speed.memory_bytes, held_bytes_);
+  held_bytes_ += out->heldBytes();
+  out->placeIn(drawn.geometry());
+  companions_.push_back(out->manifest().index_checksum);
+  if (const std::string& assumption = out->manifest().assumption; !assumption.empty())
+    assumptions_.push_back(companion.string() + ": " + assumption);
+  return out;
+}
+
+// The companions of a volume are made here and nowhere else.
+void OpenedVolumes::add(std::unique_ptr<BrickedVolume> volume, const Companions& chosen, const RenderJob& job) {
+  const Manifest& drawn = volume->manifest();
+  std::vector<std::unique_ptr<Companion>> companions;
+  if (chosen.mask)
+    companions.push_back(
+        std::make_unique<LabelMask>(opened(chosen.mask->volume, drawn, job), chosen.mask->labels, drawn));
+  std::shared_ptr<const CompanionColors> colors;
+  if (chosen.color_by) {
+    std::unique_ptr<BrickedVolume> values = opened(chosen.color_by->volume, drawn, job);
+    const Manifest& manifest = values->manifest();
+    colors = std::make_shared<const CompanionColors>(
+        CompanionColors{resolve(chosen.color_by->transfer_function, std::nullopt, manifest), manifest.type,
+                        manifest.range});
+    companions.push_back(std::make_unique<ColorValues>(std::move(values), drawn));
+  }
+  if (!companions.empty())
+    volume = std::make_unique<AccompaniedVolume>(std::move(volume), std::move(companions));
+  colors_.push_back(std::move(colors));
+  all_.push_back(volume.get());
+  owned_.push_back(std::move(volume));
+}
+
+void OpenedVolumes::dress(FrameRequest& request) const {
+  request.colors = colors_.front();
+  for (std::size_t i = 0; i < request.volumes.size(); ++i) request.volumes[i].colors = colors_[i];
 }
 
 // A single volume keeps its own frame of reference and unit.

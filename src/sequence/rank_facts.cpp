@@ -61,8 +61,8 @@ class FrameFacts {
  private:
   std::vector<RankFact> open(int frame) {
     RenderJob job = jobAtFrame(job_, frame);
-    if (scenes_ && volumesOf(job) == volumes_) return {};
-    volumes_ = volumesOf(job);
+    if (scenes_ && inputVolumesOf(job) == volumes_) return {};
+    volumes_ = inputVolumesOf(job);
     scenes_.reset();
     manifests_.clear();
     forEachVolume(job, stores_);
@@ -72,9 +72,16 @@ class FrameFacts {
       manifests_.push_back(readManifest(store));
       out.push_back(factOf(store, manifests_.back()));
     }
+    std::vector<Hash128> companions;
+    for (const fs::path& store : companionsOf(opened_)) {
+      const Manifest manifest = readManifest(store);
+      out.push_back(factOf(store, manifest));
+      companions.push_back(manifest.index_checksum);
+    }
     std::vector<const Manifest*> manifests;
     for (const Manifest& manifest : manifests_) manifests.push_back(&manifest);
     scenes_.emplace(opened_, manifests);
+    scenes_->accompany(std::move(companions));
     return out;
   }
 
@@ -90,7 +97,7 @@ class FrameFacts {
 
 std::vector<RankFact> jobFacts(const RenderJob& job, const SequenceOptions& options) {
   std::vector<std::string> volumes, outputs;
-  for (const fs::path& volume : volumesOf(job)) volumes.push_back(volume.string());
+  for (const fs::path& volume : inputVolumesOf(job)) volumes.push_back(volume.string());
   for (const fs::path& path : namesOf(job.output)) outputs.push_back(path.string());
   return {{"the list of frames", framesText(framesOf(job))},
           {"the list of volumes", fmt::format("{}", fmt::join(volumes, ", "))},

@@ -140,7 +140,7 @@ void RankedSequence::finish() {
 StoreFor sharedStores(const RenderJob& job, const SequenceOptions& options) {
   std::map<fs::path, fs::path> stores;
   for (const int frame : framesOf(job)) {
-    for (const fs::path& volume : volumesOf(jobAtFrame(job, frame))) {
+    for (const fs::path& volume : inputVolumesOf(jobAtFrame(job, frame))) {
       if (stores.contains(volume)) continue;
       std::string store;
       if (options.ranks->first()) store = (options.store_for ? options.store_for(volume) : volume).string();

@@ -23,8 +23,36 @@ std::vector<fs::path> volumesOf(const RenderJob& job) {
   return out;
 }
 
+namespace {
+
+// Calls change(path) for the file of each companion.
+template <class Job, class Change>
+void forEachCompanion(Job& job, const Change& change) {
+  const auto each = [&](auto& companions) {
+    if (companions.mask) change(companions.mask->volume);
+    if (companions.color_by) change(companions.color_by->volume);
+  };
+  for (auto& volume : job.volumes) each(volume.companions);
+  each(job.companions);
+}
+
+}  // namespace
+
+std::vector<fs::path> companionsOf(const RenderJob& job) {
+  std::vector<fs::path> out;
+  forEachCompanion(job, [&](const fs::path& volume) { out.push_back(volume); });
+  return out;
+}
+
+std::vector<fs::path> inputVolumesOf(const RenderJob& job) {
+  std::vector<fs::path> out = volumesOf(job);
+  const std::vector<fs::path> companions = companionsOf(job);
+  out.insert(out.end(), companions.begin(), companions.end());
+  return out;
+}
+
 bool isSeries(const RenderJob& job) {
-  const std::vector<fs::path> volumes = volumesOf(job);
+  const std::vector<fs::path> volumes = inputVolumesOf(job);
   return std::any_of(volumes.begin(), volumes.end(), hasFramePlace) && (!job.frames.empty() || moves(job));
 }
 
@@ -37,6 +65,7 @@ RenderJob jobAtFrame(const RenderJob& job, int frame) {
 void forEachVolume(RenderJob& job, const std::function<fs::path(const fs::path&)>& change) {
   for (VolumeOptions& volume : job.volumes) volume.volume = change(volume.volume);
   job.volume = job.volumes.empty() ? change(job.volume) : job.volumes.front().volume;
+  forEachCompanion(job, [&](fs::path& volume) { volume = change(volume); });
 }
 
 SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, const MemoryBeside& beside,
@@ -82,8 +111,8 @@ void SequenceFrames::requireScenes() {
 
 OpenedJob& SequenceFrames::openedFor(int frame) {
   RenderJob job = jobAtFrame(job_, frame);
-  if (opened_ && volumesOf(job) == volumes_) return *opened_;
-  volumes_ = volumesOf(job);
+  if (opened_ && inputVolumesOf(job) == volumes_) return *opened_;
+  volumes_ = inputVolumesOf(job);
   if (opened_) opened_->describeMemory(memory_);
   opened_.reset();  // frees memory before the next job opens
   if (store_for_) forEachVolume(job, store_for_);

@@ -19,10 +19,13 @@ bool isSeries(const RenderJob& job);
 /// Returns the job with the volumes of one frame.
 RenderJob jobAtFrame(const RenderJob& job, int frame);
 
-/// Renames all volumes of the job.
+/// Renames all volumes of the job, and their companions.
 void forEachVolume(RenderJob& job, const std::function<std::filesystem::path(const std::filesystem::path&)>& change);
-/// Returns the names of all volumes.
+/// Returns the names of all volumes that are drawn.
 std::vector<std::filesystem::path> volumesOf(const RenderJob& job);
+/// Returns the names of all companions of the volumes (Companions), and of the volumes and all companions.
+std::vector<std::filesystem::path> companionsOf(const RenderJob& job);
+std::vector<std::filesystem::path> inputVolumesOf(const RenderJob& job);
 
 /// Returns the store of a volume; converts a foreign file.
 using StoreFor = std::function<std::filesystem::path(const std::filesystem::path&)>;

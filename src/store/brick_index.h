@@ -20,6 +20,7 @@ namespace kiln {
 
 struct BrickEntry {
   bool constant = false;
+  bool masked = false;  // a mask hides all voxels: both ranges are empty. Not part of index.bin
   ValueRange core;     // values of the brick's own voxels and of finer levels
   ValueRange support;  // core and apron: bounds every value interpolated in the brick
   std::uint64_t file_bytes = 0;

@@ -35,6 +35,8 @@ std::optional<double> BrickedVolume::constantOf(const BrickKey& key) const {
   return entry.constant ? std::optional<double>(entry.core.lo) : std::nullopt;
 }
 
+std::size_t BrickedVolume::blockBytes(const BrickKey& key) const { return kiln::blockBytes(frame(key)); }
+
 std::uint64_t BrickedVolume::largestReadBytes() const {
   return index_->largest([this](const BrickKey& key) { return readBytes(key); });
 }

@@ -47,6 +47,8 @@ class BrickedVolume {
   virtual std::optional<double> constantOf(const BrickKey& key) const;
   /// Peak memory of `read`, including the result. unit: bytes.
   virtual std::size_t readBytes(const BrickKey& key) const = 0;
+  /// Upper bound of the memory of a brick that `read` returned. unit: bytes.
+  virtual std::size_t blockBytes(const BrickKey& key) const;
   /// The largest `readBytes` of all bricks: the least memory that can read a picture. unit: bytes.
   std::uint64_t largestReadBytes() const;
   /// Memory that the volume holds: its index, and voxels of its own. unit: bytes.

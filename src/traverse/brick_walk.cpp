@@ -54,6 +54,7 @@ void BrickWalk::addLayer(Layer layer) {
       node.drawn = shown && visiblePart(added.level, voxels, entry, [](const PixelRect&) { return true; });
       ++node.bricks;
       node.interesting += node.drawn ? 1 : 0;
+      node.masked += entry.masked ? 1 : 0;
     }
     added.nodes.push_back(node);
   }
@@ -73,6 +74,7 @@ BrickWalk::Node BrickWalk::sumOfChildren(std::size_t layer, const VoxelCoord& at
         if (child == nullptr) continue;
         sum.bricks += child->bricks;
         sum.interesting += child->interesting;
+        sum.masked += child->masked;
       }
     }
   }
@@ -105,6 +107,7 @@ void BrickWalk::run(const PixelRect& image, const Visibility& visibility,
   const Node& all = layers_.back().nodes.front();
   counts.bricks = all.bricks;
   counts.interesting = all.interesting;
+  counts.masked = all.masked;
   node({image, visibility, draw, counts, log}, layers_.size() - 1, {0, 0, 0});
 }
 

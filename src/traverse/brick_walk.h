@@ -23,6 +23,7 @@ namespace kiln {
 struct BrickWalkCounts {
   std::uint64_t bricks = 0;       // all bricks, in the image or not
   std::uint64_t interesting = 0;  // bricks visible to the transfer function and the clip region
+  std::uint64_t masked = 0;       // bricks that a mask hides, by its index
   std::uint64_t hidden = 0;       // interesting bricks inside the image, behind opaque pixels
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
 };
@@ -37,7 +38,7 @@ class BrickWalk {
  public:
   /// Plans the nodes of a frame. Only bricks that touch the drawn part of the volume (`Clipping::part`) are selected.
   /// requires: `store` and `levels` belong together and outlive the walk; no brick of the finest level has finer
-  /// bricks. cost: 12 bytes per brick, plus a seventh.
+  /// bricks. cost: 16 bytes per brick, plus a seventh.
   BrickWalk(const BrickedVolume& store, const FrameLevels& levels, BrickSelection selection);
 
   /// Calls draw(key, rect) for each brick to be drawn, front to back; `rect` contains the pixels of the brick. A node's
@@ -54,8 +55,8 @@ class BrickWalk {
 
  private:
   struct Node {
-    std::uint32_t bricks = 0, interesting = 0;  // bricks of the node and below
-    bool drawn = false;                         // the node's brick is drawn and interesting
+    std::uint32_t bricks = 0, interesting = 0, masked = 0;  // bricks of the node and below
+    bool drawn = false;                                     // the node's brick is drawn and interesting
     bool finer = false;
   };
   struct Layer {

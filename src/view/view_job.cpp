@@ -23,9 +23,11 @@ using nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 // Keys of files, of the machine, and of parts of a render.
-constexpr std::array<std::string_view, 14> kSessionsOwn = {"volume",  "output", "outputs",    "video",     "exr",
-                                                           "png",     "jpeg",   "frames",     "part",      "memory",
-                                                           "threads", "trace",  "distribute", "shareReads"};
+constexpr std::array<std::string_view, 16> kSessionsOwn = {
+    "volume", "mask",   "colorBy", "output", "outputs", "video", "exr",        "png",
+    "jpeg",   "frames", "part",    "memory", "threads", "trace", "distribute", "shareReads"};
+// Keys of files in each of several volumes.
+constexpr std::array<std::string_view, 3> kFilesOfVolume = {"volume", "mask", "colorBy"};
 
 void inObject(TransferFunctionChoice& choice, const Manifest& manifest) {
   if (const auto* const file = std::get_if<fs::path>(&choice)) choice = readTransferFunction(*file, manifest);
@@ -76,11 +78,19 @@ void requireBrowserKeys(const json& job, const RenderJob& session) {
                                                "({}, found {}); change no number of volumes",
                                                session.volumes.size(), count));
   for (std::size_t i = 0; i < count; ++i) {
-    if (!(*list)[i].is_object() || (*list)[i].contains("volume"))
-      throw Error(ErrorCode::kUsage, fmt::format("job.volumes[{}]: expected an object without a volume; the session "
-                                                 "knows its files",
+    const auto names = [&](std::string_view key) { return (*list)[i].contains(key); };
+    if (!(*list)[i].is_object() || std::any_of(kFilesOfVolume.begin(), kFilesOfVolume.end(), names))
+      throw Error(ErrorCode::kUsage, fmt::format("job.volumes[{}]: expected an object without the names of files; "
+                                                 "the session knows them",
                                                  i));
   }
+}
+
+// Adds mask and colours of the session to the object of a volume.
+void putCompanions(const Companions& companions, const std::function<std::string(const fs::path&)>& name, json& out) {
+  if (const auto& mask = companions.mask) out["mask"] = {{"volume", name(mask->volume)}, {"labels", mask->labels}};
+  if (const auto& colors = companions.color_by)
+    out["colorBy"] = {{"volume", name(colors->volume)}, {"transferFunction", statedJson(colors->transfer_function)}};
 }
 
 // The browser's job with the names of files.
@@ -93,9 +103,11 @@ json withFiles(json job, const ImageSize& size, const RenderJob& session,
   image["width"] = size.width;
   image["height"] = size.height;
   if (session.volumes.empty()) job["volume"] = name(session.volume);
+  putCompanions(session.companions, name, job);
   for (std::size_t i = 0; i < session.volumes.size(); ++i) {
     job["volumes"][i]["volume"] = name(session.volumes[i].volume);
     if (session.volumes[i].labels) job["volumes"][i]["labels"] = true;
+    putCompanions(session.volumes[i].companions, name, job["volumes"][i]);
   }
   return job;
 }
@@ -110,6 +122,10 @@ ordered_json jobForBrowser(const RenderJob& session, const std::vector<const Man
   job.picture.aovs = {};
   ordered_json out = statedJson(job);
   for (const std::string_view key : kSessionsOwn) out.erase(std::string(key));
+  if (!out.contains("volumes")) return out;
+  for (ordered_json& volume : out["volumes"]) {
+    for (const std::string_view key : kFilesOfVolume) volume.erase(std::string(key));
+  }
   return out;
 }
 
@@ -120,7 +136,11 @@ RenderJob jobOfBrowser(const json& job, const ImageSize& size, const RenderJob& 
   requireNoFiles(out.picture.transfer_function, out.animation.functions);
   for (const VolumeOptions& volume : out.volumes) requireNoFiles(volume.transfer_function, volume.functions);
   out.volume = session.volume;
-  for (std::size_t i = 0; i < out.volumes.size(); ++i) out.volumes[i].volume = session.volumes[i].volume;
+  out.companions = session.companions;
+  for (std::size_t i = 0; i < out.volumes.size(); ++i) {
+    out.volumes[i].volume = session.volumes[i].volume;
+    out.volumes[i].companions = session.volumes[i].companions;
+  }
   out.picture.aovs = {};
   const VisibilityOptions visibility = out.speed.visibility;
   out.speed = session.speed;
@@ -141,7 +161,7 @@ std::string savedJobText(const json& job, const ImageSize& size, const RenderJob
   const json files = withFiles(job, size, session, name);
   // Keys of volume and picture come first.
   ordered_json out = {{"kiln", files.value("kiln", json(2))}};
-  for (const char* const key : {"volume", "volumes", "image", "camera", "transferFunction"}) {
+  for (const char* const key : {"volume", "mask", "colorBy", "volumes", "image", "camera", "transferFunction"}) {
     if (files.contains(key)) out[key] = files[key];
   }
   for (const auto& [key, value] : files.items()) {

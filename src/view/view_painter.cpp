@@ -98,6 +98,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
   requireViews(out->job);
   requireFont(out->job);
   requireEngineOptions(out->job.picture);
+  requireCompanions(out->job);
   drawnPixels(job.picture.size, job.picture.crop);
   Progress silent;
   const ShownBoxOf shown_box = shownBoxesOf(out->job, volumes_.all(), fit_, silent);
@@ -154,6 +155,7 @@ FrameRequest ViewPainter::previewOf(const ViewedJob& job, const ImageSize& size,
     if (picture.level) picture.coarser = coarser, picture.level.reset();
   }
   FrameRequest request = requestOf(scene, job.job.speed, job.memory);
+  volumes_.dress(request);
   if (request.engine().capabilities().composites && isShaded(request.shading))
     request.illumination = knownIllumination(request, shadows_.get());
   return request;
@@ -234,6 +236,7 @@ DrawnFrame ViewPainter::exact(const ViewedJob& job, Progress& progress) {
   const auto request_for = [&](const FrameScene& scene) {
     FrameRequest request = requestOf(scene, job.job.speed, job.memory);
     request.aovs = drawnAovs(job.job);
+    volumes_.dress(request);
     request.last_illumination = &shadows_;
     return request;
   };

@@ -65,8 +65,13 @@ std::vector<fs::path> inputsOf(const RenderJob& job) {
   };
   add(job.picture.transfer_function, job.animation.functions);
   for (const VolumeOptions& volume : job.volumes) add(volume.transfer_function, volume.functions);
+  const auto addColors = [&](const Companions& companions) {
+    if (companions.color_by) add(companions.color_by->transfer_function, {});
+  };
+  addColors(job.companions);
+  for (const VolumeOptions& volume : job.volumes) addColors(volume.companions);
   std::set<fs::path> volumes;
-  for (const fs::path& volume : volumesOf(job)) {
+  for (const fs::path& volume : inputVolumesOf(job)) {
     volumes.insert(volume);
     for (const int frame : framesOf(job)) volumes.insert(pathOfFrame(volume, frame));
   }
@@ -77,8 +82,13 @@ std::vector<fs::path> inputsOf(const RenderJob& job) {
 InputOptions::InputOptions(const ForeignArguments& source, const RenderJob& job) : described_(source.volume({})) {
   const fs::path input = job.volumes.empty() ? job.volume : job.volumes.front().volume;
   names_ = namesIn(job, input);
+  const auto addMask = [&](const Companions& companions) {
+    if (companions.mask) labels_.merge(namesIn(job, companions.mask->volume));
+  };
+  addMask(job.companions);
   for (const VolumeOptions& volume : job.volumes) {
     if (volume.labels) labels_.merge(namesIn(job, volume.volume));
+    addMask(volume.companions);
   }
 }
 

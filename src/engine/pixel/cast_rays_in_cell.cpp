@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "engine/pixel/finish_sample.h"
+#include "engine/pixel/mask_voxels.h"
 #include "engine/pixel/slab_layer.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -45,7 +46,11 @@ class CellCaster {
         p_(rays, context.lattice(), in, tile),
         field_(context.lattice(), in, samples),
         s_(samples),
-        out_(out) {}
+        out_(out) {
+    if (in.mask == nullptr) return;
+    mask_ = in;
+    mask_.values = in.mask_smoothed;
+  }
 
   void run() {
     const auto cast = [this](std::size_t count) { castFound(count); };
@@ -82,6 +87,7 @@ class CellCaster {
   HWY_NOINLINE void castSurfaces(std::size_t count) {
     CellSurfaces<Field>(p_, r_, l_, in_, field_, s_).find(count, [this](std::size_t crossings) {
       count_ = kept_ = crossings;
+      if (in_.mask != nullptr) maskSurfaces();
       if (places_) finishSurfaces();
       if (in_.sums != nullptr)
         sumSurfaces();
@@ -98,10 +104,19 @@ class CellCaster {
       const CellPlaces::Where w = p_.whereIs(hn::Load(DI(), s_.kept_code + n));
       for (int a = 0; a < 3; ++a) hn::StoreU(p_.pointAt(a, w, hn::Load(d, s_.at + n)), d, s_.index_place[a] + n);
       keepSlopes(n, std::min(kept_ - n, hn::Lanes(d)));
+      if (in_.mask != nullptr) keepSlope(n, orOfMask(slopesFrom(n), 0));
     }
     if (context_.look().clip->showsAll()) return;
     for (std::size_t n = 0; n < kept_; ++n) {
       if (!context_.look().clip->contains(siteOf(n).index)) s_.opacity[n] = 0;
+    }
+  }
+
+  void maskSurfaces() {
+    const D d;
+    for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
+      const V shown = shownAt(n, std::min(kept_ - n, hn::Lanes(d)));
+      hn::StoreU(hn::Mul(shown, hn::LoadU(d, s_.opacity + n)), d, s_.opacity + n);
     }
   }
 
@@ -111,11 +126,64 @@ class CellCaster {
     keepAll();
   }
 
+  // Finds the gradients of a batch of samples, for slopesAt.
+  HWY_INLINE void findSlopes(std::size_t n, std::size_t count) {
+    if (in_.mask != nullptr) findMaskSlopes(n, count);
+    field_.findSlopes(n, count);
+  }
+
+  // Keeps the gradients of the mask's share: the field needs the rows of the samples next.
+  HWY_NOINLINE void findMaskSlopes(std::size_t n, std::size_t count) {
+    const D d;
+    CubicCellField share(l_, mask_, s_);
+    share.findSlopes(n, count);
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+      const Vector slope = share.slopes(i);
+      hn::StoreU(slope.x, d, mask_slope_[0] + i);
+      hn::StoreU(slope.y, d, mask_slope_[1] + i);
+      hn::StoreU(slope.z, d, mask_slope_[2] + i);
+    }
+  }
+
+  // Gradients that give the normals of a vector of samples: the field's, or the mask's at its surface.
+  HWY_INLINE Vector slopesAt(std::size_t i) const {
+    const Vector slope = field_.slopes(i);
+    return in_.mask != nullptr ? orOfMask(slope, i) : slope;
+  }
+
+  HWY_NOINLINE Vector orOfMask(const Vector& slope, std::size_t i) const {
+    const D d;
+    const V x = hn::LoadU(d, mask_slope_[0] + i), y = hn::LoadU(d, mask_slope_[1] + i),
+            z = hn::LoadU(d, mask_slope_[2] + i);
+    const V squared = hn::Add(hn::Mul(x, x), hn::Add(hn::Mul(y, y), hn::Mul(z, z)));
+    const M edge = hn::Gt(squared, hn::Set(d, kMaskEdge * kMaskEdge));
+    const V length = hn::Sqrt(hn::IfThenElse(edge, squared, hn::Set(d, 1.0f)));
+    const V factor = hn::Div(hn::Set(d, l_.light.gradient.directed), length);
+    const auto either = [&](V of_mask, V of_field) { return hn::IfThenElse(edge, hn::Mul(factor, of_mask), of_field); };
+    return {either(x, slope.x), either(y, slope.y), either(z, slope.z)};
+  }
+
+  // Share of the visible samples from the n-th on that the mask shows, solid as a label is (labelPlace).
+  HWY_NOINLINE V shownAt(std::size_t n, std::size_t count) const {
+    const D d;
+    alignas(64) float out[kLanes] = {};
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto sample = static_cast<std::size_t>(s_.index[n + i]);
+      const float share = trilinear(in_.mask + s_.offset[sample], s_.fraction[0][sample], s_.fraction[1][sample],
+                                    s_.fraction[2][sample]);
+      out[i] = std::min(std::max(0.5f + kLabelRise * (share - 0.5f), 0.0f), 1.0f);
+    }
+    return hn::Load(d, out);
+  }
+
   // Stores the gradients of a vector of samples, for finishing.
   void keepSlopes(std::size_t n, std::size_t count) {
+    findSlopes(n, count);
+    keepSlope(n, field_.slopes(0));
+  }
+
+  HWY_INLINE void keepSlope(std::size_t n, const Vector& slope) {
     const D d;
-    field_.findSlopes(n, count);
-    const Vector slope = field_.slopes(0);
     hn::StoreU(slope.x, d, s_.slope[0] + n);
     hn::StoreU(slope.y, d, s_.slope[1] + n);
     hn::StoreU(slope.z, d, s_.slope[2] + n);
@@ -208,8 +276,10 @@ class CellCaster {
     // Vectors beyond the last sample look up the table's first entry.
     hn::StoreU(hn::Zero(d), d, s_.entry + kept_);
     const bool asks = l_.perspective || in_.at_end || in_.in_pairs || derives_;
+    const bool masked = in_.mask != nullptr;
     for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
       V tau = l_.integral != nullptr ? hn::Load(d, s_.opacity + n) : extinctionAt(d, l_, hn::Load(d, s_.entry + n));
+      if (masked) tau = hn::Mul(tau, shownAt(n, std::min(kept_ - n, hn::Lanes(d))));
       V length = hn::Set(d, l_.thickness);
       if (asks) {
         const std::size_t count = std::min(kept_ - n, hn::Lanes(d));
@@ -217,6 +287,8 @@ class CellCaster {
         length = hn::Mul(hn::Mul(length, p_.sightOf(w).oblique), in_.at_end ? p_.partOf(w) : w.slabs);
         if (derives_) keepSlopes(n, count);
         if (modulates_) tau = modulatedTau(n, tau);
+        // Opacity depends on the gradient of the values; light depends on the normal.
+        if (derives_ && in_.mask != nullptr) keepSlope(n, orOfMask(slopesFrom(n), 0));
         if (places_) tau = finishTau(n, count, w, tau);
       }
       const V depth = hn::Mul(tau, length);
@@ -393,7 +465,7 @@ class CellCaster {
     if (l_.plane.colors != nullptr) mixRegionColors(n, count);
     if (finishes_) finishColors(n, count);
     const bool lights = l_.light.phong || l_.lights != nullptr;
-    if (lights && slopes_) field_.findSlopes(n, count);
+    if (lights && slopes_) findSlopes(n, count);
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
       V red, green, blue, unused;
       if (one_color)
@@ -463,21 +535,50 @@ class CellCaster {
   HWY_INLINE Vector slopeOf(std::size_t n, std::size_t i) const {
     if (derives_) return slopesFrom(n + i);
     const D d;
-    return slopes_ ? field_.slopes(i) : Vector{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    return slopes_ ? slopesAt(i) : Vector{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   }
 
   // Looks up the colours of a batch of samples.
   HWY_INLINE void lookUpColors(std::size_t n, std::size_t count) {
-    const D4 d;
+    for (std::size_t i = 0; i < count; ++i) lookUpColor(l_.table, s_.entry[n + i], i);
+    if (in_.color_places != nullptr) lookUpCompanionColors(n, count);
+  }
+
+  // Replaces the colours of samples at which the companion has a value.
+  HWY_NOINLINE void lookUpCompanionColors(std::size_t n, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
-      const float entry = s_.entry[n + i];
-      const auto whole = static_cast<std::int32_t>(entry);
-      const float* const at = l_.table + 4 * static_cast<std::ptrdiff_t>(whole);
-      const auto t = hn::Set(d, entry - static_cast<float>(whole));
-      for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
-        const auto here = hn::LoadU(d, at + c);
-        hn::Store(between(here, hn::LoadU(d, at + 4 + c), t), d, s_.rows[0] + 4 * i + c);
-      }
+      const float place = companionPlaceAt(static_cast<std::size_t>(s_.index[n + i]));
+      if (place == place) lookUpColor(l_.color_table, std::min(std::max(place, 0.0f), l_.color_last), i);
+    }
+  }
+
+  // Position of a found sample in the table of the companion's colours; NaN if the companion has no value there.
+  HWY_INLINE float companionPlaceAt(std::size_t sample) const {
+    const float* const at = in_.color_places + s_.offset[sample];
+    const float x = s_.fraction[0][sample], y = s_.fraction[1][sample], z = s_.fraction[2][sample];
+    if (l_.color_nearest)
+      return at[(z >= 0.5f ? kPlane : 0) + (y >= 0.5f ? kPatchStride : 0) + (x >= 0.5f ? 1 : 0)];
+    return trilinear(at, x, y, z);
+  }
+
+  static HWY_INLINE float trilinear(const float* at, float x, float y, float z) {
+    const auto mixed = [](float a, float b, float t) { return a + t * (b - a); };
+    const auto row = [&](int dy, int dz) {
+      const float* const first = at + dz * kPlane + dy * kPatchStride;
+      return mixed(first[0], first[1], x);
+    };
+    return mixed(mixed(row(0, 0), row(1, 0), y), mixed(row(0, 1), row(1, 1), y), z);
+  }
+
+  // Stores the colour at a table position as the i-th of the batch.
+  HWY_INLINE void lookUpColor(const float* table, float entry, std::size_t i) {
+    const D4 d;
+    const auto whole = static_cast<std::int32_t>(entry);
+    const float* const at = table + 4 * static_cast<std::ptrdiff_t>(whole);
+    const auto t = hn::Set(d, entry - static_cast<float>(whole));
+    for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
+      const auto here = hn::LoadU(d, at + c);
+      hn::Store(between(here, hn::LoadU(d, at + 4 + c), t), d, s_.rows[0] + 4 * i + c);
     }
   }
 
@@ -560,6 +661,8 @@ class CellCaster {
   CellSamples& s_;
   CellOutput& out_;
   std::size_t count_ = 0, kept_ = 0, closed_count_ = 0;
+  CellInput mask_;  // with the mask's smoothed share as values
+  alignas(64) float mask_slope_[3][kLit + kLanes];
 };
 
 void castRaysInCellOn(const RaySampling& rays, const SlabContext& context, const CellInput& in, const TilePixels& tile,

@@ -30,6 +30,9 @@ struct CellInput {
   static constexpr int kReadEdge = kPatchVoxels + 2 * kPatchMargin, kPlane = kReadEdge * kPatchStride;
   const float* values = nullptr;           // from loadPatch; opacities for labels
   const std::int32_t* labels = nullptr;    // label volume: LabelVoxels::ranks
+  const float* mask = nullptr;             // MaskVoxels::shown; null: all voxels are shown
+  const float* mask_smoothed = nullptr;    // MaskVoxels::smoothed, with `mask`
+  const float* color_places = nullptr;     // ColorPatch::places; null: the volume's own colours
   glm::vec3 lo;                            // voxel before the cell's first voxel. unit: voxels from the anchor
   glm::dvec3 corner, end;                  // begin and end of the cell in index space
   PixelRect rect;                          // pixels of the tile that the cell may touch

@@ -2,17 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
-#include <vector>
 
 namespace kiln {
 namespace {
 
-constexpr int kWide = LabelVoxels::kWide;
-
-// Binomial weights, by reach; sums of the weights are exact in floats.
-constexpr float kSmoothing[kMostLabelSmoothing + 1][kMostLabelSmoothing + 1] = {
-    {1}, {0.5f, 0.25f}, {0.375f, 0.25f, 0.0625f}, {0.3125f, 0.234375f, 0.09375f, 0.015625f}};
+constexpr int kWide = WideOpacities::kWide;
 
 class LabelLoad {
  public:
@@ -27,7 +21,7 @@ class LabelLoad {
   LabelsAround run(const VoxelCoord& lo) {
     withVoxelType(block_.type, [&]<class T>(std::type_identity<T>) { load<T>(lo); });
     if (one_) return first_ < 0 ? LabelsAround::kNone : LabelsAround::kOne;
-    smooth();
+    out_.wide.smooth(reach_, out_.opacities);
     return LabelsAround::kSeveral;
   }
 
@@ -46,8 +40,11 @@ class LabelLoad {
     }
     const T* const voxels = block_.data<T>();
     T last = voxels[at[0][0] + at[1][0] + at[2][0]];
-    std::int32_t rank = first_ = rankOf(last);
+    std::int32_t rank = rankOf(last);
     float opacity = table_.opacityOf(rank);
+    const bool masked = !block_.shown.all();
+    const auto hides = [&](std::int64_t offset) { return masked && !block_.shown.at(offset); };
+    first_ = hides(at[0][0] + at[1][0] + at[2][0]) ? -1 : rank;
     one_ = true;
     const auto reach = static_cast<std::size_t>(reach_);
     const auto inner = [&](std::size_t a, std::size_t i) {
@@ -55,16 +52,16 @@ class LabelLoad {
     };
     for (std::size_t k = 0; k < static_cast<std::size_t>(wide_[2]); ++k) {
       for (std::size_t j = 0; j < static_cast<std::size_t>(wide_[1]); ++j) {
-        const T* const row = voxels + at[1][j] + at[2][k];
-        float* const opacities = out_.smoothed[0] + (k * kWide + j) * kWide;
+        const std::int64_t before = at[1][j] + at[2][k];
+        const T* const row = voxels + before;
+        float* const opacities = &out_.wide.at(0, j, k);
         std::array<std::int32_t, kWide> ranks;
         for (std::size_t i = 0; i < static_cast<std::size_t>(wide_[0]); ++i) {
           const T value = row[at[0][i]];
-          if (value != last) {
-            last = value, rank = rankOf(value), opacity = table_.opacityOf(rank);
-            one_ = one_ && rank == first_;
-          }
-          ranks[i] = rank, opacities[i] = opacity;
+          if (value != last) last = value, rank = rankOf(value), opacity = table_.opacityOf(rank);
+          const bool hidden = hides(before + at[0][i]);
+          ranks[i] = hidden ? -1 : rank, opacities[i] = hidden ? 0 : opacity;
+          one_ = one_ && ranks[i] == first_;
         }
         if (!inner(1, j) || !inner(2, k)) continue;
         const std::size_t row_of_patch = (k - reach) * static_cast<std::size_t>(inner_[1]) + j - reach;
@@ -76,34 +73,6 @@ class LabelLoad {
   template <class T>
   int rankOf(T value) const {
     return table_.rankOf(static_cast<float>(static_cast<double>(value) - table_.offset()));
-  }
-
-  // Smooths along x, y and z in turn; each pass leaves fewer voxels along the axis.
-  void smooth() {
-    float *from = out_.smoothed[0], *to = out_.smoothed[1];
-    const int stride[3] = {1, kWide, kWide * kWide};
-    std::array<int, 3> size = wide_;
-    for (std::size_t a = 0; a < 3 && reach_ > 0; ++a) {
-      size[a] = inner_[a];
-      for (int k = 0; k < size[2]; ++k) {
-        for (int j = 0; j < size[1]; ++j) smoothRow(from, to, (k * kWide + j) * kWide, size[0], stride[a]);
-      }
-      std::swap(from, to);
-    }
-    for (int k = 0; k < inner_[2]; ++k) {
-      for (int j = 0; j < inner_[1]; ++j)
-        std::copy_n(from + (k * kWide + j) * kWide, inner_[0], out_.opacities + (k * inner_[1] + j) * kPatchStride);
-    }
-  }
-
-  void smoothRow(const float* from, float* to, int row, int count, int stride) const {
-    const float* const weights = kSmoothing[reach_];
-    for (int i = row; i < row + count; ++i) {
-      const float* const middle = from + i + reach_ * stride;
-      float sum = weights[0] * middle[0];
-      for (int n = 1; n <= reach_; ++n) sum += weights[n] * (middle[-n * stride] + middle[n * stride]);
-      to[i] = sum;
-    }
   }
 
   const BrickBlock& block_;

@@ -4,7 +4,8 @@
 // Method. Each label is interpolated by itself: 1 in its voxels, 0 elsewhere. A point is solid if the interpolated
 // shares of all visible labels sum to at least a half; its label is the label with the largest share. Surfaces are
 // smooth between voxels whatever lies on the other side, and have no gap where several labels meet. Gradients are taken
-// from smoothed opacities; the smoothing reaches farther where voxels are larger in the picture.
+// from smoothed opacities; the smoothing reaches farther where voxels are larger in the picture. A voxel that a mask
+// hides has no visible label.
 #pragma once
 
 #include <algorithm>
@@ -12,24 +13,20 @@
 
 #include "engine/pixel/load_patch.h"
 #include "engine/pixel/sample_table.h"
+#include "engine/pixel/wide_opacities.h"
 #include "scene/transfer/label_styles.h"
 #include "store/codec/brick_block.h"
 
 namespace kiln {
 
-/// Reach of the opacity smoothing, at most and at least. A reach of 1 shows rings on a ball whose voxels are a pixel.
-/// unit: voxels.
-inline constexpr int kMostLabelSmoothing = 3, kLeastLabelSmoothing = 2;
-
 /// Voxels of a cell with a margin.
 struct LabelVoxels {
-  static constexpr int kEdge = kPatchVoxels + 2 * kPatchMargin, kWide = kEdge + 2 * kMostLabelSmoothing;
+  static constexpr int kEdge = WideOpacities::kEdge;
   /// Per voxel: rank of the label among the visible labels (-1: not visible); opacity of the label, smoothed. shape: as
   /// loadPatch's.
   alignas(64) std::int32_t ranks[kEdge * kEdge * kPatchStride];
   alignas(64) float opacities[kEdge * kEdge * kPatchStride];
-  // Opacities before and during smoothing. shape: kWide per axis.
-  float smoothed[2][kWide * kWide * kWide];
+  WideOpacities wide;
 };
 
 /// Labels of the voxels read by samples and gradients: none visible, a single visible label, or several.

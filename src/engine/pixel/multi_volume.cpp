@@ -91,7 +91,10 @@ MultiVolume::Volume::Volume(MixedVolume the_mixed, const MixView& view)
       appearance(mixed.store->manifest(), mixed.transfer_function, mixed.shading, view.view,
                  view.sampling.interpolation, view.illumination),
       levels(mixed.store->manifest(), view.sampling.level, view.view, view.area, mixed.clipping),
-      table(mixed.transfer_function, appearance.unit, mixed.store->manifest().type, mixed.store->manifest().range) {}
+      table(mixed.transfer_function, appearance.unit, mixed.store->manifest().type, mixed.store->manifest().range) {
+  appearance.colors = mixed.colors.get();
+  colors = colorTable(appearance);
+}
 
 MultiVolume::~MultiVolume() = default;
 
@@ -119,7 +122,7 @@ MultiVolume::MultiVolume(std::vector<MixedVolume> volumes, const MixView& view) 
     for (std::size_t v = 0; v < volumes_.size(); ++v) {
       const Volume& volume = *volumes_[v];
       const bool reaches = zone.slabs[v].slabs > 0;
-      zone.contexts.push_back(reaches ? zoneContext(zone.slabs[v], volume.levels, volume.table, volume.appearance)
+      zone.contexts.push_back(reaches ? zoneContext(zone.slabs[v], volume.levels, tablesOf(volume.table, volume.colors), volume.appearance)
                                       : nullptr);
     }
   }
@@ -177,12 +180,13 @@ void MultiVolume::addBrick(std::size_t volume, const BrickKey& key, const PixelR
     if (rect.empty()) continue;
     const auto edge = static_cast<std::uint64_t>(brick_size / kCellSize);
     const std::uint64_t cells = edge * edge * edge * sizeof(SlabCell);
-    const std::uint64_t block = blockBytes(store.frame(key)), read = store.readBytes(key);
+    const std::uint64_t block = store.blockBytes(key), read = store.readBytes(key);
     reading_bytes_ = std::max(reading_bytes_, read - std::min(read, block));
     zone->bricks.push_back({{key, static_cast<int>(volume)}, rect, block, cells});
   }
   counts_.bricks += of_frame ? 1 : 0;
   counts_.interesting += interesting ? 1 : 0;
+  counts_.masked += of_frame && store.index().at(key).masked ? 1 : 0;
 }
 
 std::uint64_t MultiVolume::bricksIn(std::size_t zone, const PixelRect& tile) const {

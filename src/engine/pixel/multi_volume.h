@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct MixedVolume {
   TransferFunction transfer_function;
   Shading shading;
   Clipping clipping;
+  std::shared_ptr<const CompanionColors> colors{};  // VolumeAppearance::colors
 };
 
 struct MixView {
@@ -81,6 +83,7 @@ class MultiVolume {
     VolumeAppearance appearance;
     FrameLevels levels;
     SampleTable table;
+    std::optional<SampleTable> colors;  // of the companion
   };
   struct Zone {
     std::vector<SlabZone> slabs;                         // one for each volume

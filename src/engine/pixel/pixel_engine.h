@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "engine/engine.h"
 #include "engine/engine_memory.h"
@@ -42,6 +43,7 @@ class PixelEngine final : public VolumeEngine {
 
   const std::int64_t brick_size_;
   SampleTable table_;
+  std::optional<SampleTable> colors_;  // of the companion's values
   DepthZones zones_;
   std::vector<std::unique_ptr<SlabContext>> contexts_;  // one per zone
   std::vector<RaySampling> rays_;                       // one per zone

@@ -4,8 +4,10 @@
 #include <memory>
 
 #include "engine/pixel/cast_rays_in_cell.h"
+#include "engine/pixel/color_patch.h"
 #include "engine/pixel/label_voxels.h"
 #include "engine/pixel/load_patch.h"
+#include "engine/pixel/mask_voxels.h"
 
 namespace kiln {
 namespace {
@@ -69,6 +71,8 @@ class RayCaster {
     alignas(64) float values[CellInput::kReadEdge * CellInput::kPlane + kPatchStride];
     CellInput in;
     if (!(context_.table().ofLabels() ? loadLabelsOf(box, in) : loadValuesOf(box, values, in))) return;
+    if (!loadMaskOf(box, in)) return;
+    loadColorsOf(box, in);
     for (int a = 0; a < 3; ++a) {
       const bool last = box.hi[a] == context_.dims()[a];
       in.lo[a] = static_cast<float>(box.lo[a] - rays_.anchor[a]) - 1.0f;
@@ -113,6 +117,26 @@ class RayCaster {
     return around != LabelsAround::kNone;
   }
 
+  // Returns false if the mask hides the cell. Labels know the mask already.
+  bool loadMaskOf(const VoxelBox& box, CellInput& in) {
+    if (block_.shown.all() || context_.table().ofLabels()) return true;
+    if (!mask_) mask_ = std::make_unique_for_overwrite<MaskVoxels>();
+    const MaskAround around = loadMask(block_, context_.lattice(), box.lo, *mask_);
+    if (around != MaskAround::kSome) return around == MaskAround::kAll;
+    in.mask = mask_->shown, in.mask_smoothed = mask_->smoothed;
+    in.in_pairs = false;
+    return true;
+  }
+
+  void loadColorsOf(const VoxelBox& box, CellInput& in) {
+    const SampleTable* const table = context_.look().colors;
+    if (table == nullptr || block_.color_values.empty()) return;
+    if (!colors_) colors_ = std::make_unique_for_overwrite<ColorPatch>();
+    loadColors(block_, *table, box.lo, *colors_);
+    in.color_places = colors_->places;
+    in.color = nullptr;
+  }
+
   const RaySampling& rays_;
   const SlabContext& context_;
   const BrickBlock& block_;
@@ -124,6 +148,8 @@ class RayCaster {
   DrawCounts& counts_;
   CellSamples samples_;
   std::unique_ptr<LabelVoxels> labels_;  // label volumes only
+  std::unique_ptr<MaskVoxels> mask_;     // masked volumes only
+  std::unique_ptr<ColorPatch> colors_;   // volumes coloured by another only
 };
 
 }  // namespace

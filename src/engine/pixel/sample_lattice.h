@@ -20,6 +20,11 @@ struct SampleLattice {
   const float* table = nullptr;        // shape: entries of r, g, b, tau
   const float* extinctions = nullptr;  // shape: entries
   float table_scale = 1, table_last = 0;
+  // Table of the colours of a companion's values; null: samples have colours of the table above. With `color_nearest` a
+  // sample has the colour of the nearest voxel.
+  const float* color_table = nullptr;
+  float color_last = 0;
+  bool color_nearest = false;
   // Extinction is zero outside these table positions.
   float visible_after = -1, visible_before = 3e38f;
   // Integral of extinction, for levels where a sample stands for an interval of values; null if a sample is a point.

@@ -54,6 +54,11 @@ SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, co
   out.extinctions = table.extinctions();
   out.visible_after = table.visibleAfter();
   out.visible_before = table.visibleBefore();
+  if (look.colors != nullptr) {
+    out.color_table = look.colors->entries();
+    out.color_last = look.colors->last();
+    out.color_nearest = look.colors->ofLabels();
+  }
   out.surfaces = static_cast<int>(table.surfaceValues().size());
   out.surface_values = table.surfaceValues().data();
   out.surface_opacities = table.surfaceOpacities().data();

@@ -22,6 +22,7 @@ struct Appearance {
   float gradient_noise = 0;  // unit: value per voxel
   Interpolation interpolation = Interpolation::kLinear;
   bool surfaces = false;  // samples are crossings of surfaces
+  const SampleTable* colors = nullptr;  // colours of a companion's values; null: the volume's own
 };
 
 /// A zone of slabs with its level, table and appearance.

@@ -8,7 +8,12 @@ ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const
           sampling.finest,   sampling.coarser};
 }
 
-std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
+std::optional<SampleTable> colorTable(const VolumeAppearance& look) {
+  if (look.colors == nullptr) return std::nullopt;
+  return SampleTable(look.colors->function, look.unit, look.colors->type, look.colors->range);
+}
+
+std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels& levels, const VolumeTables& tables,
                                          const VolumeAppearance& look) {
   const Projector& projector = levels.projector(zone.level);
   const Appearance of_sample{look.shading,
@@ -16,8 +21,9 @@ std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels
                              &levels.clipRegion(zone.level),
                              look.gradient_noise,
                              look.interpolation,
-                             !look.transfer_function.surfaces.empty()};
-  return std::make_unique<SlabContext>(zone, projector, levels.dims(zone.level), levels.endVoxels(zone.level), table,
+                             !look.transfer_function.surfaces.empty(),
+                             tables.colors};
+  return std::make_unique<SlabContext>(zone, projector, levels.dims(zone.level), levels.endVoxels(zone.level), tables.own,
                                        of_sample);
 }
 

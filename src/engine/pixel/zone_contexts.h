@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/brick_selection.h"
@@ -16,8 +17,19 @@ namespace kiln {
 /// Parameters of a volume's slabs. requires: the manifest outlives the result.
 ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const Sampling& sampling);
 
+/// Tables of a volume: of its own values, and of the values of the companion that colours it, if there is one.
+struct VolumeTables {
+  const SampleTable& own;
+  const SampleTable* colors = nullptr;
+};
+inline VolumeTables tablesOf(const SampleTable& own, const std::optional<SampleTable>& colors) {
+  return {own, colors ? &*colors : nullptr};
+}
+/// Returns the table of the companion's colours; nothing without such a companion.
+std::optional<SampleTable> colorTable(const VolumeAppearance& look);
+
 /// requires: all outlive the result.
-std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels& levels, const SampleTable& table,
+std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels& levels, const VolumeTables& tables,
                                          const VolumeAppearance& look);
 
 /// Implements VisiblePart for a brick with the voxels of `core` in the context's zone; parts are sub-bricks

@@ -1,6 +1,7 @@
 // Colours, light and scales of a volume as a frame shows it.
 #pragma once
 
+#include "engine/shared/companion_colors.h"
 #include "engine/shared/shade.h"
 #include "scene/camera/camera.h"
 #include "scene/render_options.h"
@@ -19,6 +20,7 @@ struct VolumeAppearance {
   float gradient_noise = 0;  // shorter gradients are noise. unit: value per voxel
   Interpolation interpolation = Interpolation::kLinear;
   const Illumination* illumination = nullptr;  // null without shadows
+  const CompanionColors* colors = nullptr;     // colours of another volume's values; null: the function's own
 
   /// requires: as above; not the manifest.
   VolumeAppearance(const Manifest& volume, const TransferFunction& function, const Shading& light, const View& from,

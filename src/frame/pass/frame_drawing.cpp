@@ -86,6 +86,10 @@ FrameStatistics FrameDrawing::finish() {
   out.bricks_unused = after.unused - before_.unused;
   out.bricks_damaged = out.damaged.size();
   out.bricks_read_bytes = after.read_bytes - before_.read_bytes;
+  out.bricks_masked = walked.masked;
+  out.bricks_emptied = after.emptied - before_.emptied;
+  out.companion_reads = after.companion_reads - before_.companion_reads;
+  out.companion_bytes = after.companion_bytes - before_.companion_bytes;
   out.bricks_shared = after.shared - before_.shared;
   out.bricks_shared_bytes = after.shared_bytes - before_.shared_bytes;
   out.slab_bytes = pass_->scratchBytes();

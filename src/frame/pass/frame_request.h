@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/capabilities.h"
+#include "engine/shared/companion_colors.h"
 #include "engine/shared/extinction_lattice.h"
 #include "engine/shared/illumination.h"
 #include "image/deep_samples.h"
@@ -25,6 +26,7 @@ struct VolumeRequest {
   TransferFunction transfer_function;
   Shading shading;
   Clipping clipping;
+  std::shared_ptr<const CompanionColors> colors{};  // of another volume's values; null: the function's own
 };
 
 /// Most bricks drawn together. After each set, threads wait for the last tile of the set: with four bricks for up to a
@@ -40,6 +42,7 @@ struct FrameRequest {
   TransferFunction transfer_function;
   Shading shading;
   Clipping clipping;
+  std::shared_ptr<const CompanionColors> colors;  // VolumeRequest::colors
   Background background;
   double opacity_threshold = 0.998;
   Mode mode{};

@@ -26,12 +26,16 @@ void FrameStatistics::merge(const FrameStatistics& other) {
   nodes_hidden += other.nodes_hidden;
   bricks_read += other.bricks_read;
   bricks_read_bytes += other.bricks_read_bytes;
+  bricks_emptied += other.bricks_emptied;
+  companion_reads += other.companion_reads;
+  companion_bytes += other.companion_bytes;
   bricks_shared += other.bricks_shared;
   bricks_shared_bytes += other.bricks_shared_bytes;
   bricks_hidden += other.bricks_hidden;
   bricks_unused += other.bricks_unused;
   bricks_total = std::max(bricks_total, other.bricks_total);
   bricks_interesting = std::max(bricks_interesting, other.bricks_interesting);
+  bricks_masked = std::max(bricks_masked, other.bricks_masked);
   slab_bytes = std::max(slab_bytes, other.slab_bytes);
   busy.add(other.busy);
   threads = std::max(threads, other.threads);

@@ -60,6 +60,9 @@ struct FrameStatistics {
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
   std::uint64_t bricks_total = 0, bricks_interesting = 0, bricks_read = 0, bricks_hidden = 0, bricks_unused = 0,
                 bricks_damaged = 0, bricks_read_bytes = 0;
+  /// Bricks that a mask hides by its index, and bricks whose mask was read and shows nothing: none is read.
+  std::uint64_t bricks_masked = 0, bricks_emptied = 0;
+  std::uint64_t companion_reads = 0, companion_bytes = 0;  // bricks read of masks and colours, and their files
   /// With several ranks: bricks served from a rank's memory because two ranks, or one rank twice, needed the brick.
   std::uint64_t bricks_shared = 0, bricks_shared_bytes = 0;
   /// Bricks that change a pixel, and the size of their files: the least that a frame reads.

@@ -13,9 +13,9 @@
 namespace kiln {
 namespace {
 
-// The octree above bricks takes some 12 bytes a brick and a seventh; a list of bricks in view comes on top. unit:
+// The octree above bricks takes some 16 bytes a brick and a seventh; a list of bricks in view comes on top. unit:
 // bytes.
-constexpr std::uint64_t kWalkBytes = 16 + sizeof(BrickInView);
+constexpr std::uint64_t kWalkBytes = 19 + sizeof(BrickInView);
 
 // The quadtree tests nodes only (VisibilityOptions::test_samples).
 bool testsSamples(const VisibilityOptions& options) {
@@ -27,7 +27,7 @@ std::unique_ptr<FramePass> makeZonePass(const std::vector<const BrickedVolume*>&
   std::vector<MixedVolume> volumes;
   for (std::size_t i = 0; i < request.volumes.size(); ++i) {
     const VolumeRequest& volume = request.volumes[i];
-    volumes.push_back({stores.at(i), volume.transfer_function, volume.shading, volume.clipping});
+    volumes.push_back({stores.at(i), volume.transfer_function, volume.shading, volume.clipping, volume.colors});
   }
   return std::make_unique<ZonePass>(
       std::move(volumes),
@@ -76,8 +76,9 @@ std::unique_ptr<FramePass> makePass(const std::vector<const BrickedVolume*>& sto
                                                             request.visibility.method != VisibilityMethod::kNone});
     return std::make_unique<ValuePass>(store, request, std::move(levels), std::move(projection));
   }
-  const VolumeAppearance appearance(volume, request.transfer_function, request.shading, request.view,
-                                    request.interpolation, request.illumination.get());
+  VolumeAppearance appearance(volume, request.transfer_function, request.shading, request.view,
+                              request.interpolation, request.illumination.get());
+  appearance.colors = request.colors.get();
   std::unique_ptr<VolumeEngine> engine;
   if (kind == EngineKind::kVoxel)
     engine = std::make_unique<VoxelEngine>(volume, *levels, appearance,

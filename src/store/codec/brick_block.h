@@ -8,6 +8,7 @@
 #include "base/memory/large_pages.h"
 #include "grid/coords.h"
 #include "grid/voxel_type.h"
+#include "store/codec/shown_voxels.h"
 #include "store/ranges/cell_supports.h"
 #include "store/ranges/minmax_octree.h"
 
@@ -30,11 +31,25 @@ struct BrickBlock {
   UnsetBytes voxels;
   MinMaxOctree octree;
   CellSupports supports;
+  /// Voxels of `extent` that a mask shows (companion/label_mask.h); all without a mask.
+  ShownVoxels shown;
+  /// Values of another volume at the voxels of `extent` (companion/color_values.h), NaN outside that volume; empty
+  /// without such a volume. shape: as `voxels`.
+  std::vector<float> color_values;
+  /// Brick files of companions that were read to make the block, and their size. unit: bytes.
+  std::uint64_t companion_reads = 0, companion_bytes = 0;
+  /// True if a mask hides all voxels; the brick's own file was then not read.
+  bool masked = false;
+  /// True if the volume's own voxels have one value and no file, whatever its companions hold.
+  bool constant = false;
 
   std::int64_t strideY() const { return extent.extent().x; }
   std::int64_t strideZ() const { return extent.extent().x * extent.extent().y; }
   /// Memory of the block. unit: bytes.
-  std::size_t bytes() const { return sizeof *this + voxels.size() + octree.bytes() + supports.bytes(); }
+  std::size_t bytes() const {
+    return sizeof *this + voxels.size() + octree.bytes() + supports.bytes() + shown.bytes() +
+           color_values.size() * sizeof(float);
+  }
 
   template <class T>
   const T* data() const {

@@ -30,6 +30,8 @@ class CellSupports {
   const ValueRange& at(int x, int y, int z) const {
     return ranges_[static_cast<std::size_t>((z * edge_ + y) * edge_ + x)];
   }
+  /// Makes the range of a cell empty: nothing of the cell is shown.
+  void hide(int x, int y, int z) { ranges_[static_cast<std::size_t>((z * edge_ + y) * edge_ + x)] = {}; }
   std::size_t bytes() const { return bytesFor(edge_ - 2); }
   /// Memory for a brick of `edge` cells. unit: bytes.
   static std::size_t bytesFor(std::int64_t edge) {

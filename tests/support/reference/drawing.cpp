@@ -26,8 +26,13 @@ Image draw(const std::vector<std::filesystem::path>& stores, const FrameRequest&
     opened.push_back(std::make_unique<StoreReader>(store));
     readers.push_back(opened.back().get());
   }
+  return draw(readers, request, budget_bytes, statistics);
+}
+
+Image draw(const std::vector<const BrickedVolume*>& volumes, const FrameRequest& request, std::uint64_t budget_bytes,
+           FrameStatistics* statistics) {
   // As in the program: a single thread has no read-ahead.
-  BrickCache cache(readers, budget_bytes, ThreadLimit::active() == 1 ? 0 : 2);
+  BrickCache cache(volumes, budget_bytes, ThreadLimit::active() == 1 ? 0 : 2);
   Progress silent;
   FrameStatistics unused;
   return renderFrame(cache, request, silent, statistics != nullptr ? *statistics : unused);

@@ -99,7 +99,7 @@ ViewSource sourceOf(const ViewArguments& a, Context& context) {
       out.named.volumes.front().volume = out.drawn.volumes.front().volume;
   }
   std::vector<fs::path> inputs = inputsOf(out.named);
-  for (const fs::path& store : volumesOf(out.drawn)) inputs.push_back(store);
+  for (const fs::path& store : inputVolumesOf(out.drawn)) inputs.push_back(store);
   std::error_code ignored;
   // A viewed job may be saved again.
   if (!fs::equivalent(a.input, out.job_file, ignored)) inputs.emplace_back(a.input);

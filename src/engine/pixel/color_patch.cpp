@@ -1,0 +1,36 @@
+#include "engine/pixel/color_patch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace kiln {
+
+void loadColors(const BrickBlock& block, const SampleTable& table, const VoxelCoord& lo, ColorPatch& out) {
+  constexpr int kEdge = kPatchVoxels + 2 * kPatchMargin;
+  const VoxelBox& has = block.extent;
+  std::array<std::int64_t, kEdge> at[3];
+  const std::int64_t stride[3] = {1, block.strideY(), block.strideZ()};
+  for (int a = 0; a < 3; ++a) {
+    for (int i = 0; i < kEdge; ++i)
+      at[a][static_cast<std::size_t>(i)] =
+          (std::clamp<std::int64_t>(lo[a] - kPatchMargin + i, has.lo[a], has.hi[a] - 1) - has.lo[a]) * stride[a];
+  }
+  const auto placeOf = [&](float value) {
+    const auto above = static_cast<float>(static_cast<double>(value) - table.offset());
+    if (!table.ofLabels() || std::isnan(value)) return above * table.scale();
+    const int rank = table.rankOf(above);
+    return rank < 0 ? std::numeric_limits<float>::quiet_NaN() : SampleTable::placeOf(rank, 1);
+  };
+  float* to = out.places;
+  for (const std::int64_t z : at[2]) {
+    for (const std::int64_t y : at[1]) {
+      for (std::size_t x = 0; x < kEdge; ++x)
+        to[x] = placeOf(block.color_values[static_cast<std::size_t>(at[0][x] + y + z)]);
+      to += kPatchStride;
+    }
+  }
+}
+
+}  // namespace kiln

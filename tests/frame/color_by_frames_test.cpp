@@ -1,0 +1,134 @@
+// Colours of another volume. Opacity stays the volume's own, so that alpha is equal to the bit; colours depend on
+// positions alone, whatever the bricks, budgets, tiles and threads.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/thread/parallel.h"
+#include "support/reference/companions.h"
+#include "support/reference/drawing.h"
+#include "support/system/sanitized.h"
+#include "support/volumes/random_scene.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+using Path = std::filesystem::path;
+constexpr ImageSize kColorSize{90, 77};
+
+Image drawColored(const Path& store, const Path& values, const FrameRequest& request,
+                  std::uint64_t budget_bytes = 1ull << 30) {
+  const std::unique_ptr<BrickedVolume> volume = withValues(store, values);
+  return draw(std::vector<const BrickedVolume*>{volume.get()}, request, budget_bytes);
+}
+
+std::shared_ptr<const CompanionColors> colorsOf(const TransferFunction& function, const DenseVolume& values) {
+  return std::make_shared<const CompanionColors>(CompanionColors{function, values.type, values.range()});
+}
+
+FrameRequest colorRequest(std::uint64_t seed, const DenseVolume& volume) {
+  const RandomScene scene = randomScene(seed, volume, kColorSize);
+  FrameRequest out = requestOf(scene, Lattice::kPixel, randomThreshold(seed));
+  out.level = 0;  // smaller bricks have more levels
+  out.visibility.method = VisibilityMethod::kNone;
+  return out;
+}
+
+// The other volume has another resolution and is turned against the volume.
+DenseVolume turnedValues() {
+  glm::dmat4 turned = glm::translate(glm::dmat4(1), glm::dvec3(10, -10, 15));
+  turned = glm::rotate(turned, 0.4, glm::normalize(glm::dvec3(1, 2, 0.5)));
+  turned = glm::scale(turned, glm::dvec3(1.3, 2.2, 1.7));
+  return head({{50, 31, 42}, VoxelType::i16, turned}, usualRange(VoxelType::i16));
+}
+
+// Known because none of the varied options is part of the picture's definition.
+TEST(ColorBy, IsDrawnAlikeByBricksThreadsTilesMemoryAndCrops) {
+  const DenseVolume volume = cheese({{75, 61, 70}, VoxelType::i16}, 1, usualRange(VoxelType::i16));
+  const DenseVolume values = turnedValues();
+  const Path large = makeStore(volume, "large", 128), small = makeStore(volume, "small", 16);
+  const Path large_values = makeStore(values, "large_values", 64), small_values = makeStore(values, "small_values", 16);
+  int shown = 0;
+  for (std::uint64_t seed = 720; seed < casesOf(725u, 721u); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    FrameRequest request = colorRequest(seed, volume);
+    Random random(seed);
+    request.colors = colorsOf(randomTransferFunction(random, values.range(), 1), values);
+    const Image truth = drawColored(large, large_values, request), plain = draw(large, request);
+    shown += showsSomething(truth) ? 1 : 0;
+    for (std::size_t at = 3; at < truth.rgba.size(); at += 4) ASSERT_EQ(truth.rgba[at], plain.rgba[at]) << "alpha";
+    EXPECT_TRUE(equalBits(truth, drawColored(small, large_values, request))) << "bricks of 16";
+    EXPECT_TRUE(equalBits(truth, drawColored(small, small_values, request))) << "bricks of 16 of both";
+    request.visibility.method = VisibilityMethod::kMask;
+    EXPECT_TRUE(equalBits(truth, drawColored(small, small_values, request))) << "tested for visibility";
+    const ThreadLimit one(1);
+    const std::uint64_t least = withValues(small, small_values)->largestReadBytes();
+    EXPECT_TRUE(equalBits(truth, drawColored(small, small_values, request, least))) << "least memory";
+    request.tile_px = 128;
+    request.crop = PixelRect{21, 13, 70, 57};
+    EXPECT_TRUE(equalBits(partOf(truth, *request.crop), drawColored(small, small_values, request))) << "cropped";
+  }
+  EXPECT_GT(shown, casesOf(2, 0));
+}
+
+// A volume coloured by itself has its own colours.
+TEST(ColorBy, ItselfChangesNoColour) {
+  const DenseVolume volume = cheese({{45, 51, 40}, VoxelType::u8}, 1, {0, 255});
+  const Path store = makeStore(volume, "volume", 16);
+  for (const bool surface : {false, true}) {
+    FrameRequest request = colorRequest(91, volume);
+    request.transfer_function = {1, {{40, {1, 0, 0}, 0}, {128, {0, 1, 0}, 0.2}, {255, {0, 0, 1}, 0.4}}};
+    request.colors = colorsOf(request.transfer_function, volume);
+    if (surface) request.transfer_function.points.clear(), request.transfer_function.surfaces = {{128, {0, 1, 0}, 1}};
+    const Image own = draw(store, request), colored = drawColored(store, store, request);
+    EXPECT_TRUE(showsSomething(own));
+    for (std::size_t at = 0; at < own.rgba.size(); ++at) ASSERT_NEAR(own.rgba[at], colored.rgba[at], surface ? 0.02 : 1e-4);
+  }
+}
+
+// A volume elsewhere colours nothing.
+TEST(ColorBy, AVolumeElsewhereChangesNoBit) {
+  const DenseVolume volume = cheese({{45, 51, 40}, VoxelType::f32}, 1, {0, 1});
+  const DenseVolume values = fill({{20, 20, 20}, VoxelType::u8, spacingAffine(glm::dvec3(1), glm::dvec3(500))},
+                                  [](auto x, auto, auto) { return x; });
+  const Path store = makeStore(volume, "volume", 16), far = makeStore(values, "far", 16);
+  FrameRequest request = colorRequest(92, volume);
+  request.transfer_function = {1, {{0, {1, 0, 0}, 0.01}, {1, {0, 1, 0}, 0.2}}};
+  const Image plain = draw(store, request);
+  request.colors = colorsOf({1, {{0, {0, 0, 1}, 1}}}, values);
+  EXPECT_TRUE(showsSomething(plain));
+  EXPECT_TRUE(equalBits(plain, drawColored(store, far, request)));
+}
+
+// Half of a uniform medium has the label 2, half of it the label 5, which has no colour.
+TEST(ColorBy, LabelsColourByTheNearestVoxel) {
+  const DenseVolume volume = fill({{40, 40, 40}, VoxelType::u8}, [](auto...) { return 9; });
+  const DenseVolume labels =
+      fill({{20, 20, 20}, VoxelType::u8, spacingAffine(glm::dvec3(2), glm::dvec3(0.5))}, [](auto x, auto, auto) { return x < 10 ? 2 : 5; });
+  const Path store = makeStore(volume, "volume", 16), of_labels = makeStore(labels, "labels", 16, true);
+  FrameRequest request;
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.eye = {19.5, 19.5, -100}, camera.target = {19.5, 19.5, 19.5}, camera.up = {0, 1, 0};
+  camera.height = 40;
+  request.view = resolve(camera, {40, 40});
+  request.transfer_function = {1, {{0, glm::dvec3(1, 0, 0), 0.1}}};
+  request.shading.phong = false;
+  TransferFunction function;
+  function.labels = {{2, "", glm::dvec3(0, 0, 1), 1}};
+  request.colors = colorsOf(function, labels);
+  const Image image = drawColored(store, of_labels, request);
+  int blue = 0, red = 0;
+  for (int x = 0; x < 40; ++x) {
+    const float* const pixel = image.pixel(x, 20);
+    blue += pixel[2] > 0.9f && pixel[0] == 0 ? 1 : 0;
+    red += pixel[0] > 0.9f && pixel[2] == 0 ? 1 : 0;
+  }
+  EXPECT_EQ(blue, 20);
+  EXPECT_EQ(red, 20);
+}
+
+}  // namespace
+}  // namespace kiln::test

@@ -1,0 +1,240 @@
+// Masks. A voxel is shown if the label nearest to its position is listed, whatever the bricks, budgets, tiles and
+// threads. Pictures are compared with pictures of volumes that were masked before their conversion.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/thread/parallel.h"
+#include "support/reference/companions.h"
+#include "support/reference/drawing.h"
+#include "support/system/expect_error.h"
+#include "support/system/sanitized.h"
+#include "support/volumes/random_scene.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+using Path = std::filesystem::path;
+constexpr ImageSize kMaskSize{90, 77};
+
+Image drawMasked(const Path& store, const Path& mask, const std::vector<std::int64_t>& labels,
+                 const FrameRequest& request, std::uint64_t budget_bytes = 1ull << 30,
+                 FrameStatistics* statistics = nullptr) {
+  const std::unique_ptr<BrickedVolume> volume = masked(store, mask, labels);
+  return draw(std::vector<const BrickedVolume*>{volume.get()}, request, budget_bytes, statistics);
+}
+
+// Bodies of the labels 0 to 5.
+DenseVolume bodies(const VolumeShape& shape) { return cheese(shape, 9, {0, 5}); }
+
+bool isListed(double label, const std::vector<std::int64_t>& labels) {
+  return std::find(labels.begin(), labels.end(), static_cast<std::int64_t>(label)) != labels.end();
+}
+
+FrameRequest requestAt(std::uint64_t seed, const DenseVolume& volume) {
+  const RandomScene scene = randomScene(seed, volume, kMaskSize);
+  FrameRequest out = requestOf(scene, Lattice::kPixel, randomThreshold(seed));
+  out.level = 0;  // smaller bricks have more levels
+  out.visibility.method = VisibilityMethod::kNone;
+  if (seed % 3 == 0) out.aovs = {true, true};
+  return out;
+}
+
+// A mask of another resolution, turned against the volume.
+DenseVolume turnedMask() {
+  glm::dmat4 turned = glm::translate(glm::dmat4(1), glm::dvec3(10, -10, 15));
+  turned = glm::rotate(turned, 0.4, glm::normalize(glm::dvec3(1, 2, 0.5)));
+  turned = glm::scale(turned, glm::dvec3(1.3, 2.2, 1.7));
+  return bodies({{50, 31, 42}, VoxelType::u8, turned});
+}
+
+// Known because none of the varied options is part of the picture's definition.
+TEST(Masks, AreDrawnAlikeByBricksThreadsTilesMemoryAndCrops) {
+  const DenseVolume volume = cheese({{75, 61, 70}, VoxelType::i16}, 1, usualRange(VoxelType::i16));
+  const DenseVolume mask = turnedMask();
+  const Path large = makeStore(volume, "large", 128), small = makeStore(volume, "small", 16);
+  const Path large_mask = makeStore(mask, "large_mask", 64, true), small_mask = makeStore(mask, "small_mask", 16, true);
+  const std::vector<std::int64_t> labels = {1, 2, 4};
+  int shown = 0, differ = 0;
+  for (std::uint64_t seed = 700; seed < casesOf(706u, 701u); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    FrameRequest request = requestAt(seed, volume);
+    if (seed % 2 == 1) request.samples = 2;
+    const Image truth = drawMasked(large, large_mask, labels, request);
+    shown += showsSomething(truth) ? 1 : 0;
+    differ += equalBits(truth, draw(large, request)) ? 0 : 1;
+    EXPECT_TRUE(equalBits(truth, drawMasked(small, large_mask, labels, request))) << "bricks of 16";
+    EXPECT_TRUE(equalBits(truth, drawMasked(small, small_mask, labels, request))) << "bricks of 16 of both";
+    request.visibility.method = VisibilityMethod::kMask;
+    EXPECT_TRUE(equalBits(truth, drawMasked(small, small_mask, labels, request))) << "tested for visibility";
+    const ThreadLimit one(1);
+    const std::uint64_t least = masked(small, small_mask, labels)->largestReadBytes();
+    EXPECT_TRUE(equalBits(truth, drawMasked(small, small_mask, labels, request, least))) << "least memory";
+    request.tile_px = 128;
+    EXPECT_TRUE(equalBits(truth, drawMasked(small, large_mask, labels, request))) << "tiles of 128";
+    request.crop = PixelRect{21, 13, 70, 57};
+    EXPECT_TRUE(equalBits(partOf(truth, *request.crop), drawMasked(small, small_mask, labels, request))) << "cropped";
+  }
+  EXPECT_GT(shown, casesOf(2, 0));
+  EXPECT_GE(differ, shown);
+}
+
+// A hidden voxel of a label volume has no label that is shown: the picture is equal to the bit.
+TEST(Masks, OfLabelsEqualLabelsThatWereMaskedBefore) {
+  const DenseVolume volume = cheese({{44, 39, 37}, VoxelType::u8, anisotropicAffine()}, 3, {0, 5});
+  const DenseVolume mask = bodies({{44, 39, 37}, VoxelType::u16, anisotropicAffine()});
+  const std::vector<std::int64_t> labels = {2, 3};
+  DenseVolume before = volume;
+  for (std::size_t i = 0; i < before.voxels.size(); ++i) {
+    const auto x = static_cast<std::int64_t>(i) % 44, y = static_cast<std::int64_t>(i) / 44 % 39,
+               z = static_cast<std::int64_t>(i) / 44 / 39;
+    if (!isListed(mask.valueAt(x, y, z), labels)) before.voxels[i] = std::byte{0};
+  }
+  const Path store = makeStore(volume, "volume", 16, true), of_mask = makeStore(mask, "mask", 32, true);
+  const Path truth = makeStore(before, "before", 16, true);
+  for (std::uint64_t seed = 80; seed < casesOf(86u, 81u); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    FrameRequest request = requestAt(seed, volume);
+    Random random(seed);
+    request.transfer_function = {};
+    for (int label = 1; label <= 5; ++label)
+      request.transfer_function.labels.push_back(
+          {static_cast<double>(label), "", glm::dvec3(random.uniform(0, 1), 0.5, random.uniform(0, 1)), 0.4});
+    const Image image = draw(truth, request);
+    EXPECT_TRUE(equalBits(image, drawMasked(store, of_mask, labels, request)));
+  }
+}
+
+// Every voxel has a listed label.
+TEST(Masks, ThatShowAllChangeNoBit) {
+  const DenseVolume volume = cheese({{45, 51, 40}, VoxelType::f32}, 1, {0, 1});
+  const DenseVolume mask = fill({{60, 70, 60}, VoxelType::u8, spacingAffine(glm::dvec3(1.1), glm::dvec3(-5))},
+                                [](auto x, auto, auto) { return 1 + x % 2; });
+  const Path store = makeStore(volume, "volume", 16), of_mask = makeStore(mask, "mask", 32, true);
+  const FrameRequest request = requestAt(91, volume);
+  const Image image = draw(store, request);
+  EXPECT_TRUE(showsSomething(image));
+  EXPECT_TRUE(equalBits(image, drawMasked(store, of_mask, {1, 2}, request)));
+}
+
+// A uniform medium of 40 voxels along the view, of which the mask shows 20: the border lies between two voxels.
+TEST(Masks, ShowTheirLengthOfAUniformMedium) {
+  const DenseVolume volume = fill({{40, 40, 40}, VoxelType::u8}, [](auto...) { return 9; });
+  for (const double spacing : {1.0, 2.0}) {
+    const auto edge = static_cast<std::int64_t>(40 / spacing);
+    const DenseVolume mask =
+        fill({{edge, edge, edge}, VoxelType::u8, spacingAffine(glm::dvec3(spacing), glm::dvec3((spacing - 1) / 2))},
+             [&](auto, auto, auto z) { return static_cast<double>(z) * spacing >= 10 && static_cast<double>(z) * spacing < 30 ? 7 : 1; });
+    const Path store = makeStore(volume, "volume", 16), of_mask = makeStore(mask, "mask", 16, true);
+    FrameRequest request;
+    Camera camera;
+    camera.projection = Projection::kOrthographic;
+    camera.eye = {19.5, 19.5, -100}, camera.target = {19.5, 19.5, 19.5}, camera.up = {0, 1, 0};
+    camera.height = 10;
+    request.view = resolve(camera, {32, 32});
+    request.transfer_function = {1, {{0, glm::dvec3(1), 0.05}}};
+    request.shading.phong = false;
+    request.opacity_threshold = 1;
+    const Image image = drawMasked(store, of_mask, {7}, request);
+    const double expected = 1 - std::exp(-20 * extinctionOf(0.05, 1));
+    EXPECT_NEAR(image.pixel(16, 16)[3], expected, 0.01 * expected) << "mask voxels of " << spacing;
+  }
+}
+
+// A mask of a corner: only the bricks at the corner are read.
+TEST(Masks, BricksThatTheyHideAreNotRead) {
+  const DenseVolume volume = fill({{64, 64, 64}, VoxelType::u8}, [](auto x, auto y, auto z) { return 50 + (x + y + z) % 7; });
+  const DenseVolume mask = fill({{64, 64, 64}, VoxelType::u8},
+                                [](auto x, auto y, auto z) { return x < 14 && y < 14 && z < 14 ? 3 : x > 40 ? 5 : 1; });
+  const Path store = makeStore(volume, "volume", 16), of_mask = makeStore(mask, "mask", 16, true);
+  FrameRequest request;
+  request.view = resolve(cameraFrom(volume.geometry, {1, 2, 3}, Projection::kPerspective), kMaskSize);
+  request.level = 0;
+  request.transfer_function = {1, {{0, glm::dvec3(1), 0.01}}};
+  const ThreadLimit one(1);
+  FrameStatistics all, some, ambiguous;
+  draw(store, request, 1ull << 30, &all);
+  EXPECT_EQ(all.bricks_read, 64u);
+  EXPECT_TRUE(showsSomething(drawMasked(store, of_mask, {3}, request, 1ull << 30, &some)));
+  EXPECT_EQ(some.bricks_read, 1u);
+  EXPECT_EQ(some.companion_reads, 1u);
+  // The index knows ranges: bricks of the labels 1 and 5 may hold label 3. Their labels are read, and they are not.
+  EXPECT_GE(some.bricks_masked, 32u);
+  EXPECT_EQ(some.bricks_masked + some.bricks_emptied + some.bricks_read, 64u);
+  EXPECT_FALSE(showsSomething(drawMasked(store, of_mask, {99}, request, 1ull << 30, &ambiguous)));
+  EXPECT_EQ(ambiguous.bricks_read, 0u);
+  EXPECT_EQ(ambiguous.companion_reads, 0u);
+  EXPECT_EQ(ambiguous.bricks_masked, 64u);
+}
+
+// Known because none of the varied options is part of the picture's definition.
+TEST(Masks, OfOneOfSeveralVolumesAreDrawnAlike) {
+  const DenseVolume volume = cheese({{45, 61, 50}, VoxelType::i16}, 1, usualRange(VoxelType::i16));
+  const DenseVolume mask = turnedMask();
+  const Path large = makeStore(volume, "large", 64), small = makeStore(volume, "small", 16);
+  const Path of_mask = makeStore(mask, "mask", 16, true);
+  const auto drawn = [&](const Path& store, const FrameRequest& request, std::uint64_t budget = 1ull << 30) {
+    const std::unique_ptr<BrickedVolume> first = masked(store, of_mask, {1, 2}), second = masked(store, of_mask, {4});
+    return draw(std::vector<const BrickedVolume*>{first.get(), second.get()}, request, budget);
+  };
+  FrameRequest request = requestAt(704, volume);
+  const RandomScene other = randomScene(705, volume, kMaskSize);
+  request.volumes.push_back({request.transfer_function, request.shading, {}});
+  request.volumes.push_back({other.transfer_function, other.shading, {}});
+  request.clipping = {};
+  const Image truth = drawn(large, request);
+  EXPECT_TRUE(showsSomething(truth));
+  EXPECT_TRUE(equalBits(truth, drawn(small, request))) << "bricks of 16";
+  const ThreadLimit one(1);
+  request.visibility.method = VisibilityMethod::kMask;
+  request.tile_px = 128;
+  EXPECT_TRUE(equalBits(truth, drawn(small, request))) << "one thread, other tiles";
+}
+
+// A layer that the mask hides casts no shadow on the floor.
+TEST(Masks, HiddenVoxelsCastNoShadow) {
+  const DenseVolume volume =
+      fill({{48, 48, 48}, VoxelType::u8}, [](auto, auto, auto z) { return z < 8 ? 200 : z >= 30 && z < 34 ? 100 : 0; });
+  const DenseVolume mask = fill({{48, 48, 48}, VoxelType::u8}, [](auto, auto, auto z) { return z < 20 ? 1 : 2; });
+  const Path store = makeStore(volume, "volume", 16), of_mask = makeStore(mask, "mask", 16, true);
+  FrameRequest request;
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.target = {23.5, 23.5, 8}, camera.eye = {23.5, -60, 60}, camera.up = {0, 0, 1};
+  camera.height = 8;
+  request.view = resolve(camera, {16, 16});
+  request.transfer_function = {1, {{50, glm::dvec3(1), 0}, {100, glm::dvec3(1), 0.5}, {200, glm::dvec3(1), 0.99}}};
+  request.shading.ambient = 0.1;
+  request.shading.lights = {{LightKind::kDirectional, {0, 0, 1}, glm::dvec3(1)}};
+  request.shading.shadows = true;
+  request.clipping.planes = {{{0, -1, 0}, 23}};  // the layer does not hide the floor
+  const Image shadowed = draw(store, request), lit = drawMasked(store, of_mask, {1}, request);
+  request.shading.shadows = false;
+  const Image plain = drawMasked(store, of_mask, {1}, request);
+  EXPECT_LT(shadowed.pixel(8, 8)[0], 0.9 * plain.pixel(8, 8)[0]);
+  EXPECT_NEAR(lit.pixel(8, 8)[0], plain.pixel(8, 8)[0], 0.02 * plain.pixel(8, 8)[0]);
+}
+
+TEST(Masks, OfAmountsAreRefused) {
+  const DenseVolume volume = fill({{20, 20, 20}, VoxelType::u8}, [](auto x, auto, auto) { return x; });
+  const Path store = makeStore(volume, "volume", 16);
+  expectError([&] { masked(store, store, {3}); }, ErrorCode::kUsage, "holds amounts, and a mask needs labels");
+}
+
+// A damaged brick of the mask is an error that names the mask.
+TEST(Masks, WithADamagedBrickAreErrors) {
+  const DenseVolume volume = cheese({{40, 40, 40}, VoxelType::u8}, 1, {0, 200});
+  const DenseVolume mask = bodies({{40, 40, 40}, VoxelType::u8});
+  const Path store = makeStore(volume, "volume", 16), of_mask = makeStore(mask, "mask", 32, true);
+  std::filesystem::remove(of_mask / "bricks/0/0_0_0.vdb");
+  FrameRequest request = requestAt(701, volume);
+  request.transfer_function = {1, {{0, glm::dvec3(1), 0.01}}};
+  request.view = resolve(cameraFrom(volume.geometry, {1, 2, 3}, Projection::kPerspective), kMaskSize);
+  expectError([&] { drawMasked(store, of_mask, {2}, request); }, ErrorCode::kNotFound, "mask/bricks/0/0_0_0.vdb");
+}
+
+}  // namespace
+}  // namespace kiln::test
