@@ -35,10 +35,10 @@ struct CacheCounts {
   std::uint64_t constants = 0;  // bricks made without a file
   std::uint64_t emptied = 0;    // bricks that were not read because their mask turned out to be empty
   std::uint64_t companion_reads = 0, companion_bytes = 0;  // bricks of companions, such as masks, and their files
-  std::uint64_t hits = 0;       // requested bricks that were in memory or being read
-  std::uint64_t unused = 0;     // bricks read ahead and evicted without a request
-  std::uint64_t skipped = 0;    // requests that returned null because the brick is unreadable
-  double load_seconds = 0;      // time spent in `get`
+  std::uint64_t hits = 0;                                  // requested bricks that were in memory or being read
+  std::uint64_t unused = 0;                                // bricks read ahead and evicted without a request
+  std::uint64_t skipped = 0;  // requests that returned null because the brick is unreadable
+  double load_seconds = 0;    // time spent in `get`
 };
 
 /// A brick that will probably be requested soon.

@@ -34,7 +34,7 @@ class ColorValues final : public Companion {
 
   const std::unique_ptr<BrickedVolume> values_;
   const CompanionPlace place_;
-  const bool nearest_;  // labels
+  const bool nearest_;        // labels
   const std::int64_t apron_;  // of the drawn volume
   mutable KeptBricks<BrickBlock> kept_;
 };

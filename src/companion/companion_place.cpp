@@ -39,9 +39,9 @@ CompanionPlace::CompanionPlace(const Manifest& drawn, const Manifest& companion)
 VoxelBox CompanionPlace::Map::around(const VoxelBox& box, std::int64_t reach) const {
   glm::dvec3 lo(1e300), hi(-1e300);
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 place = placeOf({(corner & 1) != 0 ? box.hi.x - 1 : box.lo.x,
-                                      (corner & 2) != 0 ? box.hi.y - 1 : box.lo.y,
-                                      (corner & 4) != 0 ? box.hi.z - 1 : box.lo.z});
+    const glm::dvec3 place =
+        placeOf({(corner & 1) != 0 ? box.hi.x - 1 : box.lo.x, (corner & 2) != 0 ? box.hi.y - 1 : box.lo.y,
+                 (corner & 4) != 0 ? box.hi.z - 1 : box.lo.z});
     lo = glm::min(lo, place);
     hi = glm::max(hi, place);
   }

@@ -35,7 +35,8 @@ class KeptBricks {
 
   std::shared_ptr<const Packed> find(const BrickKey& key) {
     const std::lock_guard lock(mutex_);
-    const auto kept = std::find_if(bricks_.begin(), bricks_.end(), [&](const Brick& brick) { return brick.first == key; });
+    const auto kept =
+        std::find_if(bricks_.begin(), bricks_.end(), [&](const Brick& brick) { return brick.first == key; });
     if (kept == bricks_.end()) return nullptr;
     bricks_.splice(bricks_.begin(), bricks_, kept);
     return kept->second;

@@ -74,7 +74,8 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .depth_and_normal = true,
        .parts = true},
       {.kind = EngineKind::kProjection,
-       .chosen_by = "--mode mip, minip or average",
+       .chosen_by = "--mode mip, minip, average or attenuated-mip",
+       .several_volumes = true,
        .coarser_levels = true,
        .two_samples = true,
        .value = true},
@@ -155,6 +156,8 @@ void requireOptions(const EngineChoice& engine, const EngineOptions& options) {
   if (options.aovs.depth || options.aovs.normal)
     requireCapability(engine, &EngineCapabilities::depth_and_normal, "--aov: depth and normal need",
                       "choose --aov value");
+  if (options.aovs.value && engine.several_volumes)
+    throw Error(ErrorCode::kUsage, "--aov: value is of one projected volume (found several); leave --aov out");
   if (options.aovs.value)
     requireCapability(engine, &EngineCapabilities::value, "--aov: value needs", "choose one of these modes");
 }

@@ -13,7 +13,7 @@
 namespace kiln {
 
 /// - kPixel, kVoxel: light of one volume, by the positions of samples (Lattice).
-/// - kProjection: a value of one volume along each ray.
+/// - kProjection: a value along each ray, of each volume in its own colours.
 /// - kMultiVolume: light of several volumes.
 enum class EngineKind { kPixel, kVoxel, kProjection, kMultiVolume };
 

@@ -177,7 +177,8 @@ std::uint64_t stepsOfParts(const std::vector<const BrickedVolume*>& stores, cons
   }
   std::uint64_t out = 0;
   for (const DrawnPlane& plane : planes) {
-    if (planes.size() == 1 && plane.bands.size() == 1) return 0;
+    const bool channels = plane.request.engine().kind() == EngineKind::kProjection && !plane.request.volumes.empty();
+    if (planes.size() == 1 && plane.bands.size() == 1 && !channels) return 0;
     const std::unique_ptr<FramePass> pass = makePass(stores, plane.request);
     for (const PixelRect& band : plane.bands) out += pass->steps(band);
   }

@@ -137,20 +137,13 @@ std::string statisticsText(const RenderStatistics& s) {
   if (!s.failed.empty()) out["failed"] = s.failed;
   if (!s.frames.empty()) out.update(threadsOf(s.frames.back()));
   if (!s.frames.empty()) out.update(countsOf(s.frames.back()));
-  out["memory"] = {{"budget_bytes", s.budget_bytes},
-                   {"cache_bytes", s.cache_bytes},
-                   {"peak_cache_bytes", s.peak_cache_bytes},
-                   {"framebuffer_bytes", s.framebuffer_bytes},
-                   {"visibility_bytes", s.visibility_bytes},
-                   {"index_bytes", s.index_bytes},
-                   {"files_bytes", s.files_bytes},
-                   {"threads_bytes", s.threads_bytes},
-                   {"shadows_bytes", s.shadows_bytes},
-                   {"slabs_bytes", s.slabs_bytes},
-                   {"peak_slabs_bytes", s.peak_slabs_bytes},
-                   {"shared_reads_bytes", s.shared_reads_bytes},
-                   {"trace_bytes", s.trace_bytes},
-                   {"functions_bytes", s.functions_bytes},
+  out["memory"] = {{"budget_bytes", s.budget_bytes},         {"cache_bytes", s.cache_bytes},
+                   {"peak_cache_bytes", s.peak_cache_bytes}, {"framebuffer_bytes", s.framebuffer_bytes},
+                   {"visibility_bytes", s.visibility_bytes}, {"index_bytes", s.index_bytes},
+                   {"files_bytes", s.files_bytes},           {"threads_bytes", s.threads_bytes},
+                   {"shadows_bytes", s.shadows_bytes},       {"slabs_bytes", s.slabs_bytes},
+                   {"peak_slabs_bytes", s.peak_slabs_bytes}, {"shared_reads_bytes", s.shared_reads_bytes},
+                   {"trace_bytes", s.trace_bytes},           {"functions_bytes", s.functions_bytes},
                    {"peak_rss_bytes", s.peak_rss_bytes}};
   out["fit"] = {{"files_read", s.fit.files}, {"read_bytes", s.fit.bytes}};
   out["time"] = {{"load_s", s.load_s}, {"render_s", s.render_s}, {"output_s", s.output_s}};

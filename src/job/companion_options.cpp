@@ -24,8 +24,8 @@ OptionValue<MaskChoice> labelsValue() {
              [](const JobObject& object, std::string_view key, MaskChoice& mask) {
                constexpr std::string_view kExpected = "a list of at least one label, a whole number";
                const auto is_label = [](double v) { return v == static_cast<double>(static_cast<std::int64_t>(v)); };
-               const std::vector<double> labels =
-                   *object.numberList(key, kExpected, [](double v) { return v >= -kLargestLabel && v <= kLargestLabel; });
+               const std::vector<double> labels = *object.numberList(
+                   key, kExpected, [](double v) { return v >= -kLargestLabel && v <= kLargestLabel; });
                if (labels.empty() || labels.size() > kMostMaskLabels) object.refuse(key, kExpected);
                mask.labels.clear();
                for (const double label : labels) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 #include <variant>
 
@@ -38,7 +39,7 @@ void requireSurfacesInAllOrNone(const std::vector<TransferFunction>& keys) {
 }  // namespace
 
 TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
-                             const Manifest& manifest) {
+                             const Manifest& manifest, const std::optional<glm::dvec3>& color) {
   const EngineChoice engine = engineOf(picture);
   if (manifest.volume_class == VolumeClass::kLabels)
     requireCapability(engine, &EngineCapabilities::labels, "--mode: a volume of labels needs", "leave --mode out");
@@ -48,10 +49,28 @@ TransferFunction resolvedFor(const PictureOptions& picture, const TransferFuncti
     requireSurfaces(engine, function);
     return function;
   }
-  return resolve(displayRamp(manifest), picture.window, manifest);
+  return resolve(displayRamp(manifest, color), picture.window, manifest);
 }
 
 namespace {
+
+// Colours of channels whose store declares none, as napari gives them: two, three, or more in turn.
+glm::dvec3 paletteColor(std::size_t channel, std::size_t channels) {
+  constexpr glm::dvec3 kRed(1, 0, 0), kGreen(0, 1, 0), kBlue(0, 0, 1), kCyan(0, 1, 1), kYellow(1, 1, 0),
+      kMagenta(1, 0, 1);
+  static const std::array<glm::dvec3, 2> kTwo = {kMagenta, kGreen};
+  static const std::array<glm::dvec3, 3> kThree = {kRed, kGreen, kBlue};
+  static const std::array<glm::dvec3, 6> kMore = {kCyan, kYellow, kMagenta, kRed, kGreen, kBlue};
+  return channels == 2 ? kTwo[channel] : channels == 3 ? kThree[channel] : kMore[channel % kMore.size()];
+}
+
+// The colour of a channel with an automatic function; nothing for the colour of its own look.
+std::optional<glm::dvec3> channelColor(const RenderJob& job, std::size_t channel, const Manifest& manifest) {
+  const std::vector<glm::dvec3>& colors = job.picture.channel_colors;
+  if (channel < colors.size()) return colors[channel];
+  if (job.volumes.size() < 2 || manifest.look.ramp) return std::nullopt;
+  return paletteColor(channel, job.volumes.size());
+}
 
 VolumeGeometry boxOfAll(const std::vector<const Manifest*>& manifests) {
   std::vector<VolumeGeometry> volumes;
@@ -104,18 +123,18 @@ SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manife
   for (std::size_t i = 0; i < job.volumes.size(); ++i) requireWorldBox(job.volumes[i].clipping, looks_[i]->geometry());
   PictureOptions still = job.picture;
   const auto add = [&](const std::vector<Key<TransferFunctionChoice>>& keys, const TransferFunctionChoice& choice,
-                       const Manifest& manifest) {
+                       const Manifest& manifest, const std::optional<glm::dvec3>& color) {
     Functions out{&keys, {}};
-    for (const auto& key : keys) out.values.push_back(resolvedFor(still, key.value, manifest));
-    if (keys.empty()) out.values.push_back(resolvedFor(still, choice, manifest));
+    for (const auto& key : keys) out.values.push_back(resolvedFor(still, key.value, manifest, color));
+    if (keys.empty()) out.values.push_back(resolvedFor(still, choice, manifest, color));
     requireSurfacesInAllOrNone(out.values);
     functions_.push_back(std::move(out));
   };
-  if (job.volumes.empty()) add(job.animation.functions, still.transfer_function, *looks_.front());
+  if (job.volumes.empty()) add(job.animation.functions, still.transfer_function, *looks_.front(), {});
   for (std::size_t i = 0; i < job.volumes.size(); ++i) {
     const VolumeOptions& volume = job.volumes[i];
     still.window = volume.window;
-    add(volume.functions, volume.transfer_function, *looks_[i]);
+    add(volume.functions, volume.transfer_function, *looks_[i], channelColor(job, i, *looks_[i]));
   }
   framed_ = framedBox(shown_box);
 }

@@ -31,9 +31,9 @@ struct FrameScene {
 };
 
 /// Returns the function for `choice` in the picture, as `resolve`; where values are projected, "auto" is a ramp of
-/// grey.
+/// grey, or of `color`.
 TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
-                             const Manifest& manifest);
+                             const Manifest& manifest, const std::optional<glm::dvec3>& color = {});
 
 /// Returns the box, in the picture's world, that one of the volumes fills: what its functions show inside its clipping.
 using ShownBoxOf = std::function<VolumeGeometry(std::size_t volume, const std::vector<TransferFunction>& functions,

@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "image/srgb.h"
 #include "job/given_flags.h"
 #include "job/job_names.h"
 #include "job/job_options.h"
+#include "job/option_kinds.h"
 #include "job/stated_job.h"
 
 namespace kiln {
@@ -35,11 +35,6 @@ std::string simpleText(const ordered_json& value) {
 }
 
 std::string colorText(const glm::dvec3& color) { return fmt::format("{},{},{}", color.r, color.g, color.b); }
-
-std::string hexText(const glm::dvec3& color) {
-  const SrgbBytes& bytes = SrgbBytes::all();
-  return fmt::format("#{:02x}{:02x}{:02x}", bytes.of(color.r), bytes.of(color.g), bytes.of(color.b));
-}
 
 std::string functionText(const TransferFunctionChoice& choice) {
   if (const auto* const name = std::get_if<std::string>(&choice)) return *name;

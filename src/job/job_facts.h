@@ -42,6 +42,8 @@ void requirePart(const RenderJob& job);
 void requireVolumes(const RenderJob& job);
 /// throws: Error kUsage for a mask or colours of another volume if the engine of the job draws none.
 void requireCompanions(const RenderJob& job);
+/// throws: Error kUsage for colours of channels without several projected volumes.
+void requireChannels(const RenderJob& job);
 /// Makes the job's single volume the first of several. requires: `volumes` is empty.
 void makeFirstOfSeveral(RenderJob& job);
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/text.h"
+#include "image/named_color.h"
 #include "job/job_animation.h"
 #include "job/job_facts.h"
 #include "job/job_names.h"
@@ -108,6 +109,34 @@ OptionValue<Owner> maskValue() {
 template <class Owner>
 OptionValue<Owner> colorByValue() {
   return objectValue("colorBy", optionsIn<Owner>(colorByOptions(), KILN_MEMBER(companions.color_by)));
+}
+
+OptionForm channelColorsForm() {
+  OptionForm form;
+  form.schema = listSchema({{"$ref", "colorName"}}, 1, kMostVolumesOfJob);
+  form.value_name = "COLOR:COLOR:...";
+  form.expected = "names, #rgb or #rrggbb of colours, separated by colons, such as magenta:#0f0";
+  form.parse = [](const std::string& text) -> json {
+    json out = json::array();
+    for (const std::string_view part : splitAt(text, ':')) {
+      if (!colorNamed(std::string(part))) return {};
+      out.push_back(part);
+    }
+    return out;
+  };
+  return form;
+}
+
+void readChannelColors(const JobObject& root, std::string_view key, PictureOptions& picture) {
+  constexpr std::string_view kExpected = "a list of names, #rgb or #rrggbb of colours";
+  picture.channel_colors.clear();
+  const std::vector<std::string> texts = *root.texts(key, kExpected);
+  for (const std::string& text : texts) {
+    const std::optional<glm::dvec3> color = colorNamed(text);
+    if (!color || picture.channel_colors.size() == kMostVolumesOfJob) root.refuse(key, kExpected);
+    picture.channel_colors.push_back(*color);
+  }
+  if (picture.channel_colors.empty()) root.refuse(key, kExpected);
 }
 
 OptionForm sizeForm() {
@@ -337,7 +366,26 @@ Options<RenderJob> rootOptions() {
           {KILN_MEMBER(picture.mode), Word{kModeNames},
            [](const RenderJob& job) { return job.picture.mode != Mode::kComposite; }},
           "Value of a pixel: the light of the volume (composite), or the greatest, least or mean value along the ray, "
-          "in the colours of the transfer function (grey without --tf)."));
+          "in the colours of the transfer function (grey without --tf). attenuated-mip: the greatest value, each "
+          "weakened by the values in front of it. Several volumes are projected each in its own colour, and added."));
+  add(Row("attenuation", "--attenuation", kQuality,
+          {KILN_MEMBER(picture.attenuation), Number{{0, 1e6}},
+           [](const RenderJob& job) { return job.picture.mode == Mode::kAttenuatedMip; }},
+          "With --mode attenuated-mip: the weight of a value falls by exp(-ATTENUATION) behind a voxel of the greatest "
+          "value."));
+  OptionValue<RenderJob> colors = OptionValue<RenderJob>::custom(
+      channelColorsForm(),
+      [](const JobObject& root, std::string_view key, RenderJob& job) { readChannelColors(root, key, job.picture); },
+      [](const RenderJob& job) -> ordered_json {
+        if (job.picture.channel_colors.empty()) return nullptr;
+        ordered_json texts = ordered_json::array();
+        for (const glm::dvec3& color : job.picture.channel_colors) texts.push_back(hexText(color));
+        return texts;
+      });
+  add(Row("channelColors", "--channel-colors", kTransferFunction,
+          std::move(colors).resolvedIf([](const RenderJob& job) { return !job.picture.channel_colors.empty(); }),
+          "With --mode mip, minip, average or attenuated-mip of several volumes: colours of the volumes without a "
+          "transfer function, in their order, separated by colons."));
   add(objectRow("camera", cameraObjectOptions(), readCamera));
   add(objectRow("stereo", stereoObjectOptions(), readStereo));
   add(Row("transferFunction", "--tf", kTransferFunction,

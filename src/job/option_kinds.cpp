@@ -10,6 +10,7 @@
 #include "base/memory/memory.h"
 #include "base/text.h"
 #include "image/named_color.h"
+#include "image/srgb.h"
 #include "job/job_names.h"
 
 namespace kiln {
@@ -100,6 +101,11 @@ json numbersOfText(std::string_view text, char separator) {
     out.push_back(number);
   }
   return out;
+}
+
+std::string hexText(const glm::dvec3& color) {
+  const SrgbBytes& bytes = SrgbBytes::all();
+  return fmt::format("#{:02x}{:02x}{:02x}", bytes.of(color.r), bytes.of(color.g), bytes.of(color.b));
 }
 
 json colorOfText(std::string_view text) {

@@ -260,6 +260,8 @@ struct ListOf {
   }
 };
 
+/// Returns "#rrggbb" of a colour in linear light.
+std::string hexText(const glm::dvec3& color);
 /// Returns the numbers of "a,b,c" as a list; null for other texts.
 nlohmann::json numbersOfText(std::string_view text, char separator = ',');
 /// The three numbers of "r,g,b" as a list, or a colour's name as it stands; null where the text is no colour.

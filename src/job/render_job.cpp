@@ -112,6 +112,19 @@ void requireCompanions(const RenderJob& job) {
   for (const VolumeOptions& volume : job.volumes) require(volume.companions);
 }
 
+void requireChannels(const RenderJob& job) {
+  const std::size_t colors = job.picture.channel_colors.size(), volumes = job.volumes.size();
+  if (colors == 0) return;
+  if (volumes < 2 || engineOf(job).kind() != EngineKind::kProjection)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--channel-colors: needs --mode mip, minip, average or attenuated-mip of several volumes "
+                            "(found {} of {}); leave it out",
+                            engineOf(job).text(), volumes < 2 ? "one volume" : "several"));
+  if (colors > volumes)
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--channel-colors: at most one for each of {} volumes (found {})", volumes, colors));
+}
+
 void makeFirstOfSeveral(RenderJob& job) {
   PictureOptions& picture = job.picture;
   VolumeOptions first;

@@ -47,6 +47,8 @@ struct PictureOptions {
   std::optional<int> samples;            // sub-pixels of a pixel: 1, 2, 4 or 16; absent: chosen by job/auto_samples.h
   std::optional<Background> background;  // absent: chosen by backgroundOf
   Mode mode{};
+  double attenuation = kAttenuation;       // of Mode::kAttenuatedMip. unit: per voxel
+  std::vector<glm::dvec3> channel_colors;  // of several projected volumes with "auto", in their order
   Aovs aovs;
   CameraSpec camera;
   Fit fit = Fit::kVisible;       // the box that a camera without an eye fits into the picture

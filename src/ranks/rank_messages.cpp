@@ -18,11 +18,28 @@ void eachNumber(Statistics& s, const Do& what) {
   what(s.threads);
   what(s.busy);
   for (auto* seconds : {&s.wall_s, &s.load_s, &s.output_s}) what(*seconds);
-  for (auto* count : {&s.voxels_visited, &s.voxels_splats, &s.nodes_tested, &s.nodes_hidden, &s.bricks_total,
-                      &s.bricks_interesting, &s.bricks_masked, &s.bricks_emptied, &s.companion_reads,
-                      &s.companion_bytes, &s.bricks_read, &s.bricks_hidden, &s.bricks_unused, &s.bricks_damaged,
-                      &s.bricks_read_bytes, &s.bricks_shared, &s.bricks_shared_bytes, &s.bricks_contributing,
-                      &s.bricks_contributing_bytes, &s.slab_bytes, &s.peak_cache_bytes, &s.peak_rss_bytes})
+  for (auto* count : {&s.voxels_visited,
+                      &s.voxels_splats,
+                      &s.nodes_tested,
+                      &s.nodes_hidden,
+                      &s.bricks_total,
+                      &s.bricks_interesting,
+                      &s.bricks_masked,
+                      &s.bricks_emptied,
+                      &s.companion_reads,
+                      &s.companion_bytes,
+                      &s.bricks_read,
+                      &s.bricks_hidden,
+                      &s.bricks_unused,
+                      &s.bricks_damaged,
+                      &s.bricks_read_bytes,
+                      &s.bricks_shared,
+                      &s.bricks_shared_bytes,
+                      &s.bricks_contributing,
+                      &s.bricks_contributing_bytes,
+                      &s.slab_bytes,
+                      &s.peak_cache_bytes,
+                      &s.peak_rss_bytes})
     what(*count);
 }
 

@@ -56,8 +56,11 @@ inline constexpr double kSampleDistance = 0.5, kLeastSampleDistance = 0.25, kMos
 ///   value. The ray goes through the middle of the part of the pixel that volume and clipping cover. If there is a
 ///   value other than NaN, alpha is the covered share; opacities, light and the opacity threshold are ignored. Values
 ///   are interpolated linearly, at most a pixel and half a voxel apart in depth, on the level of the pixel lattice.
-enum class Mode { kComposite, kMip, kMinip, kAverage };
-inline constexpr std::array<std::string_view, 4> kModeNames = {"composite", "mip", "minip", "average"};
+enum class Mode { kComposite, kMip, kMinip, kAverage, kAttenuatedMip };
+inline constexpr std::array<std::string_view, 5> kModeNames = {"composite", "mip", "minip", "average",
+                                                               "attenuated-mip"};
+/// Attenuation of Mode::kAttenuatedMip by the greatest value, by default. unit: per voxel of level 0.
+inline constexpr double kAttenuation = 0.05;
 
 /// The light behind the volume: linear, premultiplied, in equal steps from the middle of the top pixel row to the
 /// middle of the bottom row.

@@ -22,6 +22,7 @@ FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& spe
   request.background = drawnBackground(picture, transfer_function);
   request.opacity_threshold = picture.opacity_threshold;
   request.mode = picture.mode;
+  request.attenuation = picture.attenuation;
   request.lattice = picture.lattice;
   request.interpolation = picture.interpolation;
   request.sample_distance = picture.sample_distance;

@@ -28,6 +28,7 @@ const Companions& companionsOf(const RenderJob& job, std::size_t volume) {
 
 OpenedVolumes::OpenedVolumes(const RenderJob& job) {
   requireCompanions(job);
+  requireChannels(job);
   const std::size_t count = std::max<std::size_t>(job.volumes.size(), 1);
   bool all_stores = true;
   for (std::size_t i = 0; i < count; ++i) {
@@ -44,6 +45,7 @@ OpenedVolumes::OpenedVolumes(const RenderJob& job) {
 
 OpenedVolumes::OpenedVolumes(const RenderJob& job, std::span<const BrickedVolume* const> volumes) {
   requireCompanions(job);
+  requireChannels(job);
   const std::size_t expected = std::max<std::size_t>(job.volumes.size(), 1);
   if (volumes.size() != expected)
     throw Error(ErrorCode::kUsage,
@@ -74,13 +76,11 @@ void OpenedVolumes::add(std::unique_ptr<BrickedVolume> volume, const Companions&
   if (chosen.color_by) {
     std::unique_ptr<BrickedVolume> values = opened(chosen.color_by->volume, drawn, job);
     const Manifest& manifest = values->manifest();
-    colors = std::make_shared<const CompanionColors>(
-        CompanionColors{resolve(chosen.color_by->transfer_function, std::nullopt, manifest), manifest.type,
-                        manifest.range});
+    colors = std::make_shared<const CompanionColors>(CompanionColors{
+        resolve(chosen.color_by->transfer_function, std::nullopt, manifest), manifest.type, manifest.range});
     companions.push_back(std::make_unique<ColorValues>(std::move(values), drawn));
   }
-  if (!companions.empty())
-    volume = std::make_unique<AccompaniedVolume>(std::move(volume), std::move(companions));
+  if (!companions.empty()) volume = std::make_unique<AccompaniedVolume>(std::move(volume), std::move(companions));
   colors_.push_back(std::move(colors));
   all_.push_back(volume.get());
   owned_.push_back(std::move(volume));

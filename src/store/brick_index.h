@@ -21,8 +21,8 @@ namespace kiln {
 struct BrickEntry {
   bool constant = false;
   bool masked = false;  // a mask hides all voxels: both ranges are empty. Not part of index.bin
-  ValueRange core;     // values of the brick's own voxels and of finer levels
-  ValueRange support;  // core and apron: bounds every value interpolated in the brick
+  ValueRange core;      // values of the brick's own voxels and of finer levels
+  ValueRange support;   // core and apron: bounds every value interpolated in the brick
   std::uint64_t file_bytes = 0;
   Hash128 checksum;
   /// Within `support`. Null for a constant brick, and in a store of a format without sub-ranges.

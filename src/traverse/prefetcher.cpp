@@ -34,7 +34,7 @@ std::vector<NextBrick> Prefetcher::next(std::size_t count) {
     covered.push_back(brick.rect);
     const bool reads = !guess || guesses();
     if (guess && reads) guessed_.insert(brick.key);
-    out.push_back({{brick.key}, reads});
+    out.push_back({{brick.key, store_}, reads});
     read += reads ? 1 : 0;
   }
   return out;

@@ -18,9 +18,10 @@ namespace kiln {
 class Prefetcher {
  public:
   using Hidden = std::function<bool(const BrickInView&, std::span<const PixelRect> covered)>;
-  /// `hidden` returns true if the brick is hidden, or touches only pixels in rectangles of `covered`.
-  Prefetcher(std::vector<BrickInView> in_view, Hidden hidden)
-      : in_view_(std::move(in_view)), is_hidden_(std::move(hidden)), known_hidden_(in_view_.size()) {}
+  /// `hidden` returns true if the brick is hidden, or touches only pixels in rectangles of `covered`. `store`: the
+  /// place of the bricks' volume among the volumes of the cache.
+  Prefetcher(std::vector<BrickInView> in_view, Hidden hidden, int store = 0)
+      : store_(store), in_view_(std::move(in_view)), is_hidden_(std::move(hidden)), known_hidden_(in_view_.size()) {}
 
   /// Advances to `brick` and returns the number of bricks before and including it, drawn or skipped. requires: calls in
   /// drawing order.
@@ -36,6 +37,7 @@ class Prefetcher {
  private:
   bool guesses() const;
 
+  const int store_;
   std::vector<BrickInView> in_view_;
   const Hidden is_hidden_;
   std::vector<bool> known_hidden_;  // a hidden brick stays hidden

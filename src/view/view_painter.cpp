@@ -99,6 +99,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
   requireFont(out->job);
   requireEngineOptions(out->job.picture);
   requireCompanions(out->job);
+  requireChannels(out->job);
   drawnPixels(job.picture.size, job.picture.crop);
   Progress silent;
   const ShownBoxOf shown_box = shownBoxesOf(out->job, volumes_.all(), fit_, silent);

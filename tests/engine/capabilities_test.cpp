@@ -31,7 +31,7 @@ constexpr EngineChoice kMipEngine{Mode::kMip, Lattice::kPixel, false};
 TEST(Capabilities, EachEngine_hasOneRow) {
   std::set<EngineKind> kinds;
   for (const EngineCapabilities& row : engineCapabilities()) EXPECT_TRUE(kinds.insert(row.kind).second);
-  for (const Mode mode : {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage}) {
+  for (const Mode mode : {Mode::kComposite, Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip}) {
     for (const Lattice lattice : {Lattice::kPixel, Lattice::kVoxel}) {
       for (const bool several : {false, true}) {
         const EngineChoice engine{mode, lattice, several};
@@ -57,15 +57,20 @@ TEST(Capabilities, Refusal_namesConstraintFoundEngineAndRemedy) {
       engineRefusal(kMipEngine, {.aovs = {.depth = true}}),
       "--aov: depth and normal need --lattice pixel, --lattice voxel, or several volumes (found --mode mip); choose "
       "--aov value");
-  EXPECT_EQ(engineRefusal({}, {.aovs = {.value = true}}),
-            "--aov: value needs --mode mip, minip or average (found --lattice pixel); choose one of these modes");
+  EXPECT_EQ(
+      engineRefusal({}, {.aovs = {.value = true}}),
+      "--aov: value needs --mode mip, minip, average or attenuated-mip (found --lattice pixel); choose one of these "
+      "modes");
 }
 
 TEST(Capabilities, EngineThatContradictsItself_isRefused) {
   EXPECT_EQ(engineRefusal({Mode::kAverage, Lattice::kVoxel, false}, {}),
             "--lattice voxel: needs --mode composite (found average); leave --lattice out");
-  EXPECT_EQ(engineRefusal({Mode::kMinip, Lattice::kPixel, true}, {}),
-            "--mode minip: draws one volume (found several); leave it out, or draw each volume by itself");
+  EXPECT_EQ(engineRefusal({Mode::kComposite, Lattice::kVoxel, true}, {}),
+            "--lattice voxel: draws one volume (found several); leave it out, or draw each volume by itself");
+  EXPECT_EQ(engineRefusal({Mode::kMinip, Lattice::kPixel, true}, {}), "");
+  EXPECT_EQ(engineRefusal({Mode::kMinip, Lattice::kPixel, true}, {.aovs = {.value = true}}),
+            "--aov: value is of one projected volume (found several); leave --aov out");
 }
 
 TEST(Capabilities, DistanceOfSamples_hasARangeAndAnEngine) {

@@ -84,7 +84,8 @@ TEST(ColorBy, ItselfChangesNoColour) {
     if (surface) request.transfer_function.points.clear(), request.transfer_function.surfaces = {{128, {0, 1, 0}, 1}};
     const Image own = draw(store, request), colored = drawColored(store, store, request);
     EXPECT_TRUE(showsSomething(own));
-    for (std::size_t at = 0; at < own.rgba.size(); ++at) ASSERT_NEAR(own.rgba[at], colored.rgba[at], surface ? 0.02 : 1e-4);
+    for (std::size_t at = 0; at < own.rgba.size(); ++at)
+      ASSERT_NEAR(own.rgba[at], colored.rgba[at], surface ? 0.02 : 1e-4);
   }
 }
 
@@ -105,8 +106,8 @@ TEST(ColorBy, AVolumeElsewhereChangesNoBit) {
 // Half of a uniform medium has the label 2, half of it the label 5, which has no colour.
 TEST(ColorBy, LabelsColourByTheNearestVoxel) {
   const DenseVolume volume = fill({{40, 40, 40}, VoxelType::u8}, [](auto...) { return 9; });
-  const DenseVolume labels =
-      fill({{20, 20, 20}, VoxelType::u8, spacingAffine(glm::dvec3(2), glm::dvec3(0.5))}, [](auto x, auto, auto) { return x < 10 ? 2 : 5; });
+  const DenseVolume labels = fill({{20, 20, 20}, VoxelType::u8, spacingAffine(glm::dvec3(2), glm::dvec3(0.5))},
+                                  [](auto x, auto, auto) { return x < 10 ? 2 : 5; });
   const Path store = makeStore(volume, "volume", 16), of_labels = makeStore(labels, "labels", 16, true);
   FrameRequest request;
   Camera camera;

@@ -127,7 +127,9 @@ TEST(Masks, ShowTheirLengthOfAUniformMedium) {
     const auto edge = static_cast<std::int64_t>(40 / spacing);
     const DenseVolume mask =
         fill({{edge, edge, edge}, VoxelType::u8, spacingAffine(glm::dvec3(spacing), glm::dvec3((spacing - 1) / 2))},
-             [&](auto, auto, auto z) { return static_cast<double>(z) * spacing >= 10 && static_cast<double>(z) * spacing < 30 ? 7 : 1; });
+             [&](auto, auto, auto z) {
+               return static_cast<double>(z) * spacing >= 10 && static_cast<double>(z) * spacing < 30 ? 7 : 1;
+             });
     const Path store = makeStore(volume, "volume", 16), of_mask = makeStore(mask, "mask", 16, true);
     FrameRequest request;
     Camera camera;
@@ -146,9 +148,11 @@ TEST(Masks, ShowTheirLengthOfAUniformMedium) {
 
 // A mask of a corner: only the bricks at the corner are read.
 TEST(Masks, BricksThatTheyHideAreNotRead) {
-  const DenseVolume volume = fill({{64, 64, 64}, VoxelType::u8}, [](auto x, auto y, auto z) { return 50 + (x + y + z) % 7; });
-  const DenseVolume mask = fill({{64, 64, 64}, VoxelType::u8},
-                                [](auto x, auto y, auto z) { return x < 14 && y < 14 && z < 14 ? 3 : x > 40 ? 5 : 1; });
+  const DenseVolume volume =
+      fill({{64, 64, 64}, VoxelType::u8}, [](auto x, auto y, auto z) { return 50 + (x + y + z) % 7; });
+  const DenseVolume mask = fill({{64, 64, 64}, VoxelType::u8}, [](auto x, auto y, auto z) {
+    return x < 14 && y < 14 && z < 14 ? 3 : x > 40 ? 5 : 1;
+  });
   const Path store = makeStore(volume, "volume", 16), of_mask = makeStore(mask, "mask", 16, true);
   FrameRequest request;
   request.view = resolve(cameraFrom(volume.geometry, {1, 2, 3}, Projection::kPerspective), kMaskSize);
@@ -196,8 +200,9 @@ TEST(Masks, OfOneOfSeveralVolumesAreDrawnAlike) {
 
 // A layer that the mask hides casts no shadow on the floor.
 TEST(Masks, HiddenVoxelsCastNoShadow) {
-  const DenseVolume volume =
-      fill({{48, 48, 48}, VoxelType::u8}, [](auto, auto, auto z) { return z < 8 ? 200 : z >= 30 && z < 34 ? 100 : 0; });
+  const DenseVolume volume = fill({{48, 48, 48}, VoxelType::u8}, [](auto, auto, auto z) {
+    return z < 8 ? 200 : z >= 30 && z < 34 ? 100 : 0;
+  });
   const DenseVolume mask = fill({{48, 48, 48}, VoxelType::u8}, [](auto, auto, auto z) { return z < 20 ? 1 : 2; });
   const Path store = makeStore(volume, "volume", 16), of_mask = makeStore(mask, "mask", 16, true);
   FrameRequest request;

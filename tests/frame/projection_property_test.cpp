@@ -16,6 +16,7 @@ namespace kiln::test {
 namespace {
 
 constexpr Mode kProjections[] = {Mode::kMip, Mode::kMinip, Mode::kAverage};
+constexpr Mode kAllProjections[] = {Mode::kMip, Mode::kMinip, Mode::kAverage, Mode::kAttenuatedMip};
 constexpr ImageSize kProjectedSize{80, 70};
 
 // Projected values do not depend on the transfer function, but the renderer requires a valid function.
@@ -30,7 +31,13 @@ FrameRequest requestOf(const View& view, Mode mode) {
 
 const ZeroPages<float>& valuesOf(const Image& image) { return image.planes.front().values; }
 
-const std::vector<double>& expectedOf(const ProjectedImage& image, Mode mode) {
+struct Expected {
+  ProjectedImage image;
+  std::vector<double> attenuated;
+};
+const std::vector<double>& expectedOf(const Expected& expected, Mode mode) {
+  const ProjectedImage& image = expected.image;
+  if (mode == Mode::kAttenuatedMip) return expected.attenuated;
   return mode == Mode::kMip ? image.greatest : mode == Mode::kMinip ? image.least : image.mean;
 }
 
@@ -51,7 +58,7 @@ TEST(Projection, IsTheSameWhateverIsLeftOutAndHowTheVolumeIsCut) {
     const auto middle = makeStore(volume, "middle", 16), large = makeStore(volume, "large", 128);
     for (int i = 0; i < 2; ++i, ++seed) {
       const RandomScene scene = randomScene(seed, volume, kProjectedSize);
-      for (const Mode mode : kProjections) {
+      for (const Mode mode : kAllProjections) {
         FrameRequest request = requestOf(scene.view, mode);
         request.clipping = scene.clipping;
         if (seed % 3 == 0) request.level = 0;
@@ -99,8 +106,9 @@ TEST(Projection, IsWhatARayCasterSees) {
     ReferenceSettings settings;
     settings.step_voxels = 0.05;
     settings.clipping = scene.clipping;
-    const ProjectedImage expected = projectedImage(volume, scene.view, settings);
-    for (const Mode mode : kProjections) {
+    const Expected expected{projectedImage(volume, scene.view, settings),
+                            attenuatedImage(volume, scene.view, kAttenuation, {0, 250}, settings)};
+    for (const Mode mode : kAllProjections) {
       FrameRequest request = requestOf(scene.view, mode);
       request.clipping = scene.clipping;
       request.level = 0;
@@ -203,7 +211,7 @@ TEST(Projection, BorderPixelsAreAsOpaqueAsTheVolumeCoversThem) {
     ReferenceSettings settings;
     settings.step_voxels = 0.5;
     settings.clipping = scene.clipping;
-    const ProjectedImage hits = projectedImage(volume, enlarged(scene.view, kRays), settings);
+    const Expected hits{projectedImage(volume, enlarged(scene.view, kRays), settings), {}};
     for (const Mode mode : kProjections) {
       FrameRequest request = requestOf(scene.view, mode);
       request.clipping = scene.clipping;

@@ -556,8 +556,7 @@ class CellCaster {
   HWY_INLINE float companionPlaceAt(std::size_t sample) const {
     const float* const at = in_.color_places + s_.offset[sample];
     const float x = s_.fraction[0][sample], y = s_.fraction[1][sample], z = s_.fraction[2][sample];
-    if (l_.color_nearest)
-      return at[(z >= 0.5f ? kPlane : 0) + (y >= 0.5f ? kPatchStride : 0) + (x >= 0.5f ? 1 : 0)];
+    if (l_.color_nearest) return at[(z >= 0.5f ? kPlane : 0) + (y >= 0.5f ? kPatchStride : 0) + (x >= 0.5f ? 1 : 0)];
     return trilinear(at, x, y, z);
   }
 

@@ -122,8 +122,9 @@ MultiVolume::MultiVolume(std::vector<MixedVolume> volumes, const MixView& view) 
     for (std::size_t v = 0; v < volumes_.size(); ++v) {
       const Volume& volume = *volumes_[v];
       const bool reaches = zone.slabs[v].slabs > 0;
-      zone.contexts.push_back(reaches ? zoneContext(zone.slabs[v], volume.levels, tablesOf(volume.table, volume.colors), volume.appearance)
-                                      : nullptr);
+      zone.contexts.push_back(
+          reaches ? zoneContext(zone.slabs[v], volume.levels, tablesOf(volume.table, volume.colors), volume.appearance)
+                  : nullptr);
     }
   }
   for (std::size_t v = 0; v < volumes_.size(); ++v) addRays(v);

@@ -21,7 +21,7 @@ struct Appearance {
   const ClipRegion* clip = nullptr;
   float gradient_noise = 0;  // unit: value per voxel
   Interpolation interpolation = Interpolation::kLinear;
-  bool surfaces = false;  // samples are crossings of surfaces
+  bool surfaces = false;                // samples are crossings of surfaces
   const SampleTable* colors = nullptr;  // colours of a companion's values; null: the volume's own
 };
 

@@ -7,7 +7,7 @@
 namespace kiln {
 namespace {
 
-constexpr int kWide = WideOpacities::kWide;
+constexpr int kRow = WideOpacities::kWide;
 
 // Binomial weights, by reach; sums of the weights are exact in floats.
 constexpr float kSmoothing[kMostLabelSmoothing + 1][kMostLabelSmoothing + 1] = {
@@ -28,19 +28,19 @@ void smoothRow(const float* from, float* to, int reach, int row, int count, int 
 // Along x, y and z in turn; each pass leaves fewer voxels along the axis.
 void WideOpacities::smooth(int reach, float* out) {
   float *from = values[0], *to = values[1];
-  const int stride[3] = {1, kWide, kWide * kWide};
+  const int stride[3] = {1, kRow, kRow * kRow};
   std::array<int, 3> size;
   size.fill(kEdge + 2 * reach);
   for (std::size_t a = 0; a < 3 && reach > 0; ++a) {
     size[a] = kEdge;
     for (int k = 0; k < size[2]; ++k) {
-      for (int j = 0; j < size[1]; ++j) smoothRow(from, to, reach, (k * kWide + j) * kWide, size[0], stride[a]);
+      for (int j = 0; j < size[1]; ++j) smoothRow(from, to, reach, (k * kRow + j) * kRow, size[0], stride[a]);
     }
     std::swap(from, to);
   }
   for (int k = 0; k < kEdge; ++k) {
     for (int j = 0; j < kEdge; ++j)
-      std::copy_n(from + (k * kWide + j) * kWide, kEdge, out + (k * kEdge + j) * kPatchStride);
+      std::copy_n(from + (k * kRow + j) * kRow, kEdge, out + (k * kEdge + j) * kPatchStride);
   }
 }
 

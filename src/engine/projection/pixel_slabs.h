@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/shared/projector.h"
 #include "engine/shared/slab_grid.h"
@@ -23,13 +24,17 @@ class PixelRay {
       base_[axis] = projector.perspective() ? row.w : row.w + lateral;
       slope_[axis] = projector.perspective() ? row.z + lateral : row.z;
     }
+    if (projector.perspective()) oblique_ = std::sqrt(1 + across.x * across.x + across.y * across.y);
   }
   /// The ray's point at a depth is base + slope · depth, in the level's index space.
   const glm::dvec3& base() const { return base_; }
   const glm::dvec3& slope() const { return slope_; }
+  /// Length of the ray per depth.
+  double oblique() const { return oblique_; }
 
  private:
   glm::dvec3 base_, slope_;
+  double oblique_ = 1;
 };
 
 /// Slabs [first, end).

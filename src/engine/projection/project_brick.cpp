@@ -77,11 +77,37 @@ double between(double a, double b, double fraction) {
   return a + fraction * (b - a);
 }
 
-template <class T, bool kMean>
+enum class Rule { kExtremum, kMean, kAttenuated };
+
+// Takes a sample of a mean or of an attenuated maximum. `length`: of the sample, along the ray. Equations (5), (7).
+template <Rule kRule>
+bool takeSample(const Attenuation& attenuation, double value, double length, double& held, double& sum) {
+  if constexpr (kRule == Rule::kMean) {
+    held += value * length;
+    sum += length;
+    return true;
+  } else {
+    const double share = attenuation.share(value), depth = attenuation.per_length * length * share;
+    const double weighted = share * std::exp(-(sum + 0.5 * depth));
+    sum += depth;
+    const bool changes = weighted > held;
+    held = changes ? weighted : held;
+    return changes || depth > 0;
+  }
+}
+
+// Weights of a mean are depths; attenuation has lengths along the ray.
+template <Rule kRule>
+double sampleLength(const PixelRay& ray, double depth) {
+  return kRule == Rule::kAttenuated ? depth * ray.oblique() : depth;
+}
+
+template <class T, Rule kRule>
 class BrickRays {
  public:
-  BrickRays(const BrickBlock& block, bool all, double sign, DrawCounts& counts)
-      : block_(block),
+  BrickRays(const BrickBlock& block, bool all, double sign, const Attenuation& attenuation, DrawCounts& counts)
+      : attenuation_(attenuation),
+        block_(block),
         voxels_(block.data<T>()),
         stride_y_(block.strideY()),
         stride_z_(block.strideZ()),
@@ -114,7 +140,8 @@ class BrickRays {
       const int leaves = static_cast<int>(beyond);
       const ValueRange& range = block_.supports.at(cell[0] + 1, cell[1] + 1, cell[2] + 1);
       ++counts_.nodes_tested;
-      if (range.empty() || (!kMean && !all_ && !((sign_ > 0 ? range.hi : -range.lo) > held))) {
+      if (kRule == Rule::kAttenuated && !all_ && !(std::exp(-*length) > held)) return;
+      if (range.empty() || (kRule == Rule::kExtremum && !all_ && !((sign_ > 0 ? range.hi : -range.lo) > held))) {
         ++counts_.nodes_hidden;
         slab = leaves;
         continue;
@@ -122,12 +149,10 @@ class BrickRays {
       counts_.splats += static_cast<std::uint64_t>(leaves - slab);
       for (; slab < leaves; ++slab) {
         const double value = valueAt(ray.base() + depthOf(zone, slab) * ray.slope());
-        if constexpr (kMean) {
+        if constexpr (kRule != Rule::kExtremum) {
           if (std::isnan(value)) continue;
-          const double share = lengthOf(zone, slab, whole);
-          held += value * share;
-          *length += share;
-          counts_.changed = true;
+          const double part = sampleLength<kRule>(ray, lengthOf(zone, slab, whole));
+          if (takeSample<kRule>(attenuation_, value, part, held, *length)) counts_.changed = true;
         } else if (sign_ * value > held) {
           held = sign_ * value;
           counts_.changed = true;
@@ -156,6 +181,7 @@ class BrickRays {
     return between<T>(front, back, part[2]);
   }
 
+  const Attenuation& attenuation_;
   const BrickBlock& block_;
   const T* const voxels_;
   const std::int64_t stride_y_, stride_z_;
@@ -167,16 +193,17 @@ class BrickRays {
 };
 
 // Calls take(ray, whole, zone, span, held, length) for each pixel of `rect` that may change and each zone with samples
-// in `core`. For means `whole` is the ray's interval in the whole volume; otherwise `length` is null.
+// in `core`. Where the order of samples counts, `whole` is the ray's interval in the whole volume; otherwise `length`
+// is null.
 template <class Take>
 void forEachRay(const RayFrame& frame, const VoxelBox& core, double bound, bool all, const PixelRect& rect,
                 ProjectedValues& values, Take take) noexcept {
   for (int y = rect.y0; y < rect.y1; ++y) {
     double* const held = values.held(rect.x0, y);
-    double* const length = values.mean() ? values.length(rect.x0, y) : nullptr;
+    double* const length = values.accumulates() ? values.length(rect.x0, y) : nullptr;
     const Silhouette::Row outline = frame.outline->row(y);
     for (int i = 0; i < rect.width(); ++i) {
-      if (length == nullptr && (std::isnan(held[i]) || (!all && !(bound > held[i])))) continue;
+      if (std::isnan(held[i]) || (length == nullptr && !all && !(bound > held[i]))) continue;
       const Silhouette::Part covered = outline.at(rect.x0 + i);
       if (covered.share == 0) continue;
       const PixelRay ray(*frame.projector, covered.middle);
@@ -215,9 +242,11 @@ void projectBrick(const RayFrame& frame, const BrickBlock& block, double bound, 
                      double& held, double* length) { rays.take(ray, whole, zone, span, held, length); });
     };
     if (values.mean())
-      run(BrickRays<T, true>(block, all, values.sign(), counts));
+      run(BrickRays<T, Rule::kMean>(block, all, values.sign(), values.attenuation(), counts));
+    else if (values.attenuated())
+      run(BrickRays<T, Rule::kAttenuated>(block, all, values.sign(), values.attenuation(), counts));
     else
-      run(BrickRays<T, false>(block, all, values.sign(), counts));
+      run(BrickRays<T, Rule::kExtremum>(block, all, values.sign(), values.attenuation(), counts));
   });
 }
 
@@ -225,7 +254,7 @@ void projectConstant(const RayFrame& frame, const VoxelBox& core, double value, 
                      ProjectedValues& values, DrawCounts& counts) noexcept {
   const double bound = values.sign() * value;
   forEachRay(frame, core, bound, false, rect, values,
-             [&](const PixelRay&, const RayPart& whole, const SlabZone& zone, const SlabSpan& span, double& held,
+             [&](const PixelRay& ray, const RayPart& whole, const SlabZone& zone, const SlabSpan& span, double& held,
                  double* length) {
                counts.visited += static_cast<std::uint64_t>(span.end - span.first);
                counts.changed = true;
@@ -235,9 +264,12 @@ void projectConstant(const RayFrame& frame, const VoxelBox& core, double value, 
                }
                // Add sample by sample as projectBrick would, for equal bits.
                for (int slab = span.first; slab < span.end; ++slab) {
-                 const double share = lengthOf(zone, slab, whole);
-                 held += value * share;
-                 *length += share;
+                 const double part = lengthOf(zone, slab, whole);
+                 if (values.mean())
+                   takeSample<Rule::kMean>(values.attenuation(), value, part, held, *length);
+                 else
+                   takeSample<Rule::kAttenuated>(values.attenuation(), value,
+                                                 sampleLength<Rule::kAttenuated>(ray, part), held, *length);
                }
              });
 }

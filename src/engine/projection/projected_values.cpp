@@ -1,5 +1,6 @@
 #include "engine/projection/projected_values.h"
 
+#include <cmath>
 #include <limits>
 
 namespace kiln {
@@ -10,24 +11,25 @@ constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-ProjectedValues::ProjectedValues(PixelValue held, const PixelRect& rect)
+ProjectedValues::ProjectedValues(PixelValue held, const PixelRect& rect, const Attenuation& attenuation)
     : rect_(rect),
       blocks_(blocksOf(rect)),
       mean_(held == PixelValue::kMean),
-      sign_(held == PixelValue::kLeast ? -1 : 1) {
+      attenuated_(held == PixelValue::kAttenuated),
+      sign_(held == PixelValue::kLeast ? -1 : 1),
+      attenuation_(attenuation) {
   const std::size_t pixels = rect.count();
   held_.assign(pixels, mean_ ? 0 : kNothingHeld);
-  if (mean_)
-    length_.assign(pixels, 0);
-  else
-    least_.assign(blocks_.count(), kNothingHeld);
+  if (accumulates()) length_.assign(pixels, 0);
+  if (!mean_) least_.assign(blocks_.count(), kNothingHeld);
 }
 
 PixelRect ProjectedValues::blocksOf(const PixelRect& rect) const {
   return {rect.x0 / kBlock, rect.y0 / kBlock, (rect.x1 - 1) / kBlock + 1, (rect.y1 - 1) / kBlock + 1};
 }
 
-// A NaN compares false: no value exceeds it, and update() never selects it as the least.
+// An attenuated pixel counts with its value less the greatest that a further sample may have: closed from 0 on. A NaN
+// compares false: no value exceeds it, and update() never selects it as the least.
 void ProjectedValues::leaveOut(int x, int y) {
   if (!mean_) *held(x, y) = kNoValue;
 }
@@ -41,7 +43,11 @@ void ProjectedValues::update(const PixelRect& rect) {
       double least = std::numeric_limits<double>::infinity();
       for (int y = block.y0; y < block.y1; ++y) {
         const double* const row = held(block.x0, y);
-        for (int i = 0; i < block.width(); ++i) least = row[i] < least ? row[i] : least;
+        const double* const depth = attenuated_ ? length(block.x0, y) : nullptr;
+        for (int i = 0; i < block.width(); ++i) {
+          const double bound = depth != nullptr ? row[i] - std::exp(-depth[i]) : row[i];
+          least = bound < least ? bound : least;
+        }
       }
       least_[blockAt(bx, by)] = least;
     }
@@ -63,6 +69,7 @@ double ProjectedValues::value(int x, int y) const {
     const double length = length_[placeOf(x, y)];
     return length > 0 ? held / length : kNoValue;
   }
+  if (attenuated_) return held > kNothingHeld ? attenuation_.lo + held * (attenuation_.hi - attenuation_.lo) : kNoValue;
   return held > kNothingHeld ? sign_ * held : kNoValue;
 }
 

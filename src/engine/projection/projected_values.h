@@ -2,6 +2,7 @@
 // blocks of 8×8 pixels hold a lower bound of their pixels; a brick that exceeds no bound is neither read nor drawn.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "grid/value_range.h"
@@ -9,18 +10,32 @@
 
 namespace kiln {
 
-/// The value of a pixel among the values along its ray.
-enum class PixelValue { kGreatest, kLeast, kMean };
+/// The value of a pixel among the values along its ray. kAttenuated: the greatest, each weakened by the values in
+/// front.
+enum class PixelValue { kGreatest, kLeast, kMean, kAttenuated };
+
+/// The weakening of PixelValue::kAttenuated. Values count by their share of the way from `lo` to `hi`.
+struct Attenuation {
+  double per_length = 0;  // of the value `hi`. unit: per world length
+  double lo = 0, hi = 1;
+  double share(double value) const { return hi > lo ? std::clamp((value - lo) / (hi - lo), 0.0, 1.0) : 0; }
+};
 
 class ProjectedValues {
  public:
   /// Pixels of `rect` without values.
-  ProjectedValues(PixelValue held, const PixelRect& rect);
+  ProjectedValues(PixelValue held, const PixelRect& rect, const Attenuation& attenuation = {});
   /// Upper bound of the memory of a pixel. unit: bytes.
-  static std::uint64_t bytesOfPixel(PixelValue held) { return held == PixelValue::kMean ? 17 : 9; }
+  static std::uint64_t bytesOfPixel(PixelValue held) {
+    return held == PixelValue::kMean || held == PixelValue::kAttenuated ? 17 : 9;
+  }
 
   const PixelRect& rect() const { return rect_; }
   bool mean() const { return mean_; }
+  bool attenuated() const { return attenuated_; }
+  /// True if the order of samples counts: front to back.
+  bool accumulates() const { return mean_ || attenuated_; }
+  const Attenuation& attenuation() const { return attenuation_; }
   /// Factor of held values: pixels hold sign() · value, so that every extremum is a maximum.
   double sign() const { return sign_; }
   /// Upper bound of held values for values of `range`.
@@ -28,12 +43,15 @@ class ProjectedValues {
 
   /// Pointer to the extremum or sum of pixel (x, y); pixels to the right follow. requires: (x, y) in rect().
   double* held(int x, int y) { return &held_[placeOf(x, y)]; }
-  /// Length over which the sum of pixel (x, y) runs; pixels to the right follow. requires: mean().
+  /// Length over which the sum of pixel (x, y) runs, or the attenuation so far, an exponent; pixels to the right
+  /// follow. requires: accumulates().
   double* length(int x, int y) { return &length_[placeOf(x, y)]; }
   /// Marks a pixel that no sample can reach; the pixel never has a value.
   void leaveOut(int x, int y);
   /// Updates the bounds of blocks after extrema in `rect` changed. thread: safe for rectangles that share no block.
   void update(const PixelRect& rect);
+  /// True if no further sample can change a pixel of `rect`. requires: attenuated(). thread: as `update`.
+  bool closed(const PixelRect& rect) const { return least(rect) >= 0; }
   /// Lower bound of the values held in `rect`; pixels marked by leaveOut do not count. thread: as `update`.
   double least(const PixelRect& rect) const;
 
@@ -54,8 +72,9 @@ class ProjectedValues {
   }
 
   PixelRect rect_, blocks_;
-  bool mean_;
+  bool mean_, attenuated_;
   double sign_;
+  Attenuation attenuation_;
   std::vector<double> held_, length_, least_;
 };
 

@@ -50,6 +50,7 @@ ValueProjection::ValueProjection(const BrickedVolume& store, const FrameLevels& 
       levels_(levels),
       held_(options.held),
       culls_(options.culls && options.held != PixelValue::kMean),
+      attenuation_(options.attenuation),
       zones_(levels, rayZones(store.manifest(), view, options, levels.projector(levels.finest()).nearDepth())),
       outline_(levels.projector(levels.finest()), levels.clipRegion(levels.finest()), endOf(levels.finest())) {
   for (int l = levels.finest(); l <= levels.coarsest(); ++l) {
@@ -89,7 +90,7 @@ std::unique_ptr<const PreparedBrick> ValueProjection::prepare(const BrickToDraw&
 }
 
 void ValueProjection::begin(const PixelRect& pixels) {
-  ProjectedValues& out = values_.emplace(held_, pixels);
+  ProjectedValues& out = values_.emplace(held_, pixels, attenuation_);
   if (out.mean()) return;  // a pixel without samples has no length
   parallelFor(static_cast<std::size_t>(pixels.height()), [&](std::size_t row) {
     const int y = pixels.y0 + static_cast<int>(row);
@@ -113,7 +114,7 @@ ValueRange ValueProjection::rangeOf(const BrickEntry& entry) {
 }
 
 std::vector<BrickInView> ValueProjection::ordered(std::vector<BrickInView> front_to_back) const {
-  if (held_ == PixelValue::kMean) return front_to_back;
+  if (held_ == PixelValue::kMean || held_ == PixelValue::kAttenuated) return front_to_back;
   const ProjectedValues bounds(held_, {0, 0, 1, 1});
   const auto urgency = [&](const BrickInView& brick) {
     const BrickEntry& entry = entryOf(brick);
@@ -126,6 +127,7 @@ std::vector<BrickInView> ValueProjection::ordered(std::vector<BrickInView> front
 
 bool ValueProjection::hidden(const BrickInView& brick) const {
   if (!culls_) return false;
+  if (values_->attenuated()) return values_->closed(brick.rect);
   const BrickEntry& entry = entryOf(brick);
   const auto shows = [&](const ValueRange& range, const PixelRect& rect) {
     return !range.empty() && !rect.empty() && values_->bound(range) > values_->least(rect);
@@ -143,7 +145,7 @@ bool ValueProjection::hidden(const BrickInView& brick) const {
 }
 
 void ValueProjection::drawBrick(const Prepared& brick, const PixelRect& rect, DrawCounts& counts) {
-  if (culls_ && !(brick.bound > values_->least(rect))) return;
+  if (culls_ && (values_->attenuated() ? values_->closed(rect) : !(brick.bound > values_->least(rect)))) return;
   const BrickKey& key = brick.due.brick.key;
   const RayFrame& frame = frames_[static_cast<std::size_t>(key.level - levels_.finest())];
   if (brick.due.block != nullptr)

@@ -21,6 +21,7 @@ struct ProjectionOptions {
   std::optional<int> level;
   int coarser = 0;  // Sampling::coarser
   bool culls = true;
+  Attenuation attenuation{};
 };
 
 class ValueProjection final : public VolumeEngine {
@@ -63,6 +64,7 @@ class ValueProjection final : public VolumeEngine {
   const FrameLevels& levels_;
   const PixelValue held_;
   const bool culls_;
+  const Attenuation attenuation_;
   DepthZones zones_;
   const Silhouette outline_;
   std::vector<RayFrame> frames_;  // one per level, the finest first

@@ -4,8 +4,8 @@
 
 #include "base/thread/profile_scope.h"
 #include "frame/pass/aov_planes.h"
-#include "frame/pass/make_visibility.h"
 #include "frame/pass/make_pass.h"
+#include "frame/pass/make_visibility.h"
 
 namespace kiln {
 namespace {

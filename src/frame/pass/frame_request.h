@@ -46,6 +46,7 @@ struct FrameRequest {
   Background background;
   double opacity_threshold = 0.998;
   Mode mode{};
+  double attenuation = kAttenuation;  // PictureOptions'
   Lattice lattice{};
   Interpolation interpolation = Interpolation::kLinear;
   double sample_distance = kSampleDistance;  // Sampling's

@@ -7,6 +7,7 @@
 #include "engine/projection/value_projection.h"
 #include "engine/voxel/voxel_engine.h"
 #include "frame/pass/brick_pass.h"
+#include "frame/pass/channels_pass.h"
 #include "frame/pass/value_pass.h"
 #include "frame/pass/zone_pass.h"
 
@@ -16,6 +17,9 @@ namespace {
 // The octree above bricks takes some 16 bytes a brick and a seventh; a list of bricks in view comes on top. unit:
 // bytes.
 constexpr std::uint64_t kWalkBytes = 19 + sizeof(BrickInView);
+
+// The picture of one of several channels, beside their sum. unit: bytes of a pixel.
+constexpr std::uint64_t kChannelBytes = 16;
 
 // The quadtree tests nodes only (VisibilityOptions::test_samples).
 bool testsSamples(const VisibilityOptions& options) {
@@ -35,7 +39,38 @@ std::unique_ptr<FramePass> makeZonePass(const std::vector<const BrickedVolume*>&
 }
 
 PixelValue projectedBy(Mode mode) {
-  return mode == Mode::kAverage ? PixelValue::kMean : mode == Mode::kMinip ? PixelValue::kLeast : PixelValue::kGreatest;
+  switch (mode) {
+    case Mode::kMinip:
+      return PixelValue::kLeast;
+    case Mode::kAverage:
+      return PixelValue::kMean;
+    case Mode::kAttenuatedMip:
+      return PixelValue::kAttenuated;
+    case Mode::kComposite:
+    case Mode::kMip:
+      break;
+  }
+  return PixelValue::kGreatest;
+}
+
+// Values count from the function's first point to its last, as colours do.
+Attenuation attenuationOf(const FrameRequest& request, const Manifest& volume) {
+  Attenuation out;
+  const std::vector<TransferPoint>& points = request.transfer_function.points;
+  out.per_length = request.attenuation / volume.geometry().meanSpacing();
+  if (!points.empty()) out.lo = points.front().value, out.hi = points.back().value;
+  return out;
+}
+
+std::unique_ptr<ValuePass> makeValuePass(const BrickedVolume& store, const FrameRequest& request, int place) {
+  auto levels = std::make_unique<const FrameLevels>(store.manifest(), request.level, request.view,
+                                                    request.visibility.area, request.clipping);
+  auto projection =
+      std::make_unique<ValueProjection>(store, *levels, request.view,
+                                        ProjectionOptions{projectedBy(request.mode), request.level, request.coarser,
+                                                          request.visibility.method != VisibilityMethod::kNone,
+                                                          attenuationOf(request, store.manifest())});
+  return std::make_unique<ValuePass>(store, request, std::move(levels), std::move(projection), place);
 }
 
 }  // namespace
@@ -54,6 +89,7 @@ EngineMemory passMemory(const EngineChoice& engine, bool normals, const ImageSiz
     case EngineKind::kProjection:
       out = ValueProjection::memory(projectedBy(engine.mode));
       out.stored_brick = kWalkBytes + sizeof(BrickInView);  // a second list, in the order of values
+      if (engine.several_volumes) out.pixel += kChannelBytes;
       break;
     case EngineKind::kMultiVolume:
       out = MultiVolume::memory(brick_size, normals);
@@ -65,19 +101,16 @@ EngineMemory passMemory(const EngineChoice& engine, bool normals, const ImageSiz
 std::unique_ptr<FramePass> makePass(const std::vector<const BrickedVolume*>& stores, const FrameRequest& request) {
   const EngineKind kind = request.engine().kind();
   if (kind == EngineKind::kMultiVolume) return makeZonePass(stores, request);
+  if (kind == EngineKind::kProjection) {
+    if (!request.volumes.empty()) return std::make_unique<ChannelsPass>(stores, request, &makeValuePass);
+    return makeValuePass(*stores.front(), request, 0);
+  }
   const BrickedVolume& store = *stores.front();
   const Manifest& volume = store.manifest();
   auto levels = std::make_unique<const FrameLevels>(volume, request.level, request.view, request.visibility.area,
                                                     request.clipping);
-  if (kind == EngineKind::kProjection) {
-    auto projection =
-        std::make_unique<ValueProjection>(store, *levels, request.view,
-                                          ProjectionOptions{projectedBy(request.mode), request.level, request.coarser,
-                                                            request.visibility.method != VisibilityMethod::kNone});
-    return std::make_unique<ValuePass>(store, request, std::move(levels), std::move(projection));
-  }
-  VolumeAppearance appearance(volume, request.transfer_function, request.shading, request.view,
-                              request.interpolation, request.illumination.get());
+  VolumeAppearance appearance(volume, request.transfer_function, request.shading, request.view, request.interpolation,
+                              request.illumination.get());
   appearance.colors = request.colors.get();
   std::unique_ptr<VolumeEngine> engine;
   if (kind == EngineKind::kVoxel)

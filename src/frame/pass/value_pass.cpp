@@ -22,8 +22,9 @@ PixelRect ValuePass::draw(const PassTarget& target, PassContext& context) {
     if (!index.at(brick.key).constant) with_file.push_back(brick);
   }
   // Nothing is opaque: earlier bricks cover no pixels.
-  Prefetcher prefetcher(std::move(with_file),
-                        [&](const BrickInView& brick, auto /*covered*/) { return projection.hidden(brick); });
+  Prefetcher prefetcher(
+      std::move(with_file), [&](const BrickInView& brick, auto /*covered*/) { return projection.hidden(brick); },
+      place());
   prefetcher.announce(cache);
   PartProgress part(context.progress, "bricks", bricks.size());
   std::uint64_t passed = 0;
@@ -37,11 +38,11 @@ PixelRect ValuePass::draw(const PassTarget& target, PassContext& context) {
     if (hidden) continue;
     std::shared_ptr<const BrickBlock> block;
     if (!index.at(brick.key).constant) {
-      block = cache.get(brick.key);
+      block = cache.get(stored(brick.key));
       prefetcher.turnOf(brick.key);
       prefetcher.announce(cache);
       if (!block) {
-        context.costs.statistics.damaged.insert({brick.key});
+        context.costs.statistics.damaged.insert(stored(brick.key));
         continue;
       }
     }

@@ -16,10 +16,12 @@ namespace kiln {
 template <class EngineOfVolume>
 class VolumePass : public FramePass {
  public:
-  /// requires: `store` and `request` outlive the object; `engine` refers to `levels` only.
+  /// `place`: of the volume among the volumes of the cache. requires: `store` and `request` outlive the object;
+  /// `engine` refers to `levels` only.
   VolumePass(const BrickedVolume& store, const FrameRequest& request, std::unique_ptr<const FrameLevels> levels,
-             std::unique_ptr<EngineOfVolume> engine)
-      : request_(request),
+             std::unique_ptr<EngineOfVolume> engine, int place = 0)
+      : place_(place),
+        request_(request),
         store_(store),
         levels_(std::move(levels)),
         engine_(std::move(engine)),
@@ -27,7 +29,7 @@ class VolumePass : public FramePass {
 
   std::vector<BrickOfFrame> inView(const PixelRect& pixels, BrickWalkCounts& counts) const final {
     std::vector<BrickOfFrame> out;
-    for (const BrickInView& brick : walk_.inView(pixels, counts)) out.push_back({{brick.key}, brick.rect});
+    for (const BrickInView& brick : walk_.inView(pixels, counts)) out.push_back({stored(brick.key), brick.rect});
     return out;
   }
   /// A step is a brick.
@@ -42,15 +44,18 @@ class VolumePass : public FramePass {
   const BrickedVolume& store() const { return store_; }
   EngineOfVolume& engine() const { return *engine_; }
   const BrickWalk& walk() const { return walk_; }
+  StoredBrick stored(const BrickKey& key) const { return {key, place_}; }
+  int place() const { return place_; }
 
   /// Adds the cost of a drawn brick.
   void addCosts(const BrickKey& key, const DrawCounts& drawn, PassCosts& costs) const {
     costs.drawn.add(drawn);
     costs.statistics.levels[static_cast<std::size_t>(key.level)].add(drawn.visited, drawn.splats);
-    if (drawn.changed) costs.statistics.addContributing({key}, store_.index().at(key).file_bytes);
+    if (drawn.changed) costs.statistics.addContributing(stored(key), store_.index().at(key).file_bytes);
   }
 
  private:
+  const int place_;
   const FrameRequest& request_;
   const BrickedVolume& store_;
   const std::unique_ptr<const FrameLevels> levels_;

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "image/srgb.h"
 #include "scene/transfer/color_map.h"
 #include "scene/transfer/ct_presets.h"
 #include "scene/transfer/iso_surfaces.h"
@@ -261,9 +262,11 @@ OpacityCurve risingOpacity(const ValueRange& range, const Manifest& manifest) {
            {range.hi, opacityForDepth(manifest, kEnd)}}};
 }
 
-TransferFunction displayRamp(const Manifest& manifest) {
+TransferFunction displayRamp(const Manifest& manifest, const std::optional<glm::dvec3>& color) {
   const ValueRange range = usableRange(manifest);
-  const DeclaredLook::Ramp ramp = manifest.look.ramp.value_or(DeclaredLook::Ramp{range.lo, range.hi, {}});
+  DeclaredLook::Ramp ramp = manifest.look.ramp.value_or(DeclaredLook::Ramp{range.lo, range.hi, {}});
+  const SrgbBytes& bytes = SrgbBytes::all();
+  if (color) ramp.color = {bytes.of(color->r), bytes.of(color->g), bytes.of(color->b)};
   return {0, sampled(declaredColors(ramp), {{{ramp.begin, 1}, {ramp.end, 1}}})};
 }
 

@@ -1,6 +1,8 @@
 // Default transfer functions: by name, or chosen from the histogram.
 #pragma once
 
+#include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -33,6 +35,6 @@ TransferFunction presetFor(std::string_view name, const Manifest& manifest);
 
 /// Returns black to white over the range of values, or to the colour over the window that the source declares, in equal
 /// display steps, opaque, as viewers of slices and projections show values.
-TransferFunction displayRamp(const Manifest& manifest);
+TransferFunction displayRamp(const Manifest& manifest, const std::optional<glm::dvec3>& color = {});
 
 }  // namespace kiln

@@ -19,7 +19,9 @@ class ShownVoxels {
 
   bool all() const { return words_.empty(); }
   /// `offset` counts the voxels of the box before a voxel. requires: !all().
-  bool at(std::int64_t offset) const { return (words_[static_cast<std::size_t>(offset >> 6)] >> (offset & 63) & 1) != 0; }
+  bool at(std::int64_t offset) const {
+    return (words_[static_cast<std::size_t>(offset >> 6)] >> (offset & 63) & 1) != 0;
+  }
   /// Shows `count` voxels from `offset` on. requires: !all().
   void show(std::int64_t offset, std::int64_t count = 1);
   /// Returns whether some voxel, or every voxel, of `part` is shown. requires: `part` lies in the box.

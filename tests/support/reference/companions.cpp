@@ -28,8 +28,7 @@ std::unique_ptr<BrickedVolume> accompanied(std::unique_ptr<BrickedVolume> volume
 std::unique_ptr<BrickedVolume> masked(const std::filesystem::path& store, const std::filesystem::path& mask,
                                       std::vector<std::int64_t> labels) {
   auto volume = std::make_unique<StoreReader>(store);
-  auto companion =
-      std::make_unique<LabelMask>(openedBeside(mask, *volume), std::move(labels), volume->manifest());
+  auto companion = std::make_unique<LabelMask>(openedBeside(mask, *volume), std::move(labels), volume->manifest());
   return accompanied(std::move(volume), std::move(companion));
 }
 

@@ -522,4 +522,32 @@ ProjectedImage projectedImage(const DenseVolume& volume, const View& view, const
   return image;
 }
 
+std::vector<double> attenuatedImage(const DenseVolume& volume, const View& view, double attenuation,
+                                    const ValueRange& values, const ReferenceSettings& settings) {
+  ReferenceSettings one_ray = settings;
+  one_ray.rays_per_axis = 1;
+  one_ray.skip_empty = false;
+  const TransferFunction none;
+  const Scene scene(volume, view, none, one_ray);
+  std::vector<double> out(static_cast<std::size_t>(view.size.width) * static_cast<std::size_t>(view.size.height),
+                          std::numeric_limits<double>::quiet_NaN());
+  const double per_length = attenuation / volume.geometry.meanSpacing();
+  forEachPixel(scene, [&](int column, int row, const std::vector<Ray>& rays) {
+    double depth = 0, most = -1;
+    march(scene, rays.front(), [&](const glm::dvec3& index, double step) {
+      const double value = scene.field.at(index);
+      if (std::isnan(value)) return true;
+      const double share = std::clamp((value - values.lo) / (values.hi - values.lo), 0.0, 1.0);
+      const double own = per_length * share * step;
+      most = std::max(most, share * std::exp(-(depth + 0.5 * own)));
+      depth += own;
+      return true;
+    });
+    if (most < 0) return;
+    out[static_cast<std::size_t>(row) * static_cast<std::size_t>(view.size.width) + static_cast<std::size_t>(column)] =
+        values.lo + most * (values.hi - values.lo);
+  });
+  return out;
+}
+
 }  // namespace kiln::test

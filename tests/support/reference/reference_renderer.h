@@ -89,6 +89,10 @@ struct ProjectedImage {
   std::vector<double> greatest, least, mean;
 };
 ProjectedImage projectedImage(const DenseVolume& volume, const View& view, const ReferenceSettings& settings = {});
+/// Returns the greatest value along each ray, weakened by the values in front: with the share n of a value between the
+/// ends of `values`, the greatest n·exp(-attenuation·∫n), as a value. unit: attenuation: per voxel.
+std::vector<double> attenuatedImage(const DenseVolume& volume, const View& view, double attenuation,
+                                    const ValueRange& values, const ReferenceSettings& settings = {});
 
 /// A ray of the picture in world space.
 struct Ray {
