@@ -90,14 +90,14 @@ class LabelMask::Filling {
   Filling(const LabelMask& mask, const CompanionPlace::Map& map, BrickBlock& block)
       : mask_(mask), map_(map), size_(mask.mask_->manifest().brick_size), block_(block) {}
 
-  // Returns the number of shown voxels. `dims`: voxels of the drawn volume's level.
-  std::int64_t run(const Extent3& dims) {
+  // Returns the number of shown voxels.
+  std::int64_t run() {
     // The brick in the middle serves most voxels.
     VoxelCoord middle;
     for (int axis = 0; axis < 3; ++axis) middle[axis] = (block_.core.lo[axis] + block_.core.hi[axis]) / 2;
     isShown(nearestTo(middle));
     block_.shown = ShownVoxels(block_.extent);
-    const std::array<std::vector<std::int64_t>, 3> voxels = voxelsOf(dims);
+    const std::array<std::vector<std::int64_t>, 3> voxels = voxelsOf(map_.drawn);
     if (map_.straight())
       fillRows(voxels);
     else
@@ -223,11 +223,12 @@ class LabelMask::Filling {
   std::int64_t shown_ = 0;
 };
 
+// Samples of a brick interpolate the voxels of its core and their neighbours. The rest of the apron serves normals.
 bool LabelMask::addTo(BrickBlock& block) const {
-  const int level = block.key.level;
-  const std::int64_t shown = Filling(*this, place_.of(level), block).run(place_.of(level).drawn);
+  const std::int64_t shown = Filling(*this, place_.of(block.key.level), block).run();
+  const bool shows = block.shown.any(dilated(block.core, 1));
   if (shown == block.extent.count()) block.shown = {};
-  return shown > 0;
+  return shows;
 }
 
 std::uint64_t LabelMask::packedBytes() const {

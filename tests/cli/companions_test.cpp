@@ -73,12 +73,12 @@ TEST_F(CompanionsCli, FramesOfAnotherMaskAreDrawnAgain) {
                                          "-o",       in("f_#.png"), "--size",  "40x36",
                                          "--frames", "1",           "--resume"};
   done(draw);
-  const std::string before = readFile(in("f_1.png"));
+  const std::vector<std::byte> before = readFile(in("f_1.png"));
   done(draw);
   EXPECT_EQ(readFile(in("f_1.png")), before);
   writeMask(7, 3);
   done({"convert", in("m.raw"), in("m.kiln"), "--dims", "20,20,20", "--type", "u8", "--spacing", "12,12,12", "--labels",
-        "--brick-size", "8", "--replace"});
+        "--brick-size", "8", "--overwrite"});
   done(draw);
   EXPECT_NE(readFile(in("f_1.png")), before);
 }
