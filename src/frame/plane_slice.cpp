@@ -70,12 +70,12 @@ glm::dvec3 downOf(const glm::dvec3& normal) {
 }
 
 // The sum, or the extreme value, of a pixel's samples.
-struct Gathered {
+struct GatheredValue {
   double value = 0;
   std::uint32_t samples = 0;
 };
 
-void gather(Mode mode, double value, Gathered& pixel) {
+void gather(Mode mode, double value, GatheredValue& pixel) {
   if (std::isnan(value)) return;
   if (mode == Mode::kAverage)
     pixel.value += value;
@@ -102,7 +102,7 @@ class PlaneSampler {
   // Gathers the samples whose cell belongs to the brick, of a row of pixels from `begin` to `end`.
   template <class T>
   void addRow(const BrickBlock& block, Mode mode, std::int64_t y, std::int64_t begin, std::int64_t end,
-              Gathered* row) const {
+              GatheredValue* row) const {
     const T* const voxels = block.data<T>();
     for (std::int64_t x = begin; x < end; ++x) {
       for (int k = 0; k < pixels_.samples; ++k) {
@@ -178,7 +178,7 @@ void requireBudget(const BrickedVolume& store, const PlanePixels& pixels, std::u
                 fmt::format("--plane: a slice of {} x {} pixels is larger than {}; choose a coarser --level",
                             pixels.width, pixels.height, kLargestSide));
   const std::uint64_t bytes =
-      (4 * sizeof(float) + sizeof(Gathered)) * static_cast<std::uint64_t>(pixels.width * pixels.height) +
+      (4 * sizeof(float) + sizeof(GatheredValue)) * static_cast<std::uint64_t>(pixels.width * pixels.height) +
       store.largestReadBytes() + store.index().bytes();
   if (bytes > memory_bytes)
     throw Error(ErrorCode::kBudget, store.path(), "--memory",
@@ -187,11 +187,11 @@ void requireBudget(const BrickedVolume& store, const PlanePixels& pixels, std::u
                             formatBytes(memory_bytes), pixels.width, pixels.height, formatBytes(bytes)));
 }
 
-Image coloured(const std::vector<Gathered>& gathered, const PlanePixels& pixels, Mode mode,
+Image coloured(const std::vector<GatheredValue>& gathered, const PlanePixels& pixels, Mode mode,
                const SlicePalette& palette) {
   Image image(static_cast<int>(pixels.width), static_cast<int>(pixels.height));
   for (std::size_t i = 0; i < gathered.size(); ++i) {
-    const Gathered& pixel = gathered[i];
+    const GatheredValue& pixel = gathered[i];
     if (pixel.samples == 0) continue;
     const glm::vec3& color = palette.of(mode == Mode::kAverage ? pixel.value / pixel.samples : pixel.value);
     float* const rgba = image.rgba.data() + 4 * i;
@@ -262,7 +262,7 @@ Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& requ
   const PlanePixels pixels = pixelsOfPlane(level, request);
   requireBudget(store, pixels, request.memory_bytes);
   const PlaneSampler sampler(level, pixels, labels);
-  std::vector<Gathered> gathered(static_cast<std::size_t>(pixels.width * pixels.height));
+  std::vector<GatheredValue> gathered(static_cast<std::size_t>(pixels.width * pixels.height));
   const Extent3& lattice = store.index().lattice(request.level);
   for (std::int64_t i = 0; i < lattice.count(); ++i) {
     progress.throwIfCancelled("drawing a slice");
