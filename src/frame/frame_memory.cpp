@@ -53,14 +53,16 @@ std::uint64_t pixelBytes(const RenderJob& job) {
   return 16 + aovBytes(job.picture.aovs) + engineMemory(job, {}, 0).pixel;
 }
 
-// Number of pictures in memory: two eyes, and two more while a flat file puts both eyes side by side.
+// Number of pictures in memory: two eyes, and two more while a flat file puts both eyes side by side. The mean of a
+// lens's pictures is one more.
 std::uint64_t picturesHeld(const RenderJob& job) {
-  if (!drawsBothEyes(job.picture.stereo)) return 1;
+  const std::uint64_t mean = job.picture.lens.aperture > 0 ? 1 : 0;
+  if (!drawsBothEyes(job.picture.stereo)) return 1 + mean;
   const auto beside = [](const std::filesystem::path& path) {
     return extensionOf(path) != ".exr" && !hasEyePlace(path);
   };
   const std::vector<std::filesystem::path> names = namesOf(job.output);
-  return std::any_of(names.begin(), names.end(), beside) ? 4 : 2;
+  return (std::any_of(names.begin(), names.end(), beside) ? 4 : 2) + mean;
 }
 
 // Stacks of threads, and memory that the allocator and TBB keep per thread. Measured: the first threads decode and need

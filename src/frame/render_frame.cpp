@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <functional>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <utility>
 
 #include "base/elapsed.h"
 #include "base/thread/parallel.h"
@@ -138,9 +140,18 @@ DrawnPlane planeOf(const FrameRequest& request, const std::vector<const BrickedV
   return out;
 }
 
-// Returns the views of a frame: its own, or the faces of a panorama.
+FrameRequest fromEye(FrameRequest request, const View& eye) {
+  request.view = eye;
+  request.eyes.clear();
+  return request;
+}
+
+// Returns the views of a frame: its own, those of a lens, or the faces of a panorama.
 std::vector<DrawnPlane> planesOf(const FrameRequest& request, const std::vector<const BrickedVolume*>& stores) {
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
+  std::vector<DrawnPlane> through_lens;
+  for (const View& eye : request.eyes) through_lens.push_back(planeOf(fromEye(request, eye), stores, pixels));
+  if (!through_lens.empty()) return through_lens;
   if (request.view.projection != Projection::kEquirectangular) return {planeOf(request, stores, pixels)};
   const std::array<View, kPanoramaFaces> faces = panoramaFaces(request.view);
   const std::array<PixelRect, kPanoramaFaces> drawn = facePixels(request.view, pixels);
@@ -201,16 +212,30 @@ std::uint64_t bytesAtOnce(const std::vector<const BrickedVolume*>& stores, const
   return out;
 }
 
-FramePainter::FramePainter(BrickCache& cache, const FrameRequest& request, Progress& progress) : request_(request) {
+FramePainter::FramePainter(BrickCache& cache, const FrameRequest& request, Progress& progress)
+    : cache_(cache), progress_(progress), request_(request) {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
   requireRequest(cache.stores(), request);
   requireDrawableSurfaces(request);
   drawnPixels(request.view.size, request.crop);
   illuminate(cache, progress, request_, lights_);
-  of_sub_pixels_ = ofSubPixels(request_, filterOf(request_).edge(), cache.stores());
-  drawing_ = std::make_unique<FrameDrawing>(cache, of_sub_pixels_, progress);
+  if (request_.eyes.empty()) beginView(request_);
   count(begin, before);
+}
+
+void FramePainter::beginView(const FrameRequest& eye) {
+  of_sub_pixels_ = ofSubPixels(eye, filterOf(eye).edge(), cache_.stores());
+  drawing_ = std::make_unique<FrameDrawing>(cache_, of_sub_pixels_, progress_);
+}
+
+void FramePainter::endView() {
+  const FrameStatistics view = drawing_->finish();
+  if (request_.eyes.empty())
+    drawn_ = view;
+  else
+    drawn_.merge(view);
+  drawing_.reset();
 }
 
 void FramePainter::count(std::chrono::steady_clock::time_point begin, const BusyTimes& before) {
@@ -220,18 +245,40 @@ void FramePainter::count(std::chrono::steady_clock::time_point begin, const Busy
 
 FramePainter::~FramePainter() = default;
 
+Image FramePainter::drawView(const PixelRect& pixels) {
+  const PixelFilter filter = filterOf(request_);
+  const View& view = of_sub_pixels_.view;
+  return filter.inPlace(pixels, request_.view.size) ? drawInPlace(*drawing_, pixels, filter, request_, view)
+                                                    : drawFiltered(*drawing_, pixels, filter, request_, view);
+}
+
+// Draws one view after another, so that a lens needs the scratch memory of one.
+Image FramePainter::drawThroughLens(const PixelRect& pixels) {
+  Image mean;
+  const auto weight = 1.0f / static_cast<float>(request_.eyes.size());
+  for (const View& eye : request_.eyes) {
+    beginView(fromEye(request_, eye));
+    Image image = drawView(pixels);
+    endView();
+    const ProfileScope span(Activity::kFinish);
+    for (float& value : image.rgba) value *= weight;
+    if (mean.rgba.empty())
+      mean = std::move(image);
+    else
+      std::transform(mean.rgba.begin(), mean.rgba.end(), image.rgba.begin(), mean.rgba.begin(), std::plus<>());
+  }
+  return mean;
+}
+
 Image FramePainter::draw(const PixelRect& pixels) {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
-  const PixelFilter filter = filterOf(request_);
-  const View& view = of_sub_pixels_.view;
   Image image;
   if (request_.clipping.part) {
-    image = drawing_->draw(filter.samplesOf(pixels, request_.view.size));
-    premultiplyPlanes(request_.aovs, view, image);
+    image = drawing_->draw(filterOf(request_).samplesOf(pixels, request_.view.size));
+    premultiplyPlanes(request_.aovs, of_sub_pixels_.view, image);
   } else {
-    image = filter.inPlace(pixels, request_.view.size) ? drawInPlace(*drawing_, pixels, filter, request_, view)
-                                                       : drawFiltered(*drawing_, pixels, filter, request_, view);
+    image = request_.eyes.empty() ? drawView(pixels) : drawThroughLens(pixels);
     const ProfileScope span(Activity::kFinish);
     cost_.visible = cost_.visible || isVisible(image);
     layOverBackground(image, pixels.y0, request_.view.size.height, request_.background);
@@ -243,7 +290,8 @@ Image FramePainter::draw(const PixelRect& pixels) {
 FrameStatistics FramePainter::finish() {
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
-  FrameStatistics out = drawing_->finish();
+  if (drawing_) endView();
+  FrameStatistics out = drawn_;
   out.addView(lights_);
   count(begin, before);
   out.visible = cost_.visible;

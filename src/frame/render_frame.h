@@ -58,10 +58,19 @@ class FramePainter {
   FrameStatistics finish();
 
  private:
-  FrameRequest request_, of_sub_pixels_;
+  /// Begins and ends the drawing of a view.
+  void beginView(const FrameRequest& eye);
+  void endView();
+  Image drawView(const PixelRect& pixels);
+  Image drawThroughLens(const PixelRect& pixels);
   void count(std::chrono::steady_clock::time_point begin, const BusyTimes& before);
+
+  BrickCache& cache_;
+  Progress& progress_;
+  FrameRequest request_, of_sub_pixels_;
   FrameStatistics cost_;    // time and visibility of all pieces so far
   FrameStatistics lights_;  // counts of the lights' views
+  FrameStatistics drawn_;   // counts of the views that are drawn to their end
   std::unique_ptr<FrameDrawing> drawing_;
 };
 

@@ -388,6 +388,7 @@ Options<RenderJob> rootOptions() {
           "transfer function, in their order, separated by colons."));
   add(objectRow("camera", cameraObjectOptions(), readCamera));
   add(objectRow("stereo", stereoObjectOptions(), readStereo));
+  add(objectRow("lens", optionsIn<RenderJob>(lensOptions(), KILN_MEMBER(picture.lens))));
   add(Row("transferFunction", "--tf", kTransferFunction,
           OptionValue<RenderJob>::custom(
               functionForm(),

@@ -33,6 +33,7 @@ const Options<RenderJob>& cameraObjectOptions();
 const Options<CameraSpec>& cameraOptions();
 const Options<Turntable>& turntableOptions();
 const Options<Stereo>& stereoOptions();
+const Options<Lens>& lensOptions();
 const Options<Shading>& shadingOptions();
 const Options<Shadow>& shadowOptions();
 const Options<AmbientOcclusion>& occlusionOptions();

@@ -29,6 +29,18 @@ void requireDeep(const RenderJob& job, const fs::path& path) {
     refuse(path, "--stereo both", "has a file for each eye: put %V, which becomes left and right, into its name");
 }
 
+void requireLens(const RenderJob& job) {
+  const Lens& lens = job.picture.lens;
+  if (lens.aperture == 0 && lens.focus)
+    throw Error(ErrorCode::kUsage, "--focus: a lens without an aperture has all depths sharp; add --aperture");
+  if (lens.aperture == 0) return;
+  if (job.picture.camera.projection.value_or(Projection::kPerspective) != Projection::kPerspective)
+    throw Error(ErrorCode::kUsage, "--aperture: only a perspective camera has a lens; choose perspective");
+  if (drawsDeep(job)) throw Error(ErrorCode::kUsage, "--aperture: samples in depth are of one view; leave --deep out");
+  if (drawsPart(job.picture))
+    throw Error(ErrorCode::kUsage, "--aperture: partial images are of one view; draw the whole picture");
+}
+
 void requirePanorama(const RenderJob& job) {
   const PictureOptions& picture = job.picture;
   if (picture.camera.projection != Projection::kEquirectangular) return;
@@ -75,6 +87,7 @@ void requireViews(const RenderJob& job) {
   }
   requirePanorama(job);
   requireAnnotations(job);
+  requireLens(job);
   if (drawsBothEyes(job.picture.stereo) && drawsPart(job.picture))
     throw Error(ErrorCode::kUsage, "--part: --stereo of a partial image is left or right");
 }

@@ -53,6 +53,7 @@ struct PictureOptions {
   CameraSpec camera;
   Fit fit = Fit::kVisible;       // the box that a camera without an eye fits into the picture
   std::optional<Stereo> stereo;  // draw one eye of a pair, or both, of which the camera is the middle
+  Lens lens;
   /// "auto" is grey from black to white over the range of values where a value is projected.
   TransferFunctionChoice transfer_function = std::string("auto");
   std::optional<Window> window;  // the values of the transfer function's first and last points

@@ -215,6 +215,21 @@ const Options<Stereo>& stereoOptions() {
   return kOptions;
 }
 
+const Options<Lens>& lensOptions() {
+  using Row = Option<Lens>;
+  static const auto has_lens = [](const Lens& lens) { return lens.aperture > 0; };
+  static const Options<Lens> kOptions = {
+      Row("aperture", "--aperture", kCamera, {KILN_MEMBER(aperture), Number{{0, kLongest}, "world units"}, has_lens},
+          "Depth of field: the diameter of the lens. The picture is the mean of pictures from points of the lens."),
+      Row("focus", "--focus", kCamera,
+          {KILN_MEMBER(focus), Number{kPositiveLength.range, "world units", kPositiveLength.name}, has_lens},
+          "Depth of what is sharp. Default: the depth of the target."),
+      Row("eyes", "--aperture-eyes", kCamera, {KILN_MEMBER(eyes), Whole{1, kMostEyes, "points"}, has_lens},
+          "Points of the lens; the time of a picture is proportional."),
+  };
+  return kOptions;
+}
+
 const Options<Shading>& shadingOptions() {
   using Row = Option<Shading>;
   static const Options<Shading> kOptions = {

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "job/job_names.h"
+#include "scene/camera/lens.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -19,12 +20,7 @@ View resolve(const Camera& camera, const std::optional<Stereo>& stereo, const Im
   if (stereo->eye == StereoEye::kBoth) return view;
   const double offset = (stereo->eye == StereoEye::kLeft ? -0.5 : 0.5) * stereo->interocular;
   const double convergence = stereo->convergence.value_or(glm::length(camera.target - camera.eye));
-  // The eye moves by the offset, so x of every point in view space decreases by the offset.
-  const glm::dvec3 right(view.view_from_world[0][0], view.view_from_world[1][0], view.view_from_world[2][0]);
-  view.eye_world += offset * right;
-  view.view_from_world[3][0] -= offset;
-  view.centre_px.x += offset / convergence * view.focal_px;
-  return view;
+  return fromMovedEye(view, {offset, 0}, convergence);
 }
 
 bool hasEyePlace(const fs::path& pattern) {

@@ -2,6 +2,7 @@
 
 #include "frame/background.h"
 #include "job/stereo.h"
+#include "scene/camera/lens.h"
 
 namespace kiln {
 
@@ -16,6 +17,7 @@ FrameRequest frameRequest(const PictureOptions& picture, const SpeedOptions& spe
                           const TransferFunction& transfer_function) {
   FrameRequest request;
   request.view = resolve(camera, picture.stereo, picture.size);
+  request.eyes = viewsThrough(picture.lens, request.view, camera);
   request.transfer_function = transfer_function;
   request.shading = picture.shading;
   request.clipping = picture.clipping;

@@ -146,6 +146,7 @@ FrameRequest ViewPainter::previewOf(const ViewedJob& job, const ImageSize& size,
   picture.size = size;
   picture.samples = 1;
   picture.stereo.reset();
+  picture.lens = {};
   picture.lattice = Lattice::kPixel;
   picture.interpolation = Interpolation::kLinear;
   const EngineCapabilities& engine =

@@ -136,6 +136,9 @@ const WrongJob kWrongJobs[] = {
     {R"("camera": {"height": 0})", ErrorCode::kUsage, "camera.height"},
     {R"("camera": {"view": "face"})", ErrorCode::kUsage, "camera.view: expected \"front\", "},
     {R"("camera": {"projection": "fisheye"})", ErrorCode::kUsage, "camera.projection"},
+    {R"("lens": {"aperture": -1})", ErrorCode::kUsage, "lens.aperture"},
+    {R"("lens": {"aperture": 1, "focus": 0})", ErrorCode::kUsage, "lens.focus"},
+    {R"("lens": {"eyes": 0})", ErrorCode::kUsage, "lens.eyes"},
     {R"("stereo": {"eye": "left"})", ErrorCode::kUsage, "stereo.interocular: is missing"},
     {R"("stereo": {"eye": "both", "interocular": 3, "keyframes": [{"frame": 1, "interocular": 3}]})", ErrorCode::kUsage,
      "stereo.interocular: is each keyframe's"},
@@ -384,6 +387,7 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.aovs, b.picture.aovs);
   EXPECT_EQ(a.picture.mode, b.picture.mode);
   EXPECT_EQ(a.picture.stereo, b.picture.stereo);
+  EXPECT_EQ(a.picture.lens, b.picture.lens);
   EXPECT_EQ(a.picture.part, b.picture.part);
   EXPECT_EQ(a.picture.skip_damaged, b.picture.skip_damaged);
 }

@@ -39,6 +39,8 @@ inline constexpr int kEnoughBricksTogether = 4;
 /// The request of a frame: everything but the volume, with every choice made.
 struct FrameRequest {
   View view;
+  /// The views of a lens, whose mean is the picture; the planes are the first view's. Empty: `view` alone.
+  std::vector<View> eyes;
   TransferFunction transfer_function;
   Shading shading;
   Clipping clipping;

@@ -59,6 +59,17 @@ using CameraMatrices = std::vector<glm::dmat4>;
 /// std::monostate: the camera stands still.
 using CameraPath = std::variant<std::monostate, Turntable, CameraKeyframes, CameraMatrices>;
 
+/// A lens (scene/camera/lens.h).
+struct Lens {
+  double aperture = 0;          // diameter; 0: a point, with all depths sharp. unit: world
+  std::optional<double> focus;  // depth of the sharp plane; absent: the target's. unit: world
+  int eyes = 48;                // points of the lens
+  bool operator==(const Lens&) const = default;
+};
+
+/// Most points of a lens: the time of a picture is proportional.
+inline constexpr int kMostEyes = 1024;
+
 enum class StereoEye { kLeft, kRight, kBoth };
 
 /// One eye of a stereo pair, or both (job/stereo.h).
