@@ -65,6 +65,7 @@ const char* viewWithoutTiles(const RenderJob& job) {
   if (drawsDeep(job)) return "a deep image";
   if (drawsBothEyes(job.picture.stereo)) return "both eyes";
   if (drawsPart(job.picture)) return "a partial image";
+  if (job.picture.lens.aperture > 0) return "a picture through a lens";
   return job.picture.camera.projection == Projection::kEquirectangular ? "a panorama" : nullptr;
 }
 
