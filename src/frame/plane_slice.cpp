@@ -174,9 +174,10 @@ PixelBox pixelsOver(const VoxelBox& core, const VolumeGeometry& level, const Pla
 
 void requireBudget(const BrickedVolume& store, const PlanePixels& pixels, std::uint64_t memory_bytes) {
   if (pixels.width > kLargestSide || pixels.height > kLargestSide)
-    throw Error(ErrorCode::kUsage,
-                fmt::format("--plane: a slice of {} x {} pixels is larger than {}; choose a coarser --level",
-                            pixels.width, pixels.height, kLargestSide));
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--plane: expected at most {} pixels along a side (found {} x {}); choose a coarser --level",
+                    kLargestSide, pixels.width, pixels.height));
   const std::uint64_t bytes =
       (4 * sizeof(float) + sizeof(GatheredValue)) * static_cast<std::uint64_t>(pixels.width * pixels.height) +
       store.largestReadBytes() + store.index().bytes();
@@ -206,7 +207,10 @@ Image coloured(const std::vector<GatheredValue>& gathered, const PlanePixels& pi
 PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& request) {
   const double length = glm::length(request.normal);
   if (!(length > 0) || !std::isfinite(length) || !std::isfinite(request.offset))
-    throw Error(ErrorCode::kUsage, "--plane: expected a normal other than 0,0,0 and a finite offset");
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--plane: expected a normal other than 0,0,0 and a finite offset (found {:g},{:g},{:g},{:g})",
+                    request.normal.x, request.normal.y, request.normal.z, request.offset));
   if (!(request.thickness >= 0) || !std::isfinite(request.thickness))
     throw Error(ErrorCode::kUsage,
                 fmt::format("--thickness: expected a length of at least 0 (found {})", request.thickness));

@@ -84,7 +84,7 @@ PlaceholderTexts textsOfFrame(const RenderJob& job, int frame, const Manifest& m
   const Extent3& dims = manifest.geometry().dims;
   return {fmt::format("{}", frame),
           fmt::format("{:.2f}", time_s),
-          job.volume.stem().string(),
+          (job.volume.has_filename() ? job.volume : job.volume.parent_path()).stem().string(),
           shownUnit(manifest.geometry().unit),
           fmt::format("{:g}", manifest.range.lo),
           fmt::format("{:g}", manifest.range.hi),

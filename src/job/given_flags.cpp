@@ -25,7 +25,7 @@ void requireStillCamera(const GivenFlags& flags, const RenderJob& job) {
   const bool keys = std::holds_alternative<CameraKeyframes>(job.animation.camera);
   const bool matrices = std::holds_alternative<CameraMatrices>(job.animation.camera);
   if ((!keys && !matrices) || flags.has("--turntable")) return;
-  for (const char* flag : {"--eye", "--target", "--up", "--view", "--azimuth", "--elevation", "--zoom"}) {
+  for (const char* flag : {"--camera", "--eye", "--target", "--up", "--view", "--azimuth", "--elevation", "--zoom"}) {
     if (flags.has(flag))
       throw Error(ErrorCode::kUsage, fmt::format("{}: the job says by {} where the camera is in each frame; change it "
                                                  "there, or give --turntable",

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "base/error.h"
 #include "base/file/file.h"
 #include "image/file/png_file.h"
 #include "image/srgb.h"
@@ -42,6 +43,11 @@ OptionValue<Owner> limitsValue(glm::dvec2 Owner::*member, const NumberRange& ran
 void readPicture(const std::filesystem::path& path, GradientTable& table) {
   constexpr std::uint64_t kLargestFile_bytes = 64u << 20, kMostBytes = 16 * kMostTableNodes + (32u << 20);
   const Image image = decodePng(readFile(path, kLargestFile_bytes), path, kMostBytes);
+  const auto nodes = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  if (image.width > kMostTableEdge || image.height > kMostTableEdge || nodes > kMostTableNodes)
+    throw Error(ErrorCode::kUsage, path, "",
+                fmt::format("expected at most {} factors and {} along a side (found {} x {}); scale the picture down",
+                            kMostTableNodes, kMostTableEdge, image.width, image.height));
   table.columns = image.width, table.rows = image.height;
   table.opacity.clear();
   for (int row = image.height - 1; row >= 0; --row) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -40,6 +41,8 @@ void StandardOutput::take(OutputOptions& output) {
                 "-o -: standard output is a terminal, which shows no picture; write it to a file or a program, as in "
                 "kiln render … -o - > picture.png");
   sayToStandardError();
+  // A closed pipe is an error of writing, after which the folder is removed.
+  std::signal(SIGPIPE, SIG_IGN);
   std::string name = (fs::temp_directory_path() / "kiln-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) throw systemError(errno, name, "making a folder for a picture");
   folder_ = name;

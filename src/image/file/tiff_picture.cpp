@@ -149,7 +149,8 @@ TiffLayout requiredLayout(const PictureTiff& tiff, const std::filesystem::path& 
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_PLANARCONFIG, &planes);
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_ROWSPERSTRIP, &out.rows_of_strip);
   if (!known || bits != 16 || samples != 4 || photometric != PHOTOMETRIC_RGB || planes != PLANARCONFIG_CONTIG ||
-      TIFFIsTiled(tiff.get()) != 0 || out.width > 2 * kLargestSide_px || out.height > kLargestSide_px)
+      TIFFIsTiled(tiff.get()) != 0 || out.rows_of_strip > kRowsOfStrip || out.width > 2 * kLargestSide_px ||
+      out.height > kLargestSide_px)
     throw Error(ErrorCode::kUnsupported, path, "", "is a TIFF of another program; Kiln reads pictures of its own");
   out.rows_of_strip = std::min(out.rows_of_strip, out.height);
   return out;
