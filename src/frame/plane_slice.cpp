@@ -25,7 +25,6 @@
 namespace kiln {
 namespace {
 
-constexpr std::int64_t kLargestSide = 65535;  // pixels, as of other slices
 // Share of a pixel by which a side may exceed a whole number of pixels: rounding of products in the world.
 constexpr double kSideRounding = 1e-6;
 // Sine of the angle to z below which a normal counts as along z: a degree and less.
@@ -173,11 +172,11 @@ PixelBox pixelsOver(const VoxelBox& core, const VolumeGeometry& level, const Pla
 }
 
 void requireBudget(const BrickedVolume& store, const PlanePixels& pixels, std::uint64_t memory_bytes) {
-  if (pixels.width > kLargestSide || pixels.height > kLargestSide)
+  if (pixels.width > kLargestSliceSide || pixels.height > kLargestSliceSide)
     throw Error(
         ErrorCode::kUsage,
         fmt::format("--plane: expected at most {} pixels along a side (found {} x {}); choose a coarser --level",
-                    kLargestSide, pixels.width, pixels.height));
+                    kLargestSliceSide, pixels.width, pixels.height));
   const std::uint64_t bytes =
       (4 * sizeof(float) + sizeof(GatheredValue)) * static_cast<std::uint64_t>(pixels.width * pixels.height) +
       store.largestReadBytes() + store.index().bytes();
@@ -247,9 +246,9 @@ PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& 
   out.right = out.edge * right;
   out.down = out.edge * down;
   const double samples = std::max(1.0, std::ceil(request.thickness / out.edge - kSideRounding));
-  if (samples > kLargestSide)
+  if (samples > kLargestSliceSide)
     throw Error(ErrorCode::kUsage, fmt::format("--thickness: expected at most {} pixels of {:g} (found {:g})",
-                                               kLargestSide, out.edge, request.thickness));
+                                               kLargestSliceSide, out.edge, request.thickness));
   out.samples = static_cast<int>(samples);
   out.along = (out.samples > 1 ? request.thickness / samples : out.edge) * normal;
   return out;

@@ -16,8 +16,6 @@
 namespace kiln {
 namespace {
 
-constexpr std::int64_t kLargestSide = 65535;
-
 // The axes of the volume along the picture's columns and rows.
 struct Layout {
   int axis, right, down;
@@ -110,9 +108,9 @@ Image renderSlice(const BrickedVolume& store, const SliceRequest& request, const
   const Window window = request.window.value_or(defaultWindow(store.manifest().histogram));
   const SlicePalette palette(request.colormap, window);
   const Layout layout = layoutOf(volume, request.axis);
-  if (layout.width > kLargestSide || layout.height > kLargestSide) {
-    throw Error(ErrorCode::kUsage,
-                fmt::format("a slice of {} x {} pixels is larger than {}", layout.width, layout.height, kLargestSide));
+  if (layout.width > kLargestSliceSide || layout.height > kLargestSliceSide) {
+    throw Error(ErrorCode::kUsage, fmt::format("a slice of {} x {} pixels is larger than {}", layout.width,
+                                               layout.height, kLargestSliceSide));
   }
   const std::uint64_t bytes = 4 * sizeof(float) * static_cast<std::uint64_t>(layout.width * layout.height) +
                               store.largestReadBytes() + store.index().bytes();

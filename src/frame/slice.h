@@ -16,6 +16,9 @@
 
 namespace kiln {
 
+/// Longest side of a slice. unit: pixels.
+inline constexpr std::int64_t kLargestSliceSide = 65535;
+
 struct SliceRequest {
   int axis = 2;                       // 0 x, 1 y, 2 z
   int level = 0;                      // 0 is finest
