@@ -25,7 +25,7 @@ Image drawColored(const Path& store, const Path& values, const FrameRequest& req
   return draw(std::vector<const BrickedVolume*>{volume.get()}, request, budget_bytes);
 }
 
-std::shared_ptr<const CompanionColors> colorsOf(const TransferFunction& function, const DenseVolume& values) {
+std::shared_ptr<const CompanionColors> colorsByFunction(const TransferFunction& function, const DenseVolume& values) {
   return std::make_shared<const CompanionColors>(CompanionColors{function, values.type, values.range()});
 }
 
@@ -56,7 +56,7 @@ TEST(ColorBy, IsDrawnAlikeByBricksThreadsTilesMemoryAndCrops) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     FrameRequest request = colorRequest(seed, volume);
     Random random(seed);
-    request.colors = colorsOf(randomTransferFunction(random, values.range(), 1), values);
+    request.colors = colorsByFunction(randomTransferFunction(random, values.range(), 1), values);
     const Image truth = drawColored(large, large_values, request), plain = draw(large, request);
     shown += showsSomething(truth) ? 1 : 0;
     for (std::size_t at = 3; at < truth.rgba.size(); at += 4) ASSERT_EQ(truth.rgba[at], plain.rgba[at]) << "alpha";
@@ -82,7 +82,7 @@ TEST(ColorBy, ItselfChangesNoColour) {
     FrameRequest request = colorRequest(91, volume);
     request.interpolation = Interpolation::kLinear;  // as values of companions are interpolated
     request.transfer_function = {1, {{40, {1, 0, 0}, 0}, {128, {0, 1, 0}, 0.2}, {255, {0, 0, 1}, 0.4}}};
-    request.colors = colorsOf(request.transfer_function, volume);
+    request.colors = colorsByFunction(request.transfer_function, volume);
     if (surface) request.transfer_function.points.clear(), request.transfer_function.surfaces = {{128, {0, 1, 0}, 1}};
     const Image own = draw(store, request), colored = drawColored(store, store, request);
     EXPECT_TRUE(showsSomething(own));
@@ -100,7 +100,7 @@ TEST(ColorBy, AVolumeElsewhereChangesNoBit) {
   FrameRequest request = colorRequest(92, volume);
   request.transfer_function = {1, {{0, {1, 0, 0}, 0.01}, {1, {0, 1, 0}, 0.2}}};
   const Image plain = draw(store, request);
-  request.colors = colorsOf({1, {{0, {0, 0, 1}, 1}}}, values);
+  request.colors = colorsByFunction({1, {{0, {0, 0, 1}, 1}}}, values);
   EXPECT_TRUE(showsSomething(plain));
   EXPECT_TRUE(equalBits(plain, drawColored(store, far, request)));
 }
@@ -122,7 +122,7 @@ TEST(ColorBy, LabelsColourByTheNearestVoxel) {
   request.filters_rays = false;  // the filter mixes neighbouring pixels
   TransferFunction function;
   function.labels = {{2, "", glm::dvec3(0, 0, 1), 1}};
-  request.colors = colorsOf(function, labels);
+  request.colors = colorsByFunction(function, labels);
   const Image image = drawColored(store, of_labels, request);
   int blue = 0, red = 0;
   for (int x = 0; x < 40; ++x) {
