@@ -133,7 +133,6 @@ TEST_F(VolumesCli, WhatOneVolumeOnlyHasIsRefused) {
     more.insert(more.begin(), two.begin(), two.end());
     return more;
   };
-  refused(with({"--mode", "mip"}), 2, "--mode mip: draws one volume (found several)");
   refused(with({"--lattice", "voxel"}), 2, "--lattice voxel: draws one volume (found several)");
   refused(with({"--part", "1/2"}), 2, "--part: needs --lattice pixel, or --lattice voxel (found several volumes)");
   refused(with({"--level", "9"}), 2, "there is no level 9");
