@@ -269,9 +269,9 @@ TEST_F(SceneCli, SamplesOfAPixel) {
   EXPECT_NE(four.rgba, one.rgba);
   EXPECT_EQ(drawn({"--samples", "4", "--repeat", "2", "--visibility", "none"}).rgba, four.rgba);
   expectRefused({"--samples", "9"}, "--samples: expected auto, 1, 2, 4 or 16");
-  expectRefused(
-      {"--samples", "2", "--lattice", "voxel"},
-      "--samples 2: needs --lattice pixel, --mode mip, minip or average, or several volumes (found --lattice voxel)");
+  expectRefused({"--samples", "2", "--lattice", "voxel"},
+                "--samples 2: needs --lattice pixel, --mode mip, minip, average or attenuated-mip, or several volumes "
+                "(found --lattice voxel)");
 }
 
 TEST_F(SceneCli, DepthAndNormalsAreChannelsBesideTheColours) {
@@ -303,8 +303,10 @@ TEST_F(SceneCli, ValuesAreProjected) {
   // Grey in equal steps of display values, as in slices.
   const Image grey = drawn({"--mode", "mip"});
   for (std::size_t i = 0; i < grey.rgba.size(); i += 4) EXPECT_EQ(grey.rgba[i], grey.rgba[i + 2]);
-  expectRefused({"--mode", "sum"}, "--mode: expected one of composite, mip, minip, average, found 'sum'");
-  expectRefused({"--aov", "value"}, "--aov: value needs --mode mip, minip or average (found --lattice pixel)");
+  expectRefused({"--mode", "sum"},
+                "--mode: expected one of composite, mip, minip, average, attenuated-mip, found 'sum'");
+  expectRefused({"--aov", "value"},
+                "--aov: value needs --mode mip, minip, average or attenuated-mip (found --lattice pixel)");
   expectRefused({"--mode", "mip", "--aov", "depth"},
                 "--aov: depth and normal need --lattice pixel, --lattice voxel, or several volumes (found --mode mip)");
   expectRefused({"--mode", "mip", "--lattice", "voxel"}, "--lattice voxel: needs --mode composite (found mip)");
