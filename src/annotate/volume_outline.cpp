@@ -1,4 +1,3 @@
-// The box is a list of convex faces. Each plane cuts the faces, and closes the hole with a face of its own.
 #include "annotate/volume_outline.h"
 
 #include <algorithm>
@@ -13,15 +12,14 @@
 namespace kiln {
 namespace {
 
-using Face = std::vector<glm::dvec3>;
-
-constexpr double kSameShare = 1e-9;  // of the box's diagonal
+constexpr double kSameShare = 8e-9;  // of the box's diagonal
 
 // unit: the font's size.
 constexpr double kDash = 0.5, kDashGap = 0.45;
 constexpr double kHiddenOpacity = 0.55, kEdgeRimOpacity = 0.35;
 
-std::vector<Face> facesOfBox(const VolumeGeometry& volume, const Clipping& clipping) {
+// Returns the half-spaces of the clipped box in index space; nothing if the region holds nothing of the box.
+std::vector<glm::dvec4> halfSpacesOf(const VolumeGeometry& volume, const Clipping& clipping) {
   glm::dvec3 lo(-0.5), hi(0.0);
   for (int axis = 0; axis < 3; ++axis) {
     hi[axis] = static_cast<double>(volume.dims[axis]) - 0.5;
@@ -30,56 +28,10 @@ std::vector<Face> facesOfBox(const VolumeGeometry& volume, const Clipping& clipp
     hi[axis] = std::min(hi[axis], static_cast<double>(clipping.region->hi[axis]) - 0.5);
     if (!(lo[axis] < hi[axis])) return {};
   }
-  const auto corner = [&](int i) {
-    return volume.worldOf({(i & 1) ? hi.x : lo.x, (i & 2) ? hi.y : lo.y, (i & 4) ? hi.z : lo.z});
-  };
-  constexpr std::array<std::array<int, 4>, 6> kFaces = {
-      {{0, 2, 6, 4}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 5, 7, 6}}};
-  std::vector<Face> out;
-  for (const auto& face : kFaces) out.push_back({corner(face[0]), corner(face[1]), corner(face[2]), corner(face[3])});
-  return out;
-}
-
-void addApart(const glm::dvec3& point, double same, Face& points) {
-  const auto is_same = [&](const glm::dvec3& other) { return glm::distance(point, other) <= same; };
-  if (std::none_of(points.begin(), points.end(), is_same)) points.push_back(point);
-}
-
-// Sorts the corners of a convex face around its middle.
-void sortAround(const glm::dvec3& normal, Face& face) {
-  glm::dvec3 middle(0);
-  for (const glm::dvec3& point : face) middle += point / static_cast<double>(face.size());
-  const glm::dvec3 first = glm::normalize(face.front() - middle), second = glm::cross(normal, first);
-  const auto angle = [&](const glm::dvec3& p) {
-    return std::atan2(glm::dot(p - middle, second), glm::dot(p - middle, first));
-  };
-  std::sort(face.begin(), face.end(), [&](const glm::dvec3& a, const glm::dvec3& b) { return angle(a) < angle(b); });
-}
-
-std::vector<Face> cut(const std::vector<Face>& faces, const ClipPlane& plane, double same) {
-  const double length = glm::length(plane.normal);
-  const glm::dvec3 normal = plane.normal / length;
-  const auto above = [&](const glm::dvec3& p) { return glm::dot(normal, p) + plane.offset / length; };
-  std::vector<Face> out;
-  Face hole;
-  for (const Face& face : faces) {
-    Face kept;
-    for (std::size_t i = 0; i < face.size(); ++i) {
-      const glm::dvec3 &a = face[i], &b = face[(i + 1) % face.size()];
-      const double at_a = above(a), at_b = above(b);
-      if (at_a >= -same) addApart(a, same, kept);
-      if ((at_a > same && at_b < -same) || (at_a < -same && at_b > same))
-        addApart(a + at_a / (at_a - at_b) * (b - a), same, kept);
-    }
-    for (const glm::dvec3& point : kept) {
-      if (std::abs(above(point)) <= 2 * same) addApart(point, 4 * same, hole);
-    }
-    if (kept.size() >= 3) out.push_back(std::move(kept));
-  }
-  if (hole.size() >= 3) {
-    sortAround(normal, hole);
-    out.push_back(std::move(hole));
-  }
+  std::vector<glm::dvec4> out;
+  addBox(lo, hi, out);
+  for (const ClipPlane& plane : clipping.planes)
+    out.push_back(inIndexSpace(glm::dvec4(plane.normal, plane.offset), volume.world_from_index));
   return out;
 }
 
@@ -89,7 +41,7 @@ struct SeenLine {
   double a_depth, b_depth;
 };
 
-std::optional<SeenLine> seen(const WorldLine& line, const View& view, double nearest) {
+std::optional<SeenLine> seen(const Edge& line, const View& view, double nearest) {
   glm::dvec3 a(view.view_from_world * glm::dvec4(line.first, 1)), b(view.view_from_world * glm::dvec4(line.second, 1));
   if (view.projection == Projection::kPerspective) {
     if (a.z < nearest && b.z < nearest) return std::nullopt;
@@ -119,21 +71,17 @@ std::optional<std::pair<double, double>> within(const SeenLine& line, const Imag
 
 }  // namespace
 
-std::vector<WorldLine> edgesOf(const VolumeGeometry& volume, const Clipping& clipping) {
+std::vector<Edge> edgesOf(const VolumeGeometry& volume, const Clipping& clipping) {
   const auto corners = volume.corners();
   const double same = kSameShare * glm::distance(corners.front(), corners.back());
-  std::vector<Face> faces = facesOfBox(volume, clipping);
-  for (const ClipPlane& plane : clipping.planes) faces = cut(faces, plane, same);
-  std::vector<WorldLine> out;
-  for (const Face& face : faces) {
-    for (std::size_t i = 0; i < face.size(); ++i) {
-      const glm::dvec3 &a = face[i], &b = face[(i + 1) % face.size()];
-      const auto near = [&](const glm::dvec3& p, const glm::dvec3& q) { return glm::distance(p, q) <= 8 * same; };
-      const auto is_same = [&](const WorldLine& line) {
-        return (near(line.first, a) && near(line.second, b)) || (near(line.first, b) && near(line.second, a));
-      };
-      if (std::none_of(out.begin(), out.end(), is_same)) out.push_back({a, b});
-    }
+  const auto near = [&](const glm::dvec3& p, const glm::dvec3& q) { return glm::distance(p, q) <= same; };
+  std::vector<Edge> out;
+  for (const Edge& edge : edgesOf(halfSpacesOf(volume, clipping))) {
+    const glm::dvec3 a = volume.worldOf(edge.first), b = volume.worldOf(edge.second);
+    const auto is_same = [&](const Edge& other) {
+      return (near(other.first, a) && near(other.second, b)) || (near(other.first, b) && near(other.second, a));
+    };
+    if (!near(a, b) && std::none_of(out.begin(), out.end(), is_same)) out.push_back({a, b});
   }
   return out;
 }
@@ -143,7 +91,7 @@ std::vector<Shape> outlineOfVolume(const AnnotatedPicture& picture, const Style&
   const auto corners = picture.box.corners();
   const double nearest = 1e-4 * glm::distance(corners.front(), corners.back());
   std::vector<Shape> rims, lines;
-  for (const WorldLine& edge : edgesOf(picture.box, picture.clipping)) {
+  for (const Edge& edge : edgesOf(picture.box, picture.clipping)) {
     const std::optional<SeenLine> line = seen(edge, view, nearest);
     if (!line) continue;
     const auto shown = within(*line, view.size, style.em);

@@ -3,21 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vector_relational.hpp>
-#include <limits>
 #include <memory>
 #include <vector>
 
 #include "base/error.h"
-#include "base/memory/memory.h"
 #include "base/thread/parallel.h"
 #include "frame/slice_palette.h"
+#include "grid/value_range.h"
+#include "scene/half_spaces.h"
 #include "store/brick_index.h"
 #include "store/codec/brick_block.h"
 #include "store/codec/brick_codec.h"
@@ -30,33 +29,18 @@ constexpr double kSideRounding = 1e-6;
 // Sine of the angle to z below which a normal counts as along z: a degree and less.
 constexpr double kAlongZ = 0.02;
 
-// The least and greatest products of a direction with the corners of a box.
-struct Span {
-  double lo = std::numeric_limits<double>::infinity(), hi = -std::numeric_limits<double>::infinity();
-  void add(double value) {
-    lo = std::min(lo, value);
-    hi = std::max(hi, value);
-  }
-};
-
-// The corners of the part of a box between two planes across `normal`, at distances `lo` and `hi` from `on`.
-std::vector<glm::dvec3> cornersBetween(const std::array<glm::dvec3, 8>& box, const glm::dvec3& on,
-                                       const glm::dvec3& normal, double lo, double hi) {
+// The corners of the part of the volume's box between two planes across `normal`, `half` to either side of `on`.
+std::vector<glm::dvec3> cornersBetween(const VolumeGeometry& level, const glm::dvec3& on, const glm::dvec3& normal,
+                                       double half) {
+  std::vector<glm::dvec4> half_spaces;
+  addBox(glm::dvec3(-0.5), glm::dvec3(level.dims.x, level.dims.y, level.dims.z) - 0.5, half_spaces);
+  for (const double side : {1.0, -1.0})
+    half_spaces.push_back(inIndexSpace(side * glm::dvec4(normal, -glm::dot(on, normal)) + glm::dvec4(0, 0, 0, half),
+                                       level.world_from_index));
   std::vector<glm::dvec3> out;
-  std::array<double, 8> distance{};
-  for (std::size_t i = 0; i < 8; ++i) {
-    distance[i] = glm::dot(box[i] - on, normal);
-    if (distance[i] >= lo && distance[i] <= hi) out.push_back(box[i]);
-  }
-  for (std::size_t i = 0; i < 8; ++i) {
-    for (const std::size_t axis : {1u, 2u, 4u}) {
-      const std::size_t j = i | axis;
-      if (j == i) continue;
-      for (const double plane : {lo, hi}) {
-        if ((distance[i] < plane) == (distance[j] < plane)) continue;
-        out.push_back(glm::mix(box[i], box[j], (plane - distance[i]) / (distance[j] - distance[i])));
-      }
-    }
+  for (const auto& [begin, end] : edgesOf(half_spaces)) {
+    out.push_back(level.worldOf(begin));
+    out.push_back(level.worldOf(end));
   }
   return out;
 }
@@ -113,7 +97,7 @@ class PlaneSampler {
         const glm::dvec3 cell = glm::floor(inside);
         const VoxelCoord v{static_cast<std::int64_t>(cell.x), static_cast<std::int64_t>(cell.y),
                            static_cast<std::int64_t>(cell.z)};
-        if (!contains(block.core, v)) continue;
+        if (!block.core.contains(v)) continue;
         const T* const corner = voxels + block.offsetOf(v);
         gather(mode, labels_ ? static_cast<double>(*corner) : trilinear(corner, block, inside - cell), row[x]);
       }
@@ -121,9 +105,6 @@ class PlaneSampler {
   }
 
  private:
-  static bool contains(const VoxelBox& box, const VoxelCoord& v) {
-    return v.x >= box.lo.x && v.y >= box.lo.y && v.z >= box.lo.z && v.x < box.hi.x && v.y < box.hi.y && v.z < box.hi.z;
-  }
   template <class T>
   static double trilinear(const T* corner, const BrickBlock& block, const glm::dvec3& part) {
     double out = 0;
@@ -150,7 +131,7 @@ struct PixelBox {
 
 // The pixels whose samples may lie in cells of the brick.
 PixelBox pixelsOver(const VoxelBox& core, const VolumeGeometry& level, const PlanePixels& pixels) {
-  Span across, along_x, along_y;
+  ValueRange across, along_x, along_y;
   const double edge2 = pixels.edge * pixels.edge;
   for (int i = 0; i < 8; ++i) {
     // A cell reaches to the next voxel; at the volume's faces half a voxel further.
@@ -158,9 +139,9 @@ PixelBox pixelsOver(const VoxelBox& core, const VolumeGeometry& level, const Pla
                             (i & 2) ? static_cast<double>(core.hi.y) : static_cast<double>(core.lo.y) - 0.5,
                             (i & 4) ? static_cast<double>(core.hi.z) : static_cast<double>(core.lo.z) - 0.5);
     const glm::dvec3 from_first = level.worldOf(corner) - pixels.first;
-    across.add(glm::dot(from_first, pixels.along) / edge2);
-    along_x.add(glm::dot(from_first, pixels.right) / edge2);
-    along_y.add(glm::dot(from_first, pixels.down) / edge2);
+    across.include(glm::dot(from_first, pixels.along) / edge2);
+    along_x.include(glm::dot(from_first, pixels.right) / edge2);
+    along_y.include(glm::dot(from_first, pixels.down) / edge2);
   }
   const double half = 0.5 * glm::dot(pixels.along, pixels.along) / edge2 * (pixels.samples - 1);
   if (across.lo > half + kSideRounding || across.hi < -half - kSideRounding) return {};
@@ -169,22 +150,6 @@ PixelBox pixelsOver(const VoxelBox& core, const VolumeGeometry& level, const Pla
   };
   return {bounded(std::floor(along_x.lo), pixels.width), bounded(std::floor(along_y.lo), pixels.height),
           bounded(std::ceil(along_x.hi) + 1, pixels.width), bounded(std::ceil(along_y.hi) + 1, pixels.height)};
-}
-
-void requireBudget(const BrickedVolume& store, const PlanePixels& pixels, std::uint64_t memory_bytes) {
-  if (pixels.width > kLargestSliceSide || pixels.height > kLargestSliceSide)
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format("--plane: expected at most {} pixels along a side (found {} x {}); choose a coarser --level",
-                    kLargestSliceSide, pixels.width, pixels.height));
-  const std::uint64_t bytes =
-      (4 * sizeof(float) + sizeof(GatheredValue)) * static_cast<std::uint64_t>(pixels.width * pixels.height) +
-      store.largestReadBytes() + store.index().bytes();
-  if (bytes > memory_bytes)
-    throw Error(ErrorCode::kBudget, store.path(), "--memory",
-                fmt::format("{} is too little: a slice of {} x {} pixels, a brick and the index take {}; a coarser one "
-                            "(--level) takes less",
-                            formatBytes(memory_bytes), pixels.width, pixels.height, formatBytes(bytes)));
 }
 
 Image coloured(const std::vector<GatheredValue>& gathered, const PlanePixels& pixels, Mode mode,
@@ -215,12 +180,10 @@ PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& 
                 fmt::format("--thickness: expected a length of at least 0 (found {})", request.thickness));
   const glm::dvec3 normal = request.normal / length;
   const glm::dvec3 on = -request.offset / length * normal;
-  const std::array<glm::dvec3, 8> corners = level.corners();
-  const double half = 0.5 * request.thickness;
-  const std::vector<glm::dvec3> outline = cornersBetween(corners, on, normal, -half, half);
+  const std::vector<glm::dvec3> outline = cornersBetween(level, on, normal, 0.5 * request.thickness);
   if (outline.empty()) {
-    Span offsets;
-    for (const glm::dvec3& corner : corners) offsets.add(-glm::dot(corner, request.normal));
+    ValueRange offsets;
+    for (const glm::dvec3& corner : level.corners()) offsets.include(-glm::dot(corner, request.normal));
     throw Error(ErrorCode::kUsage, fmt::format("--plane: the plane lies beside the volume (found the offset {:g}); "
                                                "choose an offset between {:g} and {:g}",
                                                request.offset, offsets.lo, offsets.hi));
@@ -228,18 +191,18 @@ PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& 
   PlanePixels out{};
   out.edge = level.shortestEdge();
   const glm::dvec3 down = downOf(normal), right = glm::cross(down, normal);
-  Span across, below;
+  ValueRange across, below;
   for (const glm::dvec3& corner : outline) {
-    across.add(glm::dot(corner - on, right));
-    below.add(glm::dot(corner - on, down));
+    across.include(glm::dot(corner - on, right));
+    below.include(glm::dot(corner - on, down));
   }
-  const auto pixels = [&](const Span& side) {
+  const auto pixels = [&](const ValueRange& side) {
     return std::max<std::int64_t>(1,
                                   static_cast<std::int64_t>(std::ceil((side.hi - side.lo) / out.edge - kSideRounding)));
   };
   out.width = pixels(across);
   out.height = pixels(below);
-  const auto begin = [&](const Span& side, std::int64_t count) {
+  const auto begin = [&](const ValueRange& side, std::int64_t count) {
     return 0.5 * (side.lo + side.hi) - 0.5 * static_cast<double>(count - 1) * out.edge;
   };
   out.first = on + begin(across, out.width) * right + begin(below, out.height) * down;
@@ -263,7 +226,12 @@ Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& requ
     throw Error(ErrorCode::kUsage, "--thickness: labels have no average; add --mode mip or minip");
   const SlicePalette palette(request.colormap, request.window.value_or(defaultWindow(store.manifest().histogram)));
   const PlanePixels pixels = pixelsOfPlane(level, request);
-  requireBudget(store, pixels, request.memory_bytes);
+  if (pixels.width > kLargestSliceSide || pixels.height > kLargestSliceSide)
+    throw Error(
+        ErrorCode::kUsage,
+        fmt::format("--plane: expected at most {} pixels along a side (found {} x {}); choose a coarser --level",
+                    kLargestSliceSide, pixels.width, pixels.height));
+  requireSliceFits(store, pixels.width, pixels.height, 4 * sizeof(float) + sizeof(GatheredValue), request.memory_bytes);
   const PlaneSampler sampler(level, pixels, labels);
   std::vector<GatheredValue> gathered(static_cast<std::size_t>(pixels.width * pixels.height));
   const Extent3& lattice = store.index().lattice(request.level);

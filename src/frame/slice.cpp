@@ -91,6 +91,17 @@ std::pair<std::int64_t, std::int64_t> sliceSize(const VolumeGeometry& level, int
   return {layout.width, layout.height};
 }
 
+void requireSliceFits(const BrickedVolume& store, std::int64_t width, std::int64_t height, std::uint64_t pixel_bytes,
+                      std::uint64_t memory_bytes) {
+  const std::uint64_t bytes =
+      pixel_bytes * static_cast<std::uint64_t>(width * height) + store.largestReadBytes() + store.index().bytes();
+  if (bytes <= memory_bytes) return;
+  throw Error(ErrorCode::kBudget, store.path(), "--memory",
+              fmt::format("{} is too little: a slice of {} x {} pixels, a brick and the index take {}; a coarser one "
+                          "(--level) takes less",
+                          formatBytes(memory_bytes), width, height, formatBytes(bytes)));
+}
+
 Image renderSlice(const BrickedVolume& store, const SliceRequest& request, Progress& progress) {
   const auto read = [&](const BrickKey& key) { return std::make_shared<const BrickBlock>(store.read(key)); };
   return renderSlice(store, request, read, progress);
@@ -112,16 +123,7 @@ Image renderSlice(const BrickedVolume& store, const SliceRequest& request, const
     throw Error(ErrorCode::kUsage, fmt::format("a slice of {} x {} pixels is larger than {}", layout.width,
                                                layout.height, kLargestSliceSide));
   }
-  const std::uint64_t bytes = 4 * sizeof(float) * static_cast<std::uint64_t>(layout.width * layout.height) +
-                              store.largestReadBytes() + store.index().bytes();
-  if (bytes > request.memory_bytes) {
-    throw Error(
-        ErrorCode::kBudget, store.path(), "--memory",
-        fmt::format(
-            "{} is too little: a slice of {} x {} pixels, a brick and the index take {}; a coarser one (--level) "
-            "takes less",
-            formatBytes(request.memory_bytes), layout.width, layout.height, formatBytes(bytes)));
-  }
+  requireSliceFits(store, layout.width, layout.height, 4 * sizeof(float), request.memory_bytes);
   Image image(static_cast<int>(layout.width), static_cast<int>(layout.height));
   const std::vector<std::int64_t> columns =
       voxelsAlong(layout.width, layout.voxels_per_column, volume.dims[layout.right]);

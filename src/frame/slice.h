@@ -31,6 +31,10 @@ struct SliceRequest {
 /// Returns the size of a slice along `axis` on a level. shape: columns and rows. unit: pixels.
 std::pair<std::int64_t, std::int64_t> sliceSize(const VolumeGeometry& level, int axis);
 
+/// Requires a slice of so many pixels, a brick and the index to fit. throws: Error kBudget.
+void requireSliceFits(const BrickedVolume& store, std::int64_t width, std::int64_t height, std::uint64_t pixel_bytes,
+                      std::uint64_t memory_bytes);
+
 /// Draws a slice. A pixel is as wide as the smaller of the two spacings, so the picture has the world's proportions. A
 /// slice along z has y down, other slices have z up. NaN is transparent. memory: 16 bytes a pixel and one brick.
 /// throws: Error kUsage (axis, level, index, window, colour map), kBudget; as BrickedVolume::read.

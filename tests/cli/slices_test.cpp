@@ -73,6 +73,7 @@ TEST_F(SlicesCli, Plane_isDrawnWhereItWasAsked) {
   refused({"slice", in("v.kiln"), "-o", in("o.png"), "--plane", "1,0,1,-9", "--axis", "x"}, 2, "--axis");
   refused({"slice", in("v.kiln"), "-o", in("o.png"), "--thickness", "3"}, 2, "--plane");
   refused({"slice", in("v.kiln"), "-o", in("o.png"), "--plane", "1,0,1,-9", "--mode", "composite"}, 2, "minip");
+  refused({"slice", in("v.kiln"), "-o", in("o.png"), "--plane", "1,0,1,-9", "--mode", "attenuated-mip"}, 2, "minip");
 }
 
 TEST_F(SlicesCli, VolumeFile_isConvertedBesideIt) {

@@ -6,11 +6,11 @@
 #include <glm/geometric.hpp>
 #include <set>
 
-#include "base/error.h"
 #include "frame/plane_slice.h"
 #include "image/srgb.h"
 #include "store/codec/brick_block.h"
 #include "store/store_reader.h"
+#include "support/system/expect_error.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
 
@@ -149,21 +149,15 @@ TEST_F(PlaneSlice, SizeOfBricks_changesNoPixel) {
 }
 
 TEST_F(PlaneSlice, WrongRequests_nameTheOption) {
-  const auto refusal = [&](const PlaneSliceRequest& request) {
-    try {
-      draw(request);
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string("drawn");
+  const auto expectRefused = [&](const PlaneSliceRequest& request, ErrorCode code, const std::string& part) {
+    expectError([&] { draw(request); }, code, part);
   };
-  EXPECT_NE(refusal(requestOf({0, 0, 0}, 1)).find("--plane: expected a normal"), std::string::npos);
-  EXPECT_NE(refusal(requestOf({0, 0, 2}, -100)).find("offset between -69.5 and -6.5"), std::string::npos)
-      << refusal(requestOf({0, 0, 2}, -100));
-  EXPECT_NE(refusal(requestOf({0, 0, 1}, -10, -1)).find("--thickness: "), std::string::npos);
+  expectRefused(requestOf({0, 0, 0}, 1), ErrorCode::kUsage, "--plane: expected a normal");
+  expectRefused(requestOf({0, 0, 2}, -100), ErrorCode::kUsage, "offset between -69.5 and -6.5");
+  expectRefused(requestOf({0, 0, 1}, -10, -1), ErrorCode::kUsage, "--thickness: ");
   PlaneSliceRequest small = requestOf({0, 0, 1}, -10);
   small.memory_bytes = 1024;
-  EXPECT_NE(refusal(small).find("--memory"), std::string::npos);
+  expectRefused(small, ErrorCode::kBudget, "--memory");
 }
 
 }  // namespace

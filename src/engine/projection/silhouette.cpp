@@ -6,7 +6,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
-#include <span>
+
+#include "scene/half_spaces.h"
 
 namespace kiln {
 namespace {
@@ -19,49 +20,12 @@ constexpr double kLeastCovered = 1e-6;
 // Returns the half-spaces (normal, offset) whose intersection is shown.
 std::vector<glm::dvec4> shownHalfSpaces(const Projector& projector, const ClipRegion& clip, const glm::dvec3& end) {
   std::vector<glm::dvec4> out = clip.halfSpaces();
-  for (int axis = 0; axis < 3; ++axis) {
-    glm::dvec4 lower(0, 0, 0, 0.5), upper(0, 0, 0, end[axis]);
-    lower[axis] = 1, upper[axis] = -1;
-    out.push_back(lower);
-    out.push_back(upper);
-  }
+  addBox(glm::dvec3(-0.5), end, out);
   if (projector.perspective()) {
     const double at_origin = projector.viewOfIndex(glm::dvec3(0)).z;
     out.emplace_back(projector.axis(0).z, projector.axis(1).z, projector.axis(2).z, at_origin - projector.nearDepth());
   }
   for (glm::dvec4& plane : out) plane /= glm::length(glm::dvec3(plane));
-  return out;
-}
-
-// Appends the ends of the edge in which two planes meet, if the other half-spaces leave an edge.
-void addEdge(std::span<const glm::dvec4> planes, std::size_t a, std::size_t b, std::vector<glm::dvec3>& out) {
-  constexpr double kParallel = 1e-12, kInside = 1e-9;
-  const glm::dvec3 m(planes[a]), n(planes[b]), along = glm::cross(m, n);
-  const double sine2 = glm::dot(along, along);
-  if (sine2 < kParallel) return;
-  // The point of both planes nearest to the origin.
-  const glm::dvec3 base = glm::cross(planes[b].w * m - planes[a].w * n, along) / sine2;
-  double lo = -kUnbounded, hi = kUnbounded;
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    if (i == a || i == b) continue;
-    const double at_base = glm::dot(glm::dvec3(planes[i]), base) + planes[i].w;
-    const double change = glm::dot(glm::dvec3(planes[i]), along);
-    if (std::abs(change) < kParallel) {
-      if (at_base < -kInside) return;
-      continue;
-    }
-    (change > 0 ? lo : hi) = change > 0 ? std::max(lo, -at_base / change) : std::min(hi, -at_base / change);
-  }
-  if (!(lo <= hi) || std::isinf(lo) || std::isinf(hi)) return;
-  out.push_back(base + lo * along);
-  out.push_back(base + hi * along);
-}
-
-std::vector<glm::dvec3> cornersOf(std::span<const glm::dvec4> planes) {
-  std::vector<glm::dvec3> out;
-  for (std::size_t a = 0; a < planes.size(); ++a) {
-    for (std::size_t b = a + 1; b < planes.size(); ++b) addEdge(planes, a, b, out);
-  }
   return out;
 }
 
@@ -128,8 +92,9 @@ struct Moments {
 
 Silhouette::Silhouette(const Projector& projector, const ClipRegion& clip, const glm::dvec3& end) {
   std::vector<glm::dvec2> points;
-  for (const glm::dvec3& corner : cornersOf(shownHalfSpaces(projector, clip, end)))
-    points.push_back(projector.pixelOf(projector.viewOfIndex(corner)));
+  for (const auto& [begin, finish] : edgesOf(shownHalfSpaces(projector, clip, end))) {
+    for (const glm::dvec3& corner : {begin, finish}) points.push_back(projector.pixelOf(projector.viewOfIndex(corner)));
+  }
   corners_ = convexHull(std::move(points));
 }
 

@@ -5,7 +5,6 @@
 
 #include "base/file/file.h"
 #include "base/memory/memory.h"
-#include "base/text.h"
 #include "commands.h"
 #include "examples.h"
 #include "foreign_store.h"
@@ -15,6 +14,7 @@
 #include "frame/slice_sheet.h"
 #include "image/file/image_file.h"
 #include "job/frame_list.h"
+#include "job/option_kinds.h"
 #include "output_files.h"
 #include "say.h"
 #include "scene_arguments.h"
@@ -51,10 +51,10 @@ int axisOf(const std::string& name) {
 }
 
 Mode modeOf(const std::string& name) {
-  const auto found = std::find(kModeNames.begin(), kModeNames.end(), name);
-  if (found == kModeNames.end() || name == kModeNames[0])
-    throw Error(ErrorCode::kUsage, fmt::format("--mode: expected average, mip or minip (found '{}')", name));
-  return static_cast<Mode>(found - kModeNames.begin());
+  for (const Mode mode : {Mode::kAverage, Mode::kMip, Mode::kMinip}) {
+    if (name == nameIn(kModeNames, mode)) return mode;
+  }
+  throw Error(ErrorCode::kUsage, fmt::format("--mode: expected average, mip or minip (found '{}')", name));
 }
 
 void write(const Image& image, const StoreReader& store, std::uint64_t memory_bytes,
@@ -97,13 +97,11 @@ void drawSlices(const SliceArguments& a, const StoreReader& store, SliceRequest 
 
 // "NX,NY,NZ,OFFSET".
 void setPlane(const std::string& text, PlaneSliceRequest& request) {
-  const std::vector<std::string_view> parts = splitAt(text, ',');
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::optional<double> value = parts.size() == 4 ? decimalOf<double>(parts[i]) : std::nullopt;
-    if (!value)
-      throw Error(ErrorCode::kUsage, fmt::format("--plane: expected four numbers NX,NY,NZ,OFFSET (found '{}')", text));
-    (i < 3 ? request.normal[static_cast<int>(i)] : request.offset) = *value;
-  }
+  const nlohmann::json numbers = numbersOfText(text);
+  if (numbers.size() != 4)
+    throw Error(ErrorCode::kUsage, fmt::format("--plane: expected four numbers NX,NY,NZ,OFFSET (found '{}')", text));
+  for (int axis = 0; axis < 3; ++axis) request.normal[axis] = numbers[static_cast<std::size_t>(axis)].get<double>();
+  request.offset = numbers[3].get<double>();
 }
 
 void drawPlane(const SliceArguments& a, const StoreReader& store, const SliceRequest& slice, Context& context) {
