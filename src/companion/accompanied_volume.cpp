@@ -14,19 +14,18 @@ namespace {
 // Voxels beside a box whose companion values the samples in the box may need.
 constexpr std::int64_t kSampleReach = kSubBrickReach;
 
-// Returns the sub-ranges without the sub-bricks for which `hidden(at)` holds. An empty range has its minimum above its
-// maximum.
+// Returns the sub-ranges without the sub-bricks for which `hidden(at)` holds: the same object if none is hidden, null
+// if all are hidden.
 template <class Hidden>
-std::shared_ptr<const SubRanges> withoutHidden(const SubRanges& ranges, const Hidden& hidden, bool& any_shown) {
-  std::vector<std::byte> bytes(ranges.bytes().begin(), ranges.bytes().end());
-  ranges.any([&](std::size_t i, const VoxelCoord& at) {
-    if (hidden(at))
-      bytes[i] = std::byte{255}, bytes[ranges.count() + i] = std::byte{0};
-    else
-      any_shown = true;
+std::shared_ptr<const SubRanges> withoutHidden(const std::shared_ptr<const SubRanges>& ranges, const Hidden& hidden) {
+  SubRanges shown = *ranges;
+  std::size_t cleared = 0;
+  ranges->any([&](std::size_t i, const VoxelCoord& at) {
+    if (hidden(at)) shown.clear(i), ++cleared;
     return false;
   });
-  return std::make_shared<const SubRanges>(ranges.along(), bytes);
+  if (cleared == 0) return ranges;
+  return cleared == ranges->count() ? nullptr : std::make_shared<const SubRanges>(std::move(shown));
 }
 
 BrickEntry maskedEntry() {
@@ -93,16 +92,12 @@ BrickEntry AccompaniedVolume::shownEntry(const BrickKey& key) const {
   // A constant brick has no voxels; its companions' values may still differ.
   out.constant = false;
   if (!out.sub_ranges) return out;
-  bool any_shown = false;
   const int along = out.sub_ranges->along();
-  out.sub_ranges = withoutHidden(
-      *out.sub_ranges,
-      [&](const VoxelCoord& at) {
-        const VoxelBox box = subBrickOf(brick.core(), brick.brick_size, along, at);
-        return box.empty() || hides(key.level, dilated(box, kSampleReach));
-      },
-      any_shown);
-  return any_shown ? out : maskedEntry();
+  out.sub_ranges = withoutHidden(out.sub_ranges, [&](const VoxelCoord& at) {
+    const VoxelBox box = subBrickOf(brick.core(), brick.brick_size, along, at);
+    return box.empty() || hides(key.level, dilated(box, kSampleReach));
+  });
+  return out.sub_ranges ? out : maskedEntry();
 }
 
 BrickBlock AccompaniedVolume::read(const BrickKey& key) const {

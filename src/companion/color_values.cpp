@@ -14,6 +14,7 @@ namespace kiln {
 
 ColorValues::ColorValues(std::unique_ptr<BrickedVolume> values, const Manifest& drawn)
     : values_(std::move(values)),
+      most_read_(values_->largestReadBytes()),
       place_(drawn, values_->manifest()),
       nearest_(values_->manifest().volume_class == VolumeClass::kLabels),
       apron_(drawn.apron),
@@ -30,9 +31,7 @@ class ColorValues::Filling {
                                std::numeric_limits<float>::quiet_NaN());
     const auto inside = [&](std::int64_t i, int axis) { return std::clamp<std::int64_t>(i, 0, map_.drawn[axis] - 1); };
     // The brick in the middle serves most voxels.
-    VoxelCoord middle;
-    for (int axis = 0; axis < 3; ++axis) middle[axis] = (block_.core.lo[axis] + block_.core.hi[axis]) / 2;
-    valueAt(map_.placeOf(middle));
+    valueAt(map_.placeOf(middleVoxel(block_.core)));
     const VoxelBox read = dilated(block_.core, kReach);
     for (std::int64_t z = read.lo.z; z < read.hi.z; ++z) {
       for (std::int64_t y = read.lo.y; y < read.hi.y; ++y) {
@@ -45,7 +44,7 @@ class ColorValues::Filling {
 
  private:
   float valueAt(const glm::dvec3& place) {
-    const VoxelCoord nearest = {nearestVoxel(place.x), nearestVoxel(place.y), nearestVoxel(place.z)};
+    const VoxelCoord nearest = nearestVoxel(place);
     if (!boxOf(map_.dims).contains(nearest)) return std::numeric_limits<float>::quiet_NaN();
     if (last_ == nullptr || !dilated(last_->extent, -1).contains(nearest)) last_ = &brickAround(nearest);
     return withVoxelType(last_->type, [&]<class T>(std::type_identity<T>) {
@@ -105,15 +104,11 @@ bool ColorValues::addTo(BrickBlock& block) const {
 std::uint64_t ColorValues::workBytes(int level, const VoxelBox& extent) const {
   const CompanionPlace::Map& map = place_.of(level);
   const VoxelBox read = dilated(extent, kReach - apron_);
-  const VoxelBox near = map.around(intersection(read, boxOf(map.drawn)), 0);
+  const VoxelBox near = map.around(intersection(read, boxOf(map.drawn)));
   if (near.empty()) return 0;
   const Manifest& manifest = values_->manifest();
-  VoxelCoord middle;
-  for (int axis = 0; axis < 3; ++axis) middle[axis] = (near.lo[axis] + near.hi[axis]) / 2;
-  const VoxelBox core = coreBox(brickOf(middle, manifest.brick_size), manifest.brick_size, map.dims);
-  const bool within_one = intersection(dilated(core, manifest.apron - 1), near) == near;
-  const std::int64_t bricks = within_one ? 1 : coarseBox(near, manifest.brick_size).count();
-  return static_cast<std::uint64_t>(bricks) * values_->blockBytes({0, {0, 0, 0}}) + values_->largestReadBytes();
+  const std::int64_t bricks = map.bricksFor(near, manifest.brick_size, manifest.apron - 1);
+  return static_cast<std::uint64_t>(bricks) * values_->blockBytes({0, {0, 0, 0}}) + most_read_;
 }
 
 std::uint64_t ColorValues::heldBytes() const {

@@ -33,6 +33,7 @@ class ColorValues final : public Companion {
   static constexpr std::int64_t kReach = 2;
 
   const std::unique_ptr<BrickedVolume> values_;
+  const std::uint64_t most_read_;  // the largest BrickedVolume::readBytes of the values. unit: bytes
   const CompanionPlace place_;
   const bool nearest_;        // labels
   const std::int64_t apron_;  // of the drawn volume

@@ -1,6 +1,5 @@
 #include "companion/companion_place.h"
 
-#include <cmath>
 #include <glm/matrix.hpp>
 
 namespace kiln {
@@ -20,8 +19,6 @@ int levelFor(const VolumeGeometry& drawn, const Manifest& companion) {
 
 }  // namespace
 
-std::int64_t nearestVoxel(double place) { return static_cast<std::int64_t>(std::floor(place + 0.5 + kHalfwaySlack)); }
-
 CompanionPlace::CompanionPlace(const Manifest& drawn, const Manifest& companion) {
   for (const LevelInfo& level : drawn.levels) {
     Map map;
@@ -36,7 +33,7 @@ CompanionPlace::CompanionPlace(const Manifest& drawn, const Manifest& companion)
   }
 }
 
-VoxelBox CompanionPlace::Map::around(const VoxelBox& box, std::int64_t reach) const {
+VoxelBox CompanionPlace::Map::around(const VoxelBox& box) const {
   glm::dvec3 lo(1e300), hi(-1e300);
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 place =
@@ -48,9 +45,14 @@ VoxelBox CompanionPlace::Map::around(const VoxelBox& box, std::int64_t reach) co
   // Companions far away have no common voxel, whatever the distance.
   constexpr double kFar = 1e15;
   lo = glm::clamp(lo, -kFar, kFar), hi = glm::clamp(hi, -kFar, kFar);
-  const VoxelBox all{{nearestVoxel(lo.x) - reach, nearestVoxel(lo.y) - reach, nearestVoxel(lo.z) - reach},
-                     {nearestVoxel(hi.x) + reach + 1, nearestVoxel(hi.y) + reach + 1, nearestVoxel(hi.z) + reach + 1}};
+  VoxelBox all{nearestVoxel(lo), nearestVoxel(hi)};
+  for (int axis = 0; axis < 3; ++axis) ++all.hi[axis];
   return intersection(all, boxOf(dims));
+}
+
+std::int64_t CompanionPlace::Map::bricksFor(const VoxelBox& near, std::int64_t brick_size, std::int64_t beside) const {
+  const VoxelBox one = dilated(coreBox(brickOf(middleVoxel(near), brick_size), brick_size, dims), beside);
+  return intersection(one, near) == near ? 1 : coarseBox(near, brick_size).count();
 }
 
 }  // namespace kiln

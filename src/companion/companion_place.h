@@ -2,6 +2,7 @@
 // A level of the drawn volume reads the coarsest level of the companion whose voxels are at most as large.
 #pragma once
 
+#include <cmath>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -15,8 +16,14 @@ namespace kiln {
 /// such a point count as the point, so that rounding of the affine decides nothing. unit: voxels.
 inline constexpr double kHalfwaySlack = 1.0 / (1 << 16);
 
-/// Index of the nearest voxel along an axis.
-std::int64_t nearestVoxel(double place);
+inline VoxelCoord nearestVoxel(const glm::dvec3& place) {
+  const auto index = [](double at) { return static_cast<std::int64_t>(std::floor(at + 0.5 + kHalfwaySlack)); };
+  return {index(place.x), index(place.y), index(place.z)};
+}
+
+inline VoxelCoord middleVoxel(const VoxelBox& box) {
+  return {(box.lo.x + box.hi.x) / 2, (box.lo.y + box.hi.y) / 2, (box.lo.z + box.hi.z) / 2};
+}
 
 class CompanionPlace {
  public:
@@ -37,9 +44,12 @@ class CompanionPlace {
       return along[0].y == 0 && along[0].z == 0 && along[1].x == 0 && along[1].z == 0 && along[2].x == 0 &&
              along[2].y == 0;
     }
-    /// Box around the companion's voxels that are nearest to voxels of `box`, and `reach` voxels more; clipped at the
-    /// companion. requires: not empty.
-    VoxelBox around(const VoxelBox& box, std::int64_t reach) const;
+    /// Box around the companion's voxels that are nearest to voxels of `box`, clipped at the companion. requires: not
+    /// empty.
+    VoxelBox around(const VoxelBox& box) const;
+    /// Number of bricks that hold the companion's voxels `near`: one if the brick in the middle holds all of them with
+    /// `beside` voxels around its core.
+    std::int64_t bricksFor(const VoxelBox& near, std::int64_t brick_size, std::int64_t beside) const;
   };
 
   /// requires: both volumes are placed in one world.

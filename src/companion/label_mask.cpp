@@ -11,15 +11,8 @@
 #include "store/codec/brick_codec.h"
 
 namespace kiln {
-namespace {
-
-// The bricks of a level whose cores touch a box.
-VoxelBox bricksAround(const VoxelBox& box, std::int64_t brick_size) { return coarseBox(box, brick_size); }
-
-}  // namespace
-
 LabelMask::LabelMask(std::unique_ptr<BrickedVolume> mask, std::vector<std::int64_t> labels, const Manifest& drawn)
-    : mask_(std::move(mask)), place_(drawn, mask_->manifest()), kept_(kKept) {
+    : mask_(std::move(mask)), most_read_(mask_->largestReadBytes()), place_(drawn, mask_->manifest()), kept_(kKept) {
   if (mask_->manifest().volume_class != VolumeClass::kLabels)
     throw Error(ErrorCode::kUsage, mask_->path(), "mask",
                 "holds amounts, and a mask needs labels; convert its source with kiln convert --labels");
@@ -38,26 +31,25 @@ VoxelBox LabelMask::coreOf(const BrickKey& key) const {
   return coreBox(key.brick, mask_->manifest().brick_size, mask_->level(key.level).geometry.dims);
 }
 
+bool LabelMask::holdsListed(const BrickKey& key, const VoxelBox& near) const {
+  const BrickEntry& entry = mask_->index().at(key);
+  if (!holdsListed(entry.core)) return false;
+  if (!entry.sub_ranges) return true;
+  const SubRanges& ranges = *entry.sub_ranges;
+  return ranges.any(subBricksIn(near, coreOf(key), mask_->manifest().brick_size, ranges.along()),
+                    [&](std::size_t i, const VoxelCoord&) { return holdsListed(ranges.at(i, entry.support)); });
+}
+
 bool LabelMask::hides(int level, const VoxelBox& box) const {
   const CompanionPlace::Map& map = place_.of(level);
-  const VoxelBox near = map.around(box, 0);
+  const VoxelBox near = map.around(box);
   if (near.empty()) return true;
   const std::int64_t size = mask_->manifest().brick_size;
-  const VoxelBox bricks = bricksAround(near, size);
+  const VoxelBox bricks = coarseBox(near, size);
   for (std::int64_t z = bricks.lo.z; z < bricks.hi.z; ++z) {
     for (std::int64_t y = bricks.lo.y; y < bricks.hi.y; ++y) {
       for (std::int64_t x = bricks.lo.x; x < bricks.hi.x; ++x) {
-        const BrickKey key{map.level, brickOf({x * size, y * size, z * size}, size)};
-        const BrickEntry& entry = mask_->index().at(key);
-        if (!holdsListed(entry.core)) continue;
-        if (!entry.sub_ranges) return false;
-        const SubRanges& ranges = *entry.sub_ranges;
-        const VoxelBox core = coreOf(key);
-        if (ranges.any([&](std::size_t i, const VoxelCoord& at) {
-              return holdsListed(ranges.at(i, entry.support)) &&
-                     !intersection(subBrickOf(core, size, ranges.along(), at), near).empty();
-            }))
-          return false;
+        if (holdsListed({map.level, brickOf({x * size, y * size, z * size}, size)}, near)) return false;
       }
     }
   }
@@ -68,8 +60,7 @@ bool LabelMask::hides(int level, const VoxelBox& box) const {
 LabelMask::Packed LabelMask::packedBrick(const BrickKey& key) const {
   const BrickBlock block = mask_->read(key);
   // Voxels outside the mask repeat its border, and are no labels of it.
-  Packed out{intersection(block.extent, boxOf(mask_->level(key.level).geometry.dims)), block.extent,
-             ShownVoxels(block.extent)};
+  Packed out{intersection(block.extent, boxOf(mask_->level(key.level).geometry.dims)), ShownVoxels(block.extent)};
   withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     const T* const voxels = block.data<T>();
     const std::int64_t count = block.extent.count();
@@ -93,9 +84,7 @@ class LabelMask::Filling {
   // Returns the number of shown voxels.
   std::int64_t run() {
     // The brick in the middle serves most voxels.
-    VoxelCoord middle;
-    for (int axis = 0; axis < 3; ++axis) middle[axis] = (block_.core.lo[axis] + block_.core.hi[axis]) / 2;
-    isShown(nearestTo(middle));
+    isShown(nearestTo(middleVoxel(block_.core)));
     block_.shown = ShownVoxels(block_.extent);
     const std::array<std::vector<std::int64_t>, 3> voxels = voxelsOf(map_.drawn);
     if (map_.straight())
@@ -123,10 +112,7 @@ class LabelMask::Filling {
     return out;
   }
 
-  VoxelCoord nearestTo(const VoxelCoord& voxel) const {
-    const glm::dvec3 place = map_.placeOf(voxel);
-    return {nearestVoxel(place.x), nearestVoxel(place.y), nearestVoxel(place.z)};
-  }
+  VoxelCoord nearestTo(const VoxelCoord& voxel) const { return nearestVoxel(map_.placeOf(voxel)); }
 
   void show(std::int64_t offset, std::int64_t count) {
     block_.shown.show(offset, count);
@@ -178,8 +164,8 @@ class LabelMask::Filling {
       }
       return;
     }
-    const std::int64_t first = last_->packed->offsetOf({0, y, z});
     const ShownVoxels& listed = last_->packed->listed;
+    const std::int64_t first = listed.offsetOf({0, y, z});
     for (std::int64_t x = 0; x < count; ++x) {
       if (listed.at(first + row[static_cast<std::size_t>(x)])) show(offset + x, 1);
     }
@@ -192,7 +178,7 @@ class LabelMask::Filling {
       last_ = &brickAround(at);
     }
     if (!last_->packed) return last_->listed;
-    return last_->packed->listed.at(last_->packed->offsetOf(at));
+    return last_->packed->listed.at(last_->packed->listed.offsetOf(at));
   }
 
   const Brick& brickAround(const VoxelCoord& at) {
@@ -241,15 +227,11 @@ std::uint64_t LabelMask::packedBytes() const {
 // with its apron holds the extent.
 std::uint64_t LabelMask::workBytes(int level, const VoxelBox& extent) const {
   const CompanionPlace::Map& map = place_.of(level);
-  const VoxelBox near = map.around(intersection(extent, boxOf(map.drawn)), 0);
+  const VoxelBox near = map.around(intersection(extent, boxOf(map.drawn)));
   if (near.empty()) return 0;
   const Manifest& manifest = mask_->manifest();
-  VoxelCoord middle;
-  for (int axis = 0; axis < 3; ++axis) middle[axis] = (near.lo[axis] + near.hi[axis]) / 2;
-  const VoxelBox one = dilated(coreOf({map.level, brickOf(middle, manifest.brick_size)}), manifest.apron);
-  const bool within_one = intersection(one, near) == near;
-  const std::int64_t bricks = within_one ? 1 : bricksAround(near, manifest.brick_size).count();
-  return static_cast<std::uint64_t>(bricks) * packedBytes() + mask_->largestReadBytes();
+  const std::int64_t bricks = map.bricksFor(near, manifest.brick_size, manifest.apron);
+  return static_cast<std::uint64_t>(bricks) * packedBytes() + most_read_;
 }
 
 std::uint64_t LabelMask::heldBytes() const { return mask_->heldBytes() + kKept * packedBytes(); }

@@ -32,24 +32,22 @@ class LabelMask final : public Companion {
   /// A brick of the mask: the voxels with a listed label, apron included.
   struct Packed {
     VoxelBox extent;  // the voxels of the mask
-    VoxelBox box;     // the box of `listed`
     ShownVoxels listed;
-    std::int64_t offsetOf(const VoxelCoord& at) const {
-      const Extent3 size = box.extent();
-      return ((at.z - box.lo.z) * size.y + (at.y - box.lo.y)) * size.x + at.x - box.lo.x;
-    }
   };
   class Filling;
   static constexpr std::size_t kKept = 16;
 
   bool holdsListed(const ValueRange& range) const;
+  /// Returns whether some part of a brick that meets `near` may hold a listed label, by the index.
+  bool holdsListed(const BrickKey& key, const VoxelBox& near) const;
   bool isListed(double label) const;
   VoxelBox coreOf(const BrickKey& key) const;
   std::uint64_t packedBytes() const;
   Packed packedBrick(const BrickKey& key) const;
 
   const std::unique_ptr<BrickedVolume> mask_;
-  std::vector<double> labels_;  // sorted
+  const std::uint64_t most_read_;  // the largest BrickedVolume::readBytes of the mask. unit: bytes
+  std::vector<double> labels_;     // sorted
   const CompanionPlace place_;
   mutable KeptBricks<Packed> kept_;
 };

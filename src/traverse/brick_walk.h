@@ -26,6 +26,10 @@ struct BrickWalkCounts {
   std::uint64_t masked = 0;       // bricks that a mask hides, by its index
   std::uint64_t hidden = 0;       // interesting bricks inside the image, behind opaque pixels
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
+  void add(const BrickWalkCounts& other) {
+    bricks += other.bricks, interesting += other.interesting, masked += other.masked, hidden += other.hidden;
+    nodes_tested += other.nodes_tested, nodes_hidden += other.nodes_hidden;
+  }
 };
 
 /// A brick that may be drawn, and the pixels it can touch.

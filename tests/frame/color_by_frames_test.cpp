@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <glm/gtc/matrix_transform.hpp>
 
 #include "base/thread/parallel.h"
 #include "support/reference/companions.h"
@@ -21,8 +20,7 @@ constexpr ImageSize kColorSize{90, 77};
 
 Image drawColored(const Path& store, const Path& values, const FrameRequest& request,
                   std::uint64_t budget_bytes = 1ull << 30) {
-  const std::unique_ptr<BrickedVolume> volume = withValues(store, values);
-  return draw(std::vector<const BrickedVolume*>{volume.get()}, request, budget_bytes);
+  return draw(*withValues(store, values), request, budget_bytes);
 }
 
 std::shared_ptr<const CompanionColors> colorsByFunction(const TransferFunction& function, const DenseVolume& values) {
@@ -39,9 +37,7 @@ FrameRequest colorRequest(std::uint64_t seed, const DenseVolume& volume) {
 
 // The other volume has another resolution and is turned against the volume.
 DenseVolume turnedValues() {
-  glm::dmat4 turned = glm::translate(glm::dmat4(1), glm::dvec3(10, -10, 15));
-  turned = glm::rotate(turned, 0.4, glm::normalize(glm::dvec3(1, 2, 0.5)));
-  turned = glm::scale(turned, glm::dvec3(1.3, 2.2, 1.7));
+  const glm::dmat4 turned = turnedAffine(0.4, {1.3, 2.2, 1.7}, {10, -10, 15});
   return head({{50, 31, 42}, VoxelType::i16, turned}, usualRange(VoxelType::i16));
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/matrix_transform.hpp>
 
 #include "base/thread/parallel.h"
 #include "support/reference/companions.h"
@@ -23,8 +22,7 @@ constexpr ImageSize kMaskSize{90, 77};
 Image drawMasked(const Path& store, const Path& mask, const std::vector<std::int64_t>& labels,
                  const FrameRequest& request, std::uint64_t budget_bytes = 1ull << 30,
                  FrameStatistics* statistics = nullptr) {
-  const std::unique_ptr<BrickedVolume> volume = masked(store, mask, labels);
-  return draw(std::vector<const BrickedVolume*>{volume.get()}, request, budget_bytes, statistics);
+  return draw(*masked(store, mask, labels), request, budget_bytes, statistics);
 }
 
 // Bodies of the labels 0 to 5.
@@ -45,9 +43,7 @@ FrameRequest requestAt(std::uint64_t seed, const DenseVolume& volume) {
 
 // A mask of another resolution, turned against the volume.
 DenseVolume turnedMask() {
-  glm::dmat4 turned = glm::translate(glm::dmat4(1), glm::dvec3(10, -10, 15));
-  turned = glm::rotate(turned, 0.4, glm::normalize(glm::dvec3(1, 2, 0.5)));
-  turned = glm::scale(turned, glm::dvec3(1.3, 2.2, 1.7));
+  const glm::dmat4 turned = turnedAffine(0.4, {1.3, 2.2, 1.7}, {10, -10, 15});
   return bodies({{50, 31, 42}, VoxelType::u8, turned});
 }
 
@@ -87,12 +83,9 @@ TEST(Masks, OfLabelsEqualLabelsThatWereMaskedBefore) {
   const DenseVolume volume = cheese({{44, 39, 37}, VoxelType::u8, anisotropicAffine()}, 3, {0, 5});
   const DenseVolume mask = bodies({{44, 39, 37}, VoxelType::u16, anisotropicAffine()});
   const std::vector<std::int64_t> labels = {2, 3};
-  DenseVolume before = volume;
-  for (std::size_t i = 0; i < before.voxels.size(); ++i) {
-    const auto x = static_cast<std::int64_t>(i) % 44, y = static_cast<std::int64_t>(i) / 44 % 39,
-               z = static_cast<std::int64_t>(i) / 44 / 39;
-    if (!isListed(mask.valueAt(x, y, z), labels)) before.voxels[i] = std::byte{0};
-  }
+  const DenseVolume before = fill({{44, 39, 37}, VoxelType::u8, anisotropicAffine()}, [&](auto x, auto y, auto z) {
+    return isListed(mask.valueAt(x, y, z), labels) ? volume.valueAt(x, y, z) : 0.0;
+  });
   const Path store = makeStore(volume, "volume", 16, true), of_mask = makeStore(mask, "mask", 32, true);
   const Path truth = makeStore(before, "before", 16, true);
   for (std::uint64_t seed = 80; seed < casesOf(86u, 81u); ++seed) {
@@ -146,8 +139,8 @@ TEST(Masks, ShowTheirLengthOfAUniformMedium) {
   }
 }
 
-// A mask of a corner: only the brick at the corner is read. The index has ranges of labels: a range from 1 to 5 may hold
-// label 3. Bricks of such a range are looked up in the mask, and not read either.
+// A mask of a corner: only the brick at the corner is read. The index has ranges of labels: a range from 1 to 5 may
+// hold label 3. Bricks of such a range are looked up in the mask, and not read either.
 TEST(Masks, BricksThatTheyHideAreNotRead) {
   const DenseVolume volume =
       fill({{64, 64, 64}, VoxelType::u8}, [](auto x, auto y, auto z) { return 50 + (x + y + z) % 7; });
@@ -183,9 +176,10 @@ TEST(Masks, OfOneOfSeveralVolumesAreDrawnAlike) {
   const DenseVolume mask = turnedMask();
   const Path large = makeStore(volume, "large", 64), small = makeStore(volume, "small", 16);
   const Path of_mask = makeStore(mask, "mask", 16, true);
-  const auto drawn = [&](const Path& store, const FrameRequest& request, std::uint64_t budget = 1ull << 30) {
+  FrameStatistics statistics;
+  const auto drawn = [&](const Path& store, const FrameRequest& request) {
     const std::unique_ptr<BrickedVolume> first = masked(store, of_mask, {1, 2}), second = masked(store, of_mask, {4});
-    return draw(std::vector<const BrickedVolume*>{first.get(), second.get()}, request, budget);
+    return draw(std::vector<const BrickedVolume*>{first.get(), second.get()}, request, 1ull << 30, &statistics);
   };
   FrameRequest request = requestAt(704, volume);
   const RandomScene other = randomScene(705, volume, kMaskSize);
@@ -195,6 +189,7 @@ TEST(Masks, OfOneOfSeveralVolumesAreDrawnAlike) {
   const Image truth = drawn(large, request);
   EXPECT_TRUE(showsSomething(truth));
   EXPECT_TRUE(equalBits(truth, drawn(small, request))) << "bricks of 16";
+  EXPECT_GT(statistics.bricks_masked, 0u) << "bricks beside the mask";
   const ThreadLimit one(1);
   request.visibility.method = VisibilityMethod::kMask;
   request.tile_px = 128;
@@ -240,7 +235,8 @@ TEST(Masks, WithADamagedBrickAreErrors) {
   FrameRequest request = requestAt(701, volume);
   request.transfer_function = {1, {{0, glm::dvec3(1), 0.01}}};
   request.view = resolve(cameraFrom(volume.geometry, {1, 2, 3}, Projection::kPerspective), kMaskSize);
-  expectError([&] { drawMasked(store, of_mask, {2}, request); }, ErrorCode::kNotFound, "mask/volume.kiln/bricks/0/0_0_0.vdb");
+  expectError([&] { drawMasked(store, of_mask, {2}, request); }, ErrorCode::kNotFound,
+              "mask/volume.kiln/bricks/0/0_0_0.vdb");
 }
 
 }  // namespace

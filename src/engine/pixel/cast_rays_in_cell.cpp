@@ -46,11 +46,7 @@ class CellCaster {
         p_(rays, context.lattice(), in, tile),
         field_(context.lattice(), in, samples),
         s_(samples),
-        out_(out) {
-    if (in.mask == nullptr) return;
-    mask_ = in;
-    mask_.values = in.mask_smoothed;
-  }
+        out_(out) {}
 
   void run() {
     const auto cast = [this](std::size_t count) { castFound(count); };
@@ -135,7 +131,7 @@ class CellCaster {
   // Keeps the gradients of the mask's share: the field needs the rows of the samples next.
   HWY_NOINLINE void findMaskSlopes(std::size_t n, std::size_t count) {
     const D d;
-    CubicCellField share(l_, mask_, s_);
+    CubicCellField share(l_, in_.mask_smoothed, s_);
     share.findSlopes(n, count);
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
       const Vector slope = share.slopes(i);
@@ -171,7 +167,7 @@ class CellCaster {
       const auto sample = static_cast<std::size_t>(s_.index[n + i]);
       const float share = trilinear(in_.mask + s_.offset[sample], s_.fraction[0][sample], s_.fraction[1][sample],
                                     s_.fraction[2][sample]);
-      out[i] = std::min(std::max(0.5f + kLabelRise * (share - 0.5f), 0.0f), 1.0f);
+      out[i] = solidOf(share);
     }
     return hn::Load(d, out);
   }
@@ -660,7 +656,6 @@ class CellCaster {
   CellSamples& s_;
   CellOutput& out_;
   std::size_t count_ = 0, kept_ = 0, closed_count_ = 0;
-  CellInput mask_;  // with the mask's smoothed share as values
   alignas(64) float mask_slope_[3][kLit + kLanes];
 };
 

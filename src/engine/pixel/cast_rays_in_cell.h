@@ -27,7 +27,7 @@ namespace kiln {
 /// Input: a cell of a brick in a tile.
 struct CellInput {
   /// Edge of the voxels read for a cell (with margin); distance of the planes of voxels. unit: voxels.
-  static constexpr int kReadEdge = kPatchVoxels + 2 * kPatchMargin, kPlane = kReadEdge * kPatchStride;
+  static constexpr int kReadEdge = kPatchEdge, kPlane = kReadEdge * kPatchStride;
   const float* values = nullptr;           // from loadPatch; opacities for labels
   const std::int32_t* labels = nullptr;    // label volume: LabelVoxels::ranks
   const float* mask = nullptr;             // MaskVoxels::shown; null: all voxels are shown

@@ -166,7 +166,9 @@ class CubicCellField {
 
  public:
   CubicCellField(const SampleLattice& lattice, const CellInput& in, CellSamples& samples)
-      : in_(in), s_(samples), interpolation_(lattice.interpolation) {}
+      : CubicCellField(lattice, in.values, samples) {}
+  CubicCellField(const SampleLattice& lattice, const float* values, CellSamples& samples)
+      : values_(values), s_(samples), interpolation_(lattice.interpolation) {}
 
   static std::optional<Spaces> shown() { return std::nullopt; }
 

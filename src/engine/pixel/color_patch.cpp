@@ -1,6 +1,5 @@
 #include "engine/pixel/color_patch.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -8,15 +7,8 @@
 namespace kiln {
 
 void loadColors(const BrickBlock& block, const SampleTable& table, const VoxelCoord& lo, ColorPatch& out) {
-  constexpr int kEdge = kPatchVoxels + 2 * kPatchMargin;
-  const VoxelBox& has = block.extent;
-  std::array<std::int64_t, kEdge> at[3];
-  const std::int64_t stride[3] = {1, block.strideY(), block.strideZ()};
-  for (int a = 0; a < 3; ++a) {
-    for (int i = 0; i < kEdge; ++i)
-      at[a][static_cast<std::size_t>(i)] =
-          (std::clamp<std::int64_t>(lo[a] - kPatchMargin + i, has.lo[a], has.hi[a] - 1) - has.lo[a]) * stride[a];
-  }
+  std::array<std::int64_t, kPatchEdge> at[3];
+  for (int a = 0; a < 3; ++a) voxelOffsets(block, a, lo[a] - kPatchMargin, kPatchEdge, at[a].data());
   const auto placeOf = [&](float value) {
     const auto above = static_cast<float>(static_cast<double>(value) - table.offset());
     if (!table.ofLabels() || std::isnan(value)) return above * table.scale();
@@ -26,7 +18,7 @@ void loadColors(const BrickBlock& block, const SampleTable& table, const VoxelCo
   float* to = out.places;
   for (const std::int64_t z : at[2]) {
     for (const std::int64_t y : at[1]) {
-      for (std::size_t x = 0; x < kEdge; ++x)
+      for (std::size_t x = 0; x < kPatchEdge; ++x)
         to[x] = placeOf(block.color_values[static_cast<std::size_t>(at[0][x] + y + z)]);
       to += kPatchStride;
     }

@@ -9,7 +9,7 @@ namespace kiln {
 
 struct ColorPatch {
   /// NaN: the volume's own colour. shape: as loadPatch's.
-  alignas(64) float places[(kPatchVoxels + 2 * kPatchMargin) * (kPatchVoxels + 2 * kPatchMargin) * kPatchStride];
+  alignas(64) float places[kPatchEdge * kPatchEdge * kPatchStride];
 };
 
 /// Loads the cell whose first voxel is `lo`. Labels without a colour are NaN. requires: the block has such values.

@@ -11,12 +11,11 @@ constexpr int kWide = WideOpacities::kWide;
 class LabelLoad {
  public:
   LabelLoad(const BrickBlock& block, const SampleLattice& lattice, const SampleTable& table, LabelVoxels& out)
-      : block_(block), table_(table), out_(out), reach_(lattice.label_smoothing) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      inner_[a] = LabelVoxels::kEdge;
-      wide_[a] = inner_[a] + 2 * reach_;
-    }
-  }
+      : block_(block),
+        table_(table),
+        out_(out),
+        reach_(lattice.label_smoothing),
+        wide_(LabelVoxels::kEdge + 2 * reach_) {}
 
   LabelsAround run(const VoxelCoord& lo) {
     withVoxelType(block_.type, [&]<class T>(std::type_identity<T>) { load<T>(lo); });
@@ -26,18 +25,10 @@ class LabelLoad {
   }
 
  private:
-  // Voxels outside the brick repeat the nearest voxel; no sample of the brick needs them.
   template <class T>
   void load(const VoxelCoord& lo) {
-    const VoxelBox& has = block_.extent;
-    const Extent3 size = has.extent();
     std::array<std::int64_t, kWide> at[3];
-    const std::int64_t stride[3] = {1, block_.strideY(), block_.strideZ()};
-    for (int a = 0; a < 3; ++a) {
-      for (int i = 0; i < wide_[static_cast<std::size_t>(a)]; ++i)
-        at[a][static_cast<std::size_t>(i)] =
-            std::clamp<std::int64_t>(lo[a] - kPatchMargin - reach_ + i - has.lo[a], 0, size[a] - 1) * stride[a];
-    }
+    for (int a = 0; a < 3; ++a) voxelOffsets(block_, a, lo[a] - kPatchMargin - reach_, wide_, at[a].data());
     const T* const voxels = block_.data<T>();
     T last = voxels[at[0][0] + at[1][0] + at[2][0]];
     std::int32_t rank = rankOf(last);
@@ -46,26 +37,25 @@ class LabelLoad {
     const auto hides = [&](std::int64_t offset) { return masked && !block_.shown.at(offset); };
     first_ = hides(at[0][0] + at[1][0] + at[2][0]) ? -1 : rank;
     one_ = true;
-    const auto reach = static_cast<std::size_t>(reach_);
-    const auto inner = [&](std::size_t a, std::size_t i) {
-      return i >= reach && i < reach + static_cast<std::size_t>(inner_[a]);
-    };
-    for (std::size_t k = 0; k < static_cast<std::size_t>(wide_[2]); ++k) {
-      for (std::size_t j = 0; j < static_cast<std::size_t>(wide_[1]); ++j) {
+    const auto reach = static_cast<std::size_t>(reach_), wide = static_cast<std::size_t>(wide_);
+    const std::size_t edge = LabelVoxels::kEdge;
+    const auto inner = [&](std::size_t i) { return i >= reach && i < reach + edge; };
+    for (std::size_t k = 0; k < wide; ++k) {
+      for (std::size_t j = 0; j < wide; ++j) {
         const std::int64_t before = at[1][j] + at[2][k];
         const T* const row = voxels + before;
         float* const opacities = &out_.wide.at(0, j, k);
         std::array<std::int32_t, kWide> ranks;
-        for (std::size_t i = 0; i < static_cast<std::size_t>(wide_[0]); ++i) {
+        for (std::size_t i = 0; i < wide; ++i) {
           const T value = row[at[0][i]];
           if (value != last) last = value, rank = rankOf(value), opacity = table_.opacityOf(rank);
           const bool hidden = hides(before + at[0][i]);
           ranks[i] = hidden ? -1 : rank, opacities[i] = hidden ? 0 : opacity;
           one_ = one_ && ranks[i] == first_;
         }
-        if (!inner(1, j) || !inner(2, k)) continue;
-        const std::size_t row_of_patch = (k - reach) * static_cast<std::size_t>(inner_[1]) + j - reach;
-        std::copy_n(ranks.data() + reach, inner_[0], out_.ranks + row_of_patch * kPatchStride);
+        if (!inner(j) || !inner(k)) continue;
+        const std::size_t row_of_patch = (k - reach) * edge + j - reach;
+        std::copy_n(ranks.data() + reach, edge, out_.ranks + row_of_patch * kPatchStride);
       }
     }
   }
@@ -78,8 +68,7 @@ class LabelLoad {
   const BrickBlock& block_;
   const SampleTable& table_;
   LabelVoxels& out_;
-  const int reach_;
-  std::array<int, 3> inner_{}, wide_{};
+  const int reach_, wide_;
   bool one_ = false;  // all voxels have one label, or none has a label that is shown
   int first_ = -1;
 };

@@ -37,12 +37,14 @@ enum class LabelsAround { kNone, kOne, kSeveral };
 LabelsAround loadLabels(const BrickBlock& block, const SampleLattice& lattice, const VoxelCoord& lo,
                         const SampleTable& table, LabelVoxels& out);
 
+/// How solid a point is whose visible voxels have a share of `shown`: 0 to 1.
+inline float solidOf(float shown) { return std::min(std::max(0.5f + kLabelRise * (shown - 0.5f), 0.0f), 1.0f); }
+
 /// Table position of a sample: `shown` is the share of visible labels, `rank` the label with the largest share. Rounded
 /// to steps of 1/128, which a float represents exactly for every rank: other labels change no bit.
 inline float labelPlace(float shown, int rank) {
   constexpr float kSteps = 128;
-  const float rise = std::min(std::max(0.5f + kLabelRise * (shown - 0.5f), 0.0f), 1.0f);
-  const float solid = static_cast<float>(static_cast<int>(rise * kSteps + 0.5f)) / kSteps;
+  const float solid = static_cast<float>(static_cast<int>(solidOf(shown) * kSteps + 0.5f)) / kSteps;
   return solid > 0 ? SampleTable::placeOf(rank, solid) : 0.0f;
 }
 

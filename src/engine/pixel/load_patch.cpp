@@ -17,7 +17,7 @@ namespace {
 
 // Offsets of voxel rows: row (j, k) begins at data + y[j] + z[k] + x[0].
 struct UnitRows {
-  static constexpr int kEdge = kPatchVoxels + 2 * kPatchMargin;
+  static constexpr int kEdge = kPatchEdge;
   std::array<std::int64_t, kPatchStride> x;
   std::array<std::int64_t, kEdge> y, z;
   int rim;  // outer voxels that only gradients read
@@ -121,15 +121,6 @@ SampledRange loadWhole(const UnitRows& rows, const std::int16_t* data, int offse
   return HWY_DYNAMIC_DISPATCH(loadI16)(rows, data, offset, values);
 }
 
-// Computes the offsets of `count` voxels along an axis from `first` on, clamped to the `extent` voxels that exist.
-void placesFrom(std::int64_t first, int count, std::int64_t extent, std::int64_t stride, std::int64_t* out) {
-  if (first >= 0 && first + count <= extent) {
-    for (int i = 0; i < count; ++i) out[i] = (first + i) * stride;
-  } else {
-    for (int i = 0; i < count; ++i) out[i] = std::clamp<std::int64_t>(first + i, 0, extent - 1) * stride;
-  }
-}
-
 // Clamps infinities and values near the limit of a float: no value can be interpolated between infinities.
 double withinFloats(double value) {
   constexpr double kMost = 1e37;
@@ -163,24 +154,31 @@ SampledRange loadVoxels(const UnitRows& rows, const T* data, double offset, floa
 
 }  // namespace
 
+void voxelOffsets(const BrickBlock& block, int axis, std::int64_t first, int count, std::int64_t* out) {
+  const std::int64_t extent = block.extent.extent()[axis], from = first - block.extent.lo[axis];
+  const std::int64_t stride = axis == 0 ? 1 : axis == 1 ? block.strideY() : block.strideZ();
+  if (from >= 0 && from + count <= extent) {
+    for (int i = 0; i < count; ++i) out[i] = (from + i) * stride;
+  } else {
+    for (int i = 0; i < count; ++i) out[i] = std::clamp<std::int64_t>(from + i, 0, extent - 1) * stride;
+  }
+}
+
 SampledRange loadPatch(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
                        float* values) {
-  const VoxelBox& has = block.extent;
   UnitRows rows;
   // Linear interpolation reads the outermost voxels only for gradients.
   rows.rim = lattice.interpolation == Interpolation::kLinear ? 1 : 0;
-  const Extent3 size = has.extent();
-  const auto from = [&](int axis) { return lo[axis] - kPatchMargin - has.lo[axis]; };
-  placesFrom(from(0), UnitRows::kEdge, size.x, 1, rows.x.data());
-  placesFrom(from(1), UnitRows::kEdge, size.y, block.strideY(), rows.y.data());
-  placesFrom(from(2), UnitRows::kEdge, size.z, block.strideZ(), rows.z.data());
+  voxelOffsets(block, 0, lo.x - kPatchMargin, kPatchEdge, rows.x.data());
+  voxelOffsets(block, 1, lo.y - kPatchMargin, kPatchEdge, rows.y.data());
+  voxelOffsets(block, 2, lo.z - kPatchMargin, kPatchEdge, rows.z.data());
   const std::int64_t last_x = rows.x[static_cast<std::size_t>(UnitRows::kEdge) - 1];
   const std::int64_t last_row = rows.x[0] + rows.y[static_cast<std::size_t>(UnitRows::kEdge) - 1] +
                                 rows.z[static_cast<std::size_t>(UnitRows::kEdge) - 1];
   return withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     const T* const data = block.data<T>();
     if constexpr (sizeof(T) <= 2) {
-      if (last_x - rows.x[0] == UnitRows::kEdge - 1 && last_row + kPatchStride <= size.x * size.y * size.z)
+      if (last_x - rows.x[0] == UnitRows::kEdge - 1 && last_row + kPatchStride <= block.extent.count())
         return loadWhole(rows, data, static_cast<int>(offset), values);
     }
     return loadVoxels(rows, data, offset, values);

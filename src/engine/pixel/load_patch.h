@@ -11,6 +11,8 @@ inline constexpr int kPatchVoxels = 8;
 /// Margin read around a cell: a voxel for linear interpolation and a voxel for the gradient, or two for a cubic and the
 /// gradient. unit: voxels.
 inline constexpr int kPatchMargin = 2;
+/// Edge of the voxels read for a cell, margin included. unit: voxels.
+inline constexpr int kPatchEdge = kPatchVoxels + 2 * kPatchMargin;
 /// Distance of rows in the dense array: a row is whole vectors. unit: floats.
 inline constexpr int kPatchStride = 16;
 
@@ -26,6 +28,10 @@ struct SampledRange {
 /// kPatchStride, 64-byte aligned. requires: for types of up to 16 bits, `offset` is a whole number.
 SampledRange loadPatch(const BrickBlock& block, const SampleLattice& lattice, double offset, const VoxelCoord& lo,
                        float* values);
+
+/// Computes the offsets in a brick's arrays of `count` voxels along an axis from voxel `first` on. Voxels outside the
+/// brick, which none of its samples needs, repeat the nearest voxel.
+void voxelOffsets(const BrickBlock& block, int axis, std::int64_t first, int count, std::int64_t* out);
 
 /// Name of the instruction set in use, such as "AVX3".
 const char* instructionSet();

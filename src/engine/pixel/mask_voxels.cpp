@@ -16,14 +16,8 @@ MaskAround loadMask(const BrickBlock& block, const SampleLattice& lattice, const
   if (block.shown.every(known)) return MaskAround::kAll;
   const VoxelBox samples = intersection(dilated(read, -(margin - 1)), has);
   if (!block.shown.any(samples)) return MaskAround::kNone;
-  // Voxels outside the brick repeat the nearest voxel; no sample of the brick needs them.
   std::array<std::int64_t, WideOpacities::kWide> at[3];
-  const std::int64_t stride[3] = {1, block.strideY(), block.strideZ()};
-  for (int a = 0; a < 3; ++a) {
-    for (int i = 0; i < wide; ++i)
-      at[a][static_cast<std::size_t>(i)] =
-          (std::clamp<std::int64_t>(read.lo[a] + i, has.lo[a], has.hi[a] - 1) - has.lo[a]) * stride[a];
-  }
+  for (int a = 0; a < 3; ++a) voxelOffsets(block, a, read.lo[a], wide, at[a].data());
   for (std::size_t k = 0; k < static_cast<std::size_t>(wide); ++k) {
     for (std::size_t j = 0; j < static_cast<std::size_t>(wide); ++j) {
       for (std::size_t i = 0; i < static_cast<std::size_t>(wide); ++i)

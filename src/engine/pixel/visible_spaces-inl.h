@@ -51,7 +51,7 @@ struct VoxelBits {
 };
 // Offset of a row of voxels. shape: as loadPatch's `values`.
 constexpr std::ptrdiff_t rowOfVoxels(int y, int z) {
-  constexpr int kFirst = kPatchMargin - 1, kEdge = kPatchVoxels + 2 * kPatchMargin;
+  constexpr int kFirst = kPatchMargin - 1, kEdge = kPatchEdge;
   return ((z + kFirst) * kEdge + y + kFirst) * kPatchStride + kFirst;
 }
 

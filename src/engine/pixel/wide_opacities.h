@@ -10,7 +10,7 @@ namespace kiln {
 inline constexpr int kMostLabelSmoothing = 3, kLeastLabelSmoothing = 2;
 
 struct WideOpacities {
-  static constexpr int kEdge = kPatchVoxels + 2 * kPatchMargin, kWide = kEdge + 2 * kMostLabelSmoothing;
+  static constexpr int kEdge = kPatchEdge, kWide = kEdge + 2 * kMostLabelSmoothing;
   /// Opacities before and during smoothing. shape: kWide per axis.
   float values[2][kWide * kWide * kWide];
 

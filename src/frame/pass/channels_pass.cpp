@@ -17,15 +17,6 @@ FrameRequest requestOfChannel(const FrameRequest& request, const VolumeRequest& 
   return out;
 }
 
-void add(const BrickWalkCounts& counts, BrickWalkCounts& sum) {
-  sum.bricks += counts.bricks;
-  sum.interesting += counts.interesting;
-  sum.masked += counts.masked;
-  sum.hidden += counts.hidden;
-  sum.nodes_tested += counts.nodes_tested;
-  sum.nodes_hidden += counts.nodes_hidden;
-}
-
 // Adds the light of a channel to the picture.
 void addLight(const Image& channel, const TilePixels& to) {
   parallelFor(static_cast<std::size_t>(channel.height), [&](std::size_t row) {
@@ -57,7 +48,7 @@ std::vector<BrickOfFrame> ChannelsPass::inView(const PixelRect& pixels, BrickWal
     BrickWalkCounts walked;
     const std::vector<BrickOfFrame> bricks = channel.pass->inView(pixels, walked);
     out.insert(out.end(), bricks.begin(), bricks.end());
-    add(walked, counts);
+    counts.add(walked);
   }
   return out;
 }
@@ -79,7 +70,7 @@ PixelRect ChannelsPass::draw(const PassTarget& target, PassContext& context) {
     addLight(picture, target.pixels);
   }
   context.costs.walked = {};
-  for (const Channel& channel : channels_) add(channel.walked, context.costs.walked);
+  for (const Channel& channel : channels_) context.costs.walked.add(channel.walked);
   return rect;
 }
 

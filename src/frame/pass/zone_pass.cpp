@@ -27,6 +27,7 @@ class ZonePass::Drawing {
     BrickWalkCounts& walked = context_.costs.walked;
     walked.bricks = volumes_.counts().bricks;
     walked.interesting = volumes_.counts().interesting;
+    walked.masked = volumes_.counts().masked;
     const PixelRect& pixels = target_.pixels.rect;
     const std::vector<PixelRect> tiles = tilesOf(pass_.tile_px_, pixels, pixels);
     for (std::size_t zone = 0; zone < volumes_.zones(); ++zone) {

@@ -30,13 +30,11 @@ void ShownVoxels::show(std::int64_t offset, std::int64_t count) {
 // Returns whether the test holds for the words of some row of the part.
 template <class Test>
 bool ShownVoxels::anyWord(const VoxelBox& part, const Test& test) const {
-  const Extent3 size = box_.extent();
   const std::int64_t count = part.hi.x - part.lo.x;
   if (part.empty()) return false;
   for (std::int64_t z = part.lo.z; z < part.hi.z; ++z) {
     for (std::int64_t y = part.lo.y; y < part.hi.y; ++y) {
-      const std::int64_t offset = ((z - box_.lo.z) * size.y + (y - box_.lo.y)) * size.x + part.lo.x - box_.lo.x;
-      if (anyWordOf(offset, count, test)) return true;
+      if (anyWordOf(offsetOf({part.lo.x, y, z}), count, test)) return true;
     }
   }
   return false;

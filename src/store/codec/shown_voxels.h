@@ -1,7 +1,6 @@
 // Which voxels of a box a mask shows: a bit per voxel, x fastest.
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -21,6 +20,11 @@ class ShownVoxels {
   /// `offset` counts the voxels of the box before a voxel. requires: !all().
   bool at(std::int64_t offset) const {
     return (words_[static_cast<std::size_t>(offset >> 6)] >> (offset & 63) & 1) != 0;
+  }
+  /// Voxels of the box before a voxel of the box.
+  std::int64_t offsetOf(const VoxelCoord& v) const {
+    const Extent3 size = box_.extent();
+    return ((v.z - box_.lo.z) * size.y + (v.y - box_.lo.y)) * size.x + v.x - box_.lo.x;
   }
   /// Shows `count` voxels from `offset` on. requires: !all().
   void show(std::int64_t offset, std::int64_t count = 1);

@@ -59,6 +59,12 @@ VoxelBox subBrickOf(const VoxelBox& core, std::int64_t brick_size, int along, co
   return out;
 }
 
+VoxelBox subBricksIn(const VoxelBox& part, const VoxelBox& core, std::int64_t brick_size, int along) {
+  VoxelBox inside = intersection(part, core);
+  for (int axis = 0; axis < 3; ++axis) inside.lo[axis] -= core.lo[axis], inside.hi[axis] -= core.lo[axis];
+  return intersection(coarseBox(inside, sizeOf(brick_size, along)), boxOf({along, along, along}));
+}
+
 std::vector<ValueRange> subBrickRanges(std::span<const std::byte> voxels, VoxelType type, const VoxelBox& box,
                                        const VoxelBox& core, std::int64_t brick_size, int along) {
   std::array<std::vector<VoxelSpan>, 3> spans;
@@ -87,6 +93,11 @@ SubRanges::SubRanges(int along, std::span<const ValueRange> ranges, const ValueR
 }
 
 SubRanges::SubRanges(int along, std::span<const std::byte> bytes) : along_(along), bytes_(bytes.begin(), bytes.end()) {}
+
+void SubRanges::clear(std::size_t i) {
+  bytes_[i] = static_cast<std::byte>(kSubSteps);
+  bytes_[count() + i] = std::byte{0};
+}
 
 ValueRange SubRanges::at(std::size_t i, const ValueRange& support) const {
   const int lo = std::to_integer<int>(bytes_[i]), hi = std::to_integer<int>(bytes_[count() + i]);

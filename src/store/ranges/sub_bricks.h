@@ -25,6 +25,8 @@ inline constexpr std::int64_t kSubBrickReach = 2;
 int subBricksOf(std::int64_t brick_size);
 /// The voxels of sub-brick `at` in a brick with `along` sub-bricks per axis; empty if the brick ends before.
 VoxelBox subBrickOf(const VoxelBox& core, std::int64_t brick_size, int along, const VoxelCoord& at);
+/// The sub-bricks that meet `part`, as a box of `at`. requires: `part` meets the core.
+VoxelBox subBricksIn(const VoxelBox& part, const VoxelBox& core, std::int64_t brick_size, int along);
 
 /// Returns the range of each sub-brick. A range covers the voxels of the sub-brick, voxels within kSubBrickReach and,
 /// at a face of the brick, the apron: everything that is interpolated or classified in the sub-brick and in the apron
@@ -51,18 +53,25 @@ class SubRanges {
   /// `support`.
   ValueRange at(std::size_t i, const ValueRange& support) const;
 
-  /// True if test(i, at) holds for any sub-brick `at`, the i-th; stops at the first.
+  /// Makes the i-th range empty.
+  void clear(std::size_t i);
+
+  /// True if test(i, at) holds for any sub-brick `at`, the i-th of all, of a box of sub-bricks; stops at the first.
   template <class Test>
-  bool any(Test&& test) const {
-    std::size_t i = 0;
-    for (std::int64_t z = 0; z < along_; ++z) {
-      for (std::int64_t y = 0; y < along_; ++y) {
-        for (std::int64_t x = 0; x < along_; ++x, ++i) {
-          if (test(i, VoxelCoord{x, y, z})) return true;
+  bool any(const VoxelBox& box, Test&& test) const {
+    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+        for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
+          if (test(static_cast<std::size_t>((z * along_ + y) * along_ + x), VoxelCoord{x, y, z})) return true;
         }
       }
     }
     return false;
+  }
+  /// As above, of all sub-bricks.
+  template <class Test>
+  bool any(Test&& test) const {
+    return any(boxOf({along_, along_, along_}), test);
   }
 
   bool operator==(const SubRanges&) const = default;
