@@ -1,8 +1,10 @@
 #include "base/duration_text.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <cmath>
+#include <ctime>
 
 namespace kiln {
 namespace {
@@ -25,5 +27,7 @@ std::string durationText(double seconds) {
 std::string roughDurationText(double seconds) {
   return seconds >= kMostSeconds ? minutesText(seconds) : fmt::format("{:.0f} s", seconds);
 }
+
+std::string timeNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
 }  // namespace kiln

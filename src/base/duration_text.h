@@ -1,4 +1,4 @@
-// Durations for people.
+// Durations for people, and the present time for files.
 #pragma once
 
 #include <string>
@@ -9,5 +9,8 @@ namespace kiln {
 std::string durationText(double seconds);
 /// Returns the same without fractions of a second, for estimates: "43 s".
 std::string roughDurationText(double seconds);
+
+/// Returns the present time in UTC. unit: ISO 8601.
+std::string timeNow();
 
 }  // namespace kiln

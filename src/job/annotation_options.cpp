@@ -34,20 +34,6 @@ OptionValue<Annotations> textValue() {
       .resolvedIf([](const Annotations& annotations) { return !annotations.text.empty(); });
 }
 
-OptionValue<Annotations> colorValue() {
-  const ColorValue kind{{0, 1}, "fraction"};
-  return OptionValue<Annotations>::custom(
-             kind.form(),
-             [kind](const JobObject& object, std::string_view key, Annotations& out) {
-               kind.read(object, key, out.color.emplace());
-             },
-             [kind](const Annotations& annotations) -> nlohmann::ordered_json {
-               if (!annotations.color) return {};
-               return kind.write(*annotations.color);
-             })
-      .resolvedIf([](const Annotations& annotations) { return annotations.color.has_value(); });
-}
-
 }  // namespace
 
 const Options<Annotations>& annotationOptions() {
@@ -71,7 +57,9 @@ const Options<Annotations>& annotationOptions() {
       Row("text", "--text", kAnnotations, textValue(),
           "Draw a text in the upper left corner. {frame}, {time} (seconds of a video), {volume} (its name), {unit} (of "
           "length), {minimum}, {maximum} and {voxels} are filled in; {{ is a brace."),
-      Row("color", "--annotation-color", kAnnotations, colorValue(),
+      Row("color", "--annotation-color", kAnnotations,
+          {KILN_MEMBER(color), ColorValue{{0, 1}, "fraction"},
+           [](const Annotations& a) { return a.color.has_value(); }},
           "Colour of text and lines, r,g,b in linear light, a name, #rgb or #rrggbb. Default: dark on a light or "
           "transparent background, else light."),
       Row("size", "--annotation-size", kAnnotations,

@@ -127,7 +127,7 @@ glm::dmat4 placeOf(const JsonNode& node) {
 std::size_t indexOf(const JsonNode& node, std::size_t count) {
   const std::int64_t index = node.whole();
   if (index < 0 || index >= static_cast<std::int64_t>(count))
-    node.fail(fmt::format("expected a number from 0 to below {} (found {})", count, index));
+    node.fail(fmt::format("expected a number from 0 to below {}", count));
   return static_cast<std::size_t>(index);
 }
 
@@ -157,7 +157,7 @@ void setLens(const JsonNode& lens, CameraSpec& camera) {
     camera.projection = Projection::kPerspective;
     camera.fov_deg = lens.at("perspective").at("yfov").number() * 180 / std::numbers::pi;
   } else {
-    lens.at("type").fail(fmt::format("expected perspective or orthographic (found '{}')", type));
+    lens.at("type").fail("expected perspective or orthographic");
   }
 }
 

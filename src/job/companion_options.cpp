@@ -1,6 +1,8 @@
 // The options of companions: masks, and colours by another volume.
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "job/job_options.h"
 #include "job/job_parts.h"
 #include "job/option_kinds.h"
@@ -23,15 +25,10 @@ OptionValue<MaskChoice> labelsValue() {
              std::move(form),
              [](const JobObject& object, std::string_view key, MaskChoice& mask) {
                constexpr std::string_view kExpected = "a list of at least one label, a whole number";
-               const auto is_label = [](double v) { return v == static_cast<double>(static_cast<std::int64_t>(v)); };
                const std::vector<double> labels = *object.numberList(
-                   key, kExpected, [](double v) { return v >= -kLargestLabel && v <= kLargestLabel; });
+                   key, kExpected, [](double v) { return std::abs(v) <= kLargestLabel && v == std::trunc(v); });
                if (labels.empty() || labels.size() > kMostMaskLabels) object.refuse(key, kExpected);
-               mask.labels.clear();
-               for (const double label : labels) {
-                 if (!is_label(label)) object.refuse(key, kExpected);
-                 mask.labels.push_back(static_cast<std::int64_t>(label));
-               }
+               mask.labels.assign(labels.begin(), labels.end());
              },
              [](const MaskChoice& mask) { return nlohmann::ordered_json(mask.labels); })
       .resolvedIf(kAlways);

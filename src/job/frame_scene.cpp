@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "base/error.h"
+#include "base/file/path_name.h"
 #include "engine/shown_box.h"
 #include "grid/length_unit.h"
 #include "job/animation.h"
@@ -84,7 +85,7 @@ PlaceholderTexts textsOfFrame(const RenderJob& job, int frame, const Manifest& m
   const Extent3& dims = manifest.geometry().dims;
   return {fmt::format("{}", frame),
           fmt::format("{:.2f}", time_s),
-          (job.volume.has_filename() ? job.volume : job.volume.parent_path()).stem().string(),
+          withoutTrailingSlash(job.volume).stem().string(),
           shownUnit(manifest.geometry().unit),
           fmt::format("{:g}", manifest.range.lo),
           fmt::format("{:g}", manifest.range.hi),

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "image/named_color.h"
 #include "job/given_flags.h"
 #include "job/job_names.h"
 #include "job/job_options.h"

@@ -36,9 +36,13 @@ bool moves(const RenderJob& job);
 std::vector<int> framesOf(const RenderJob& job);
 /// Returns the engine that draws the job.
 EngineChoice engineOf(const RenderJob& job);
+/// Returns whether nothing shows through the background.
+inline bool isOpaque(const Background& background) { return background.top[3] >= 1 && background.bottom[3] >= 1; }
+/// Returns whether a file of this content holds colours.
+inline bool holdsColors(Content content) { return content == Content::kPicture || content == Content::kColor; }
 /// throws: Error kUsage for a partial image that could not be composited or written.
 void requirePart(const RenderJob& job);
-/// throws: Error kUsage for several volumes with an option that draws one volume.
+/// throws: Error kUsage for volumes, companions or colours of channels that the engine of the job does not draw.
 void requireVolumes(const RenderJob& job);
 /// throws: Error kUsage for a mask or colours of another volume if the engine of the job draws none.
 void requireCompanions(const RenderJob& job);

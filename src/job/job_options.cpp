@@ -10,6 +10,7 @@
 #include "job/job_names.h"
 #include "job/job_parts.h"
 #include "job/json/points_text.h"
+#include "job/stated_job.h"
 #include "scene/sampling.h"
 #include "scene/scene_limits.h"
 #include "scene/transfer/presets.h"
@@ -45,12 +46,6 @@ OptionForm functionForm() {
     return complete ? text : "./" + text;
   };
   return form;
-}
-
-ordered_json functionJson(const TransferFunctionChoice& choice) {
-  if (const auto* const name = std::get_if<std::string>(&choice)) return *name;
-  if (const auto* const file = std::get_if<std::filesystem::path>(&choice)) return file->generic_string();
-  return resolvedJson(transferFunctionOptions(), std::get<TransferFunction>(choice));
 }
 
 ordered_json listSchema(const ordered_json& items, std::size_t least, std::size_t most) {
@@ -395,7 +390,7 @@ Options<RenderJob> rootOptions() {
               [](const JobObject& root, std::string_view, RenderJob& job) {
                 readTransferFunction(root, job.picture.transfer_function, job.animation.functions);
               },
-              [](const RenderJob& job) { return functionJson(job.picture.transfer_function); })
+              [](const RenderJob& job) { return statedJson(job.picture.transfer_function); })
               .resolvedIf(ofOneVolume),
           kFunctionHelp));
   add(Row("window", "--window", kTransferFunction, {KILN_MEMBER(picture.window), ValueWindow{}}, kWindowHelp));
@@ -629,7 +624,7 @@ const Options<VolumeOptions>& volumeOptions() {
                 [](const JobObject& object, std::string_view, VolumeOptions& volume) {
                   readTransferFunction(object, volume.transfer_function, volume.functions);
                 },
-                [](const VolumeOptions& volume) { return functionJson(volume.transfer_function); })
+                [](const VolumeOptions& volume) { return statedJson(volume.transfer_function); })
                 .resolvedIf(kAlways),
             kFunctionHelp),
         Row("window", {KILN_MEMBER(window), ValueWindow{}}, kWindowHelp)};

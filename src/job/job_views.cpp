@@ -112,9 +112,8 @@ void requireAnnotations(const RenderJob& job) {
                 "--axes out, or choose perspective");
   const OutputOptions& output = job.output;
   const bool flat = (!output.path.empty() && !output.deep) || !output.video.path.empty() ||
-                    std::any_of(output.files.begin(), output.files.end(), [](const OutputFile& file) {
-                      return file.content == Content::kPicture || file.content == Content::kColor;
-                    });
+                    std::any_of(output.files.begin(), output.files.end(),
+                                [](const OutputFile& file) { return holdsColors(file.content); });
   if (!flat && !(output.path.empty() && output.files.empty()))
     throw Error(ErrorCode::kUsage,
                 "annotations: are drawn over colours of a flat picture (found no such file); add one to outputs, or "

@@ -10,7 +10,6 @@
 #include "base/memory/memory.h"
 #include "base/text.h"
 #include "image/named_color.h"
-#include "image/srgb.h"
 #include "job/job_names.h"
 
 namespace kiln {
@@ -101,11 +100,6 @@ json numbersOfText(std::string_view text, char separator) {
     out.push_back(number);
   }
   return out;
-}
-
-std::string hexText(const glm::dvec3& color) {
-  const SrgbBytes& bytes = SrgbBytes::all();
-  return fmt::format("#{:02x}{:02x}{:02x}", bytes.of(color.r), bytes.of(color.g), bytes.of(color.b));
 }
 
 json colorOfText(std::string_view text) {
@@ -360,14 +354,11 @@ OptionForm ColorValue::form() const {
   return out;
 }
 
-void ColorValue::read(const JobObject& object, std::string_view key, glm::dvec3& out) const {
+glm::dvec3 ColorValue::readColor(const JobObject& object, std::string_view key) const {
   const std::string expected = fmt::format("[red, green, blue] from {}, or {}", range.text(), kColorForms);
-  if (object.isText(key)) {
-    out = namedColor(object, key, expected);
-    return;
-  }
+  if (object.isText(key)) return namedColor(object, key, expected);
   const auto c = *object.numbers<3>(key, expected, range);
-  out = {c[0], c[1], c[2]};
+  return {c[0], c[1], c[2]};
 }
 
 OptionForm BackgroundColors::form() const {

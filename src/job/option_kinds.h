@@ -173,8 +173,16 @@ struct ColorValue {
   NumberRange range;
   std::string_view ref;
   OptionForm form() const;
-  void read(const JobObject& object, std::string_view key, glm::dvec3& out) const;
-  nlohmann::ordered_json write(const glm::dvec3& color) const { return {color.r, color.g, color.b}; }
+  glm::dvec3 readColor(const JobObject& object, std::string_view key) const;
+  template <class T>
+  void read(const JobObject& object, std::string_view key, T& out) const {
+    out = readColor(object, key);
+  }
+  template <class T>
+  nlohmann::ordered_json write(const T& value) const {
+    const glm::dvec3* const c = option_detail::ifThere(value);
+    return c ? nlohmann::ordered_json{c->r, c->g, c->b} : nlohmann::ordered_json();
+  }
 };
 
 /// One colour behind the volume, or two. A colour is [red, green, blue, alpha], a text, or "transparent".
@@ -260,8 +268,6 @@ struct ListOf {
   }
 };
 
-/// Returns "#rrggbb" of a colour in linear light.
-std::string hexText(const glm::dvec3& color);
 /// Returns the numbers of "a,b,c" as a list; null for other texts.
 nlohmann::json numbersOfText(std::string_view text, char separator = ',');
 /// The three numbers of "r,g,b" as a list, or a colour's name as it stands; null where the text is no colour.

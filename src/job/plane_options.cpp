@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 
 #include "base/error.h"
 #include "base/file/file.h"
+#include "base/text.h"
 #include "image/file/png_file.h"
 #include "image/srgb.h"
 #include "job/job_names.h"
@@ -61,12 +61,7 @@ void readPicture(const std::filesystem::path& path, GradientTable& table) {
 }
 
 // The shortest number that a float is read from.
-double shortNumber(float value) {
-  const std::string text = fmt::format("{}", value);
-  double out = 0;
-  std::from_chars(text.data(), text.data() + text.size(), out);
-  return out;
-}
+double shortNumber(float value) { return *numberOf<double>(fmt::format("{}", value)); }
 
 // A picture, or the factors row by row.
 OptionValue<GradientTable> nodesValue() {
@@ -112,15 +107,8 @@ const Options<GradientRegion>& gradientRegionOptions() {
       Row("softness", {KILN_MEMBER(softness), Number{kFactor, "", kShareRange}, kAlways},
           "Share of the half width over which the opacity rises at an edge."),
       Row("color",
-          OptionValue<GradientRegion>::custom(
-              ColorValue{kFactor, kShareRange}.form(),
-              [](const JobObject& object, std::string_view key, GradientRegion& region) {
-                ColorValue{kFactor, kShareRange}.read(object, key, region.color.emplace());
-              },
-              [](const GradientRegion& region) {
-                return ColorValue{kFactor, kShareRange}.write(*region.color);
-              })
-              .resolvedIf([](const GradientRegion& region) { return region.color.has_value(); }),
+          {KILN_MEMBER(color), ColorValue{kFactor, kShareRange},
+           [](const GradientRegion& region) { return region.color.has_value(); }},
           "Colour instead of the colour of the points."),
   };
   return kOptions;

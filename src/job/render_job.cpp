@@ -94,11 +94,12 @@ void requirePart(const RenderJob& job) {
 }
 
 void requireVolumes(const RenderJob& job) {
-  if (job.volumes.empty()) return;
   if (job.volumes.size() > kMostVolumesOfJob)
     throw Error(ErrorCode::kUsage, fmt::format("volumes: at most {} in one picture (found {}); draw fewer",
                                                kMostVolumesOfJob, job.volumes.size()));
-  requireOptions(engineOf(job), {});
+  if (!job.volumes.empty()) requireOptions(engineOf(job), {});
+  requireCompanions(job);
+  requireChannels(job);
 }
 
 void requireCompanions(const RenderJob& job) {

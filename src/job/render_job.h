@@ -34,7 +34,7 @@ struct Annotations {
   std::optional<glm::dvec3> color;  // of text and lines, in linear light; absent: chosen by the background
   double size = 1;                  // of text and lines, relative to the picture
 
-  bool any() const { return scale_bar || box || legend || axes || !text.empty(); }
+  bool any() const { return box || letters(); }
   /// Returns whether letters are drawn.
   bool letters() const { return scale_bar || legend || axes || !text.empty(); }
   bool operator==(const Annotations&) const = default;

@@ -183,6 +183,27 @@ std::vector<int> framesOnDisk(const fs::path& pattern) {
   return {out.begin(), out.end()};
 }
 
+std::set<fs::path> namesInFrames(const RenderJob& job, const fs::path& pattern) {
+  std::set<fs::path> out = {pattern};
+  for (const int frame : framesOf(job)) out.insert(pathOfFrame(pattern, frame));
+  if (const std::vector<int> there = framesOnDisk(pattern); !there.empty())
+    out.insert(pathOfFrame(pattern, there.front()));
+  return out;
+}
+
+std::set<fs::path> labelVolumesOf(const RenderJob& job) {
+  std::set<fs::path> out;
+  const auto addMask = [&](const Companions& companions) {
+    if (companions.mask) out.merge(namesInFrames(job, companions.mask->volume));
+  };
+  addMask(job.companions);
+  for (const VolumeOptions& volume : job.volumes) {
+    if (volume.labels) out.merge(namesInFrames(job, volume.volume));
+    addMask(volume.companions);
+  }
+  return out;
+}
+
 std::shared_ptr<const SeriesLook> seriesLook(const RenderJob& job, const StoreFor& store_for, bool resume,
                                              Ranks* ranks) {
   if (!isSeries(job)) return nullptr;

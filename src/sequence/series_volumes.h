@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "cluster/ranks.h"
 #include "job/series_look.h"
@@ -14,6 +15,11 @@ namespace kiln {
 /// The numbers of existing files or directories of the pattern, ascending. Empty if the pattern has no place for a
 /// number.
 std::vector<int> framesOnDisk(const std::filesystem::path& pattern);
+
+/// Returns the names of a volume in all frames; also of the first frame on the disk, which decides how a series looks.
+std::set<std::filesystem::path> namesInFrames(const RenderJob& job, const std::filesystem::path& pattern);
+/// Returns the names, in all frames, of volumes that hold labels, masks included.
+std::set<std::filesystem::path> labelVolumesOf(const RenderJob& job);
 
 /// Joins the manifests of all frames on the disk if all are stores. Else the first frame decides: boxes and values of
 /// foreign files are known after conversion only (by `store_for`). With `resume`, the frames named in headers of the

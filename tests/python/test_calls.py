@@ -103,6 +103,19 @@ def interrupted(work):
     return time.perf_counter() - at[0]
 
 
+class Slow:
+    """Zeros in chunks; each slice takes some time."""
+
+    shape, dtype, chunks = (64, 640, 640), numpy.dtype("uint8"), (16, 16, 16)
+
+    def __init__(self, seconds):
+        self.seconds = seconds
+
+    def __getitem__(self, key):
+        time.sleep(self.seconds)
+        return numpy.zeros([one.stop - one.start for one in key], "uint8")
+
+
 def test_ctrl_c_cancels(head):
     s = kiln.open(head)
     plain = numpy.array(s.render(**SIZE))
@@ -111,14 +124,7 @@ def test_ctrl_c_cancels(head):
     assert interrupted(drawing) < 10
     assert (numpy.asarray(s.render(**SIZE)) == plain).all(), "the cache works on"
 
-    class Slow:
-        shape, dtype, chunks = (64, 640, 640), numpy.dtype("uint8"), (16, 16, 16)
-
-        def __getitem__(self, key):
-            time.sleep(0.05)
-            return numpy.zeros([one.stop - one.start for one in key], "uint8")
-
-    assert interrupted(lambda: kiln.convert(Slow(), "slow.kiln", brick_size=16)) < 10
+    assert interrupted(lambda: kiln.convert(Slow(0.05), "slow.kiln", brick_size=16)) < 10
 
 
 def test_progress(head):
@@ -133,15 +139,8 @@ def test_progress(head):
     def stop(*report):
         raise Enough
 
-    class Slow:
-        shape, dtype, chunks = (64, 640, 640), numpy.dtype("uint8"), (16, 16, 16)
-
-        def __getitem__(self, key):
-            time.sleep(0.02)
-            return numpy.zeros([one.stop - one.start for one in key], "uint8")
-
     with pytest.raises(Enough):
-        kiln.convert(Slow(), "b.kiln", brick_size=16, progress=stop)
+        kiln.convert(Slow(0.02), "b.kiln", brick_size=16, progress=stop)
 
 
 def test_200_frames_leak_nothing(head):

@@ -1,5 +1,6 @@
 #include "foreign_store.h"
 
+#include "base/duration_text.h"
 #include "job_arguments.h"
 
 namespace kiln::tool {

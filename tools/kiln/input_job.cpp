@@ -79,26 +79,10 @@ std::vector<fs::path> inputsOf(const RenderJob& job) {
   return out;
 }
 
-InputOptions::InputOptions(const ForeignArguments& source, const RenderJob& job) : described_(source.volume({})) {
-  const fs::path input = job.volumes.empty() ? job.volume : job.volumes.front().volume;
-  names_ = namesIn(job, input);
-  const auto addMask = [&](const Companions& companions) {
-    if (companions.mask) labels_.merge(namesIn(job, companions.mask->volume));
-  };
-  addMask(job.companions);
-  for (const VolumeOptions& volume : job.volumes) {
-    if (volume.labels) labels_.merge(namesIn(job, volume.volume));
-    addMask(volume.companions);
-  }
-}
-
-std::set<fs::path> InputOptions::namesIn(const RenderJob& job, const fs::path& pattern) {
-  std::set<fs::path> out = {pattern};
-  for (const int frame : framesOf(job)) out.insert(pathOfFrame(pattern, frame));
-  if (const std::vector<int> there = framesOnDisk(pattern); !there.empty())
-    out.insert(pathOfFrame(pattern, there.front()));
-  return out;
-}
+InputOptions::InputOptions(const ForeignArguments& source, const RenderJob& job)
+    : described_(source.volume({})),
+      names_(namesInFrames(job, job.volumes.empty() ? job.volume : job.volumes.front().volume)),
+      labels_(labelVolumesOf(job)) {}
 
 fs::path requiredClass(const fs::path& store, bool labels) {
   if (labels && readManifest(store).volume_class != VolumeClass::kLabels)

@@ -42,9 +42,6 @@ class InputOptions {
   bool areLabels(const std::filesystem::path& volume) const { return labels_.contains(volume); }
 
  private:
-  // The names of a volume in all frames; also of the first frame on the disk, which decides how a series looks.
-  static std::set<std::filesystem::path> namesIn(const RenderJob& job, const std::filesystem::path& pattern);
-
   ForeignVolume described_;  // options and folder, without a name
   std::set<std::filesystem::path> names_, labels_;
 };

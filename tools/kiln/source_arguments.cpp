@@ -1,11 +1,9 @@
 #include "source_arguments.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <vector>
 
 #include "base/error.h"
@@ -75,8 +73,6 @@ void refuseVolumeFile(const std::filesystem::path& path, const char* wanted) {
                           format.name, wanted, shellText(path.string()), shellText(bare.string() + ".kiln"),
                           shellText(path.string()), shellText(bare.string() + ".png")));
 }
-
-std::string timeNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
 void addSourceArguments(CLI::App& command, SourceWords& a) {
   const std::string group = nameOf(OptionGroup::kForeign);

@@ -61,7 +61,5 @@ std::pair<int, int> parseSize(const std::string& text, const char* option);
 /// throws: Error kUsage if the file is a volume and no store. The message names the expected kind of file (`wanted`,
 /// such as "a picture") and the commands that convert and draw the volume.
 void refuseVolumeFile(const std::filesystem::path& path, const char* wanted);
-/// Returns the present time in UTC. unit: ISO 8601.
-std::string timeNow();
 
 }  // namespace kiln::tool

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "base/duration_text.h"
 #include "base/memory/memory.h"
 #include "base/thread/parallel.h"
 #include "convert/stream/half_source.h"

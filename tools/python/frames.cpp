@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <set>
 #include <utility>
 
 #include "base/thread/parallel.h"
@@ -24,6 +25,7 @@ class Frames {
          std::vector<std::shared_ptr<const BrickedVolume>> volumes)
       : job_(std::move(job)),
         numbers_(framesOf(job_)),
+        labels_(labelVolumesOf(job_)),
         store_directory_(std::move(store_directory)),
         volumes_(std::move(volumes)) {
     requirePart(job_);
@@ -84,14 +86,11 @@ class Frames {
   };
 
  private:
-  bool hasFiles() const {
-    return !job_.output.path.empty() || !job_.output.files.empty() || !job_.output.video.path.empty();
-  }
+  bool hasFiles() const { return !namesOf(job_.output).empty(); }
 
   std::filesystem::path storeOf(const std::filesystem::path& volume, Progress& progress) const {
-    bool labels = false;
-    for (const VolumeOptions& of_job : job_.volumes) labels = labels || (of_job.labels && of_job.volume == volume);
-    return storeForCall(volume, SourceWords(), store_directory_, labels, job_.speed.memory_bytes, progress);
+    return storeForCall(volume, SourceWords(), store_directory_, labels_.contains(volume), job_.speed.memory_bytes,
+                        progress);
   }
 
   OpenedJob& openedFor(int frame) {
@@ -116,6 +115,7 @@ class Frames {
 
   RenderJob job_;
   const std::vector<int> numbers_;
+  const std::set<std::filesystem::path> labels_;  // volumes that hold labels
   const std::filesystem::path store_directory_;
   const std::vector<std::shared_ptr<const BrickedVolume>> volumes_;
   bool in_call_ = false;  // guarded by Python's lock

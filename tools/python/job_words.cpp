@@ -1,11 +1,9 @@
 #include "python/job_words.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <ctime>
 #include <functional>
 #include <utility>
 
@@ -99,8 +97,6 @@ SourceWords sourceWords(const std::map<std::string, std::string>& texts) {
   }
   return out;
 }
-
-std::string timeNow() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
 void bindWords(py::module_& module) {
   module.attr("job_format") = kJobFormat;

@@ -33,9 +33,6 @@ TransferFunctionChoice functionOf(const std::string& text);
 /// The words of a volume file as texts: {"spacing": "1,1,2"}. throws: Error kUsage for unknown words.
 SourceWords sourceWords(const std::map<std::string, std::string>& texts);
 
-/// Present time for manifests. unit: ISO 8601, UTC.
-std::string timeNow();
-
 void bindWords(py::module_& module);
 
 }  // namespace kiln::python

@@ -56,15 +56,12 @@ Picture::Picture(RenderJob job, int frame, DrawnFrame drawn, std::shared_ptr<con
 std::vector<std::uint8_t> Picture::srgbBytes(std::size_t view) const {
   const Image& image = drawn_.views[view].image;
   const PixelRect drawn = pixelsOf(drawn_.scene.picture);
-  const std::unique_ptr<ImageRows> shown = shownRows(image, drawn.y0, finishOf(drawn_));
   const Annotators annotators = annotatorsOf(job_, drawn_, *volume_);
-  std::optional<AnnotatedRows> annotated;
-  if (annotators[view]) annotated.emplace(*shown, *annotators[view], depthOf(image));
-  ImageRows& rows = annotated ? static_cast<ImageRows&>(*annotated) : *shown;
+  ShownView shown(image, drawn_.scene, annotators[view].get(), depthOf(image));
   const auto row_bytes = static_cast<std::size_t>(image.width) * 4;
   std::vector<std::uint8_t> out(row_bytes * static_cast<std::size_t>(image.height));
   for (int y = 0; y < image.height; ++y) {
-    const ImageRows::Band band = rows.bandAt(y);
+    const ImageRows::Band band = shown.rows().bandAt(y);
     encodeShownRow(*band.image, y - band.first_row, y, {drawn.x0, drawn.y0, 1}, 8,
                    out.data() + static_cast<std::size_t>(y) * row_bytes);
   }
@@ -86,16 +83,17 @@ void Picture::save(const std::filesystem::path& path, const GivenFlags& flags) c
   if (!isExrPath(path)) job.picture.aovs = {};
   requireOutputs(job, {frame_});
   requireOutsideStores(path);
-  requirePlaces(job, frame_);
-  DrawnFrame drawn = drawn_;
-  writeFrame(job, frame_, drawn, *volume_, job.speed.memory_bytes);
+  write(job);
 }
 
 void Picture::writeFiles() const {
-  if (filesOf(job_, frame_).empty()) return;
-  requirePlaces(job_, frame_);
+  if (!filesOf(job_, frame_).empty()) write(job_);
+}
+
+void Picture::write(const RenderJob& job) const {
+  requirePlaces(job, frame_);
   DrawnFrame drawn = drawn_;
-  writeFrame(job_, frame_, drawn, *volume_, job_.speed.memory_bytes);
+  writeFrame(job, frame_, drawn, *volume_, job.speed.memory_bytes);
 }
 
 std::string Picture::jobText() const { return frameText(job_, {}, drawn_.scene); }

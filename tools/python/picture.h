@@ -37,6 +37,9 @@ class Picture {
   std::string jobText() const;
 
  private:
+  /// Writes the files of a job of the picture.
+  void write(const RenderJob& job) const;
+
   const RenderJob job_;
   const int frame_;
   const DrawnFrame drawn_;    // without a background that files lay

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/duration_text.h"
 #include "base/memory/memory.h"
 #include "base/shell_text.h"
 #include "base/thread/parallel.h"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import mmap
 import os
 from typing import Any, Sequence
@@ -16,6 +17,8 @@ _LEAST_EDGE, _MOST_BYTES = 64, 64 << 20
 
 
 def is_array(source: Any) -> bool:
+    if isinstance(source, (str, os.PathLike)):
+        return False
     return hasattr(source, "shape") and hasattr(source, "dtype") and hasattr(source, "__getitem__")
 
 
@@ -37,14 +40,7 @@ def _edges(array: Any, shape: Sequence[int], fixed: Sequence[bool], itemsize: in
         chunk = max(chunk) if isinstance(chunk, tuple) else int(chunk)
         least = 1 if fixed[axis] else _LEAST_EDGE if chunks is not None else 2 * _LEAST_EDGE
         edges.append(min(-(-least // chunk) * chunk, length))
-
-    def too_large() -> bool:
-        count = itemsize
-        for edge in edges:
-            count *= edge
-        return count > _MOST_BYTES
-
-    while too_large():
+    while itemsize * math.prod(edges) > _MOST_BYTES:
         longest = edges.index(max(edges))
         edges[longest] = -(-edges[longest] // 2)
     return edges

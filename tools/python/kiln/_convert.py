@@ -7,8 +7,8 @@ from typing import Any
 
 from kiln import _kiln
 from kiln._arrays import is_array, source_of
-from kiln._volume import Progress, Volume, file_words, open, refuse_words_of_arrays
-from kiln._words import source_texts, text_of
+from kiln._volume import Progress, Volume, file_texts, open, refuse_words_of_arrays
+from kiln._words import text_of
 
 
 def convert(
@@ -50,7 +50,7 @@ def convert(
     options.brick_size, options.levels, options.threads = brick_size, levels, threads
     options.overwrite, options.resume, options.half, options.labels = overwrite, resume, half, labels
     target = os.fspath(out)
-    if is_array(source) and not isinstance(source, (str, os.PathLike)):
+    if is_array(source):
         options.command = f"kiln.convert({type(source).__name__}, {target!r})"
         described = source_of(
             source,
@@ -68,7 +68,7 @@ def convert(
         path = os.fspath(source)
         options.command = f"kiln.convert({path!r}, {target!r})"
         refuse_words_of_arrays(axes=axes, unit=unit, frame=frame, identity=identity)
-        texts = source_texts(dict(words, **file_words(spacing, affine)))
+        texts = file_texts(words, spacing, affine)
         report = _kiln.convert_file(path, texts, target, options, progress)
     volume = open(target, memory=memory)
     volume.report = report

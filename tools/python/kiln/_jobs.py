@@ -9,7 +9,7 @@ from typing import Any, Iterator, NamedTuple
 from kiln import _kiln
 from kiln._functions import TransferFunction
 from kiln._image import Image
-from kiln._volume import Progress, Volume, range_of
+from kiln._volume import Progress, Volume, range_of, store_folder
 
 
 class Finished(NamedTuple):
@@ -78,7 +78,7 @@ def render(
     of volume files.
     progress: called with (step, done, total). throws: kiln.Error.
     """
-    folder = os.fspath(store) if store is not None else os.environ.get("KILN_STORE_DIR", "")
+    folder = store_folder(store)
     if not isinstance(job, dict):
         return Frames(_kiln.Frames.of_file(os.fspath(job), folder), progress)
     volumes: list[Volume] = []

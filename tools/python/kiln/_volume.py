@@ -128,16 +128,9 @@ class Volume:
         inside: list[int | slice] = []
         for axis, (one, length) in enumerate(zip(keys, self.shape)):
             if isinstance(one, slice):
-                places = range(*one.indices(length))
-                if not places:
-                    box.append((0, 0))
-                    inside.append(slice(None))
-                    continue
-                low, high = min(places[0], places[-1]), max(places[0], places[-1])
-                box.append((low, high + 1))
-                begin = places[0] - low
-                end = None if one.indices(length)[2] < 0 else high + 1 - low
-                inside.append(slice(begin, end, one.indices(length)[2]))
+                places = range(length)[one]
+                box.append((min(places, default=0), max(places, default=-1) + 1))
+                inside.append(slice(None, None, places.step))
             else:
                 place = one.__index__()
                 if not -length <= place < length:
@@ -242,7 +235,7 @@ def open(
     frame: of the world, "mm" and "RAS". labels: values are labels. brick_size: by default 128. The array must not change.
     All but spacing and labels are for arrays: a file has its own.
     """
-    if is_array(source) and not isinstance(source, (str, os.PathLike)):
+    if is_array(source):
         if store is not None:
             raise wrong_word("store", "is for files", "an array", "leave it out; kiln.convert makes a store of an array")
         described = source_of(
@@ -251,9 +244,9 @@ def open(
         edge = 128 if brick_size is None else brick_size
         return Volume(_kiln.Volume.open_array(described, edge, text_of(memory), progress))
     refuse_words_of_arrays(axes=axes, unit=unit, frame=frame, brick_size=brick_size)
-    folder = os.fspath(store) if store is not None else os.environ.get("KILN_STORE_DIR", "")
-    texts = source_texts(dict(words, **file_words(spacing, affine)))
-    return Volume(_kiln.Volume.open_file(os.fspath(source), texts, folder, labels, text_of(memory), progress))
+    texts = file_texts(words, spacing, affine)
+    memory_text = text_of(memory)
+    return Volume(_kiln.Volume.open_file(os.fspath(source), texts, store_folder(store), labels, memory_text, progress))
 
 
 _REMEDIES = {
@@ -270,13 +263,18 @@ def refuse_words_of_arrays(**words: Any) -> None:
             raise wrong_word(word, "is for arrays", "a file", _REMEDIES.get(word, "leave it out; a file has its own"))
 
 
-def file_words(spacing: Any, affine: Any) -> dict[str, Any]:
-    """Returns the words of a file for the place of its voxels; the command line has spacings along x, y, z."""
+def store_folder(store: str | os.PathLike[str] | None) -> str:
+    """Returns the folder for stores of volume files; empty for the folder of each file."""
+    return os.fspath(store) if store is not None else os.environ.get("KILN_STORE_DIR", "")
+
+
+def file_texts(words: dict[str, Any], spacing: Any, affine: Any) -> dict[str, str]:
+    """Returns the words of a file as texts; the command line has spacings along x, y, z."""
     if affine is not None:
         raise ValueError("affine: is for arrays (found a file); a file has its own, or spacing")
-    if spacing is None or isinstance(spacing, str):
-        return {"spacing": spacing}
-    edges = list(spacing)
-    if len(edges) != 3:
-        raise ValueError(f"spacing: expected three numbers, along z, y, x (found {len(edges)})")
-    return {"spacing": edges[::-1]}
+    if spacing is not None and not isinstance(spacing, str):
+        edges = list(spacing)
+        if len(edges) != 3:
+            raise ValueError(f"spacing: expected three numbers, along z, y, x (found {len(edges)})")
+        spacing = edges[::-1]
+    return source_texts(dict(words, spacing=spacing))
