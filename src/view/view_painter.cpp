@@ -81,8 +81,6 @@ PixelRect scaled(const PixelRect& crop, const ImageSize& from, const ImageSize& 
 
 double pixelsOf(const ImageSize& size) { return static_cast<double>(size.width) * size.height; }
 
-bool isOpaque(const Background& background) { return background.top[3] >= 1 && background.bottom[3] >= 1; }
-
 }  // namespace
 
 ViewPainter::ViewPainter(const RenderJob& job, OpenedVolumes volumes, Progress& progress)
@@ -98,8 +96,6 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
   requireViews(out->job);
   requireFont(out->job);
   requireEngineOptions(out->job.picture);
-  requireCompanions(out->job);
-  requireChannels(out->job);
   drawnPixels(job.picture.size, job.picture.crop);
   Progress silent;
   const ShownBoxOf shown_box = shownBoxesOf(out->job, volumes_.all(), fit_, silent);
@@ -114,6 +110,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
     return shown_.back().box;
   };
   out->scenes = std::make_unique<SceneOfJob>(out->job, volumes_.manifests(), remembered);
+  out->scenes->accompany(volumes_.companions());
   out->frame = framesOf(out->job).front();
   out->scene = out->scenes->at(out->frame);
   nlohmann::ordered_json stated = statedJson(out->job);

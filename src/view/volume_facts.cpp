@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
-#include "image/srgb.h"
+#include "image/named_color.h"
 #include "scene/transfer/label_styles.h"
 
 namespace kiln {
@@ -38,18 +38,13 @@ ordered_json histogramOf(const ValueHistogram& histogram) {
   return {{"low", histogram.lo}, {"high", histogram.hi}, {"counts", whole}};
 }
 
-std::string hexOf(const glm::dvec3& linear) {
-  const SrgbBytes& bytes = SrgbBytes::all();
-  return fmt::format("#{:02x}{:02x}{:02x}", bytes.of(linear.r), bytes.of(linear.g), bytes.of(linear.b));
-}
-
 ordered_json labelsOfVolume(const Manifest& manifest) {
   ordered_json out = ordered_json::array();
   if (manifest.volume_class != VolumeClass::kLabels) return out;
   try {
     for (const LabelStyle& style : labelPalette(manifest).labels) {
       if (out.size() == kMostLabelsListed) break;
-      out.push_back({{"value", style.label}, {"name", style.name}, {"color", hexOf(style.color)}});
+      out.push_back({{"value", style.label}, {"name", style.name}, {"color", hexText(style.color)}});
     }
   } catch (const Error&) {
     // Too many labels for a palette: the page shows none.
