@@ -89,6 +89,7 @@ void Annotator::addPlanes(Image& image, int first_row, const float* depth) const
     std::vector<float> layer;
     drawRow(first_row + static_cast<int>(y), depth == nullptr ? nullptr : depth + y * width, layer);
     for (std::size_t x = 0; x < width; ++x) {
+      if (layer[4 * x + 3] == 0) continue;  // pages without ink cost no memory
       for (std::size_t channel = 0; channel < 4; ++channel) values[channel][y * width + x] = layer[4 * x + channel];
     }
   });

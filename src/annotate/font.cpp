@@ -1,6 +1,9 @@
 #include "annotate/font.h"
 
+#include <algorithm>
 #include <cstddef>
+
+#include "base/text.h"
 
 namespace kiln {
 namespace {
@@ -9,17 +12,12 @@ constexpr char32_t kReplacement = 0xfffd;
 
 // Takes the next character off the text.
 char32_t takeCharacter(std::string_view& text) {
+  const std::size_t bytes = bytesOfCharacter(text);
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned char first = byte(0);
-  const std::size_t bytes = first < 0x80 ? 1 : first >> 5 == 6 ? 2 : first >> 4 == 14 ? 3 : first >> 3 == 30 ? 4 : 0;
-  char32_t out = bytes == 1 ? first : static_cast<char32_t>(first & (0x7f >> bytes));
-  bool legal = bytes > 0 && bytes <= text.size();
-  for (std::size_t i = 1; legal && i < bytes; ++i) {
-    legal = byte(i) >> 6 == 2;
-    out = out << 6 | (byte(i) & 0x3f);
-  }
-  text.remove_prefix(legal ? bytes : 1);
-  return legal ? out : kReplacement;
+  char32_t out = bytes == 0 ? kReplacement : bytes == 1 ? byte(0) : static_cast<char32_t>(byte(0) & (0x7f >> bytes));
+  for (std::size_t i = 1; i < bytes; ++i) out = out << 6 | (byte(i) & 0x3f);
+  text.remove_prefix(std::max<std::size_t>(bytes, 1));
+  return out;
 }
 
 }  // namespace

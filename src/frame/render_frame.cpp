@@ -149,13 +149,12 @@ FrameRequest fromEye(FrameRequest request, const View& eye) {
 // Returns the views of a frame: its own, those of a lens, or the faces of a panorama.
 std::vector<DrawnPlane> planesOf(const FrameRequest& request, const std::vector<const BrickedVolume*>& stores) {
   const PixelRect pixels = drawnPixels(request.view.size, request.crop);
-  std::vector<DrawnPlane> through_lens;
-  for (const View& eye : request.eyes) through_lens.push_back(planeOf(fromEye(request, eye), stores, pixels));
-  if (!through_lens.empty()) return through_lens;
+  std::vector<DrawnPlane> out;
+  for (const View& eye : request.eyes) out.push_back(planeOf(fromEye(request, eye), stores, pixels));
+  if (!out.empty()) return out;
   if (request.view.projection != Projection::kEquirectangular) return {planeOf(request, stores, pixels)};
   const std::array<View, kPanoramaFaces> faces = panoramaFaces(request.view);
   const std::array<PixelRect, kPanoramaFaces> drawn = facePixels(request.view, pixels);
-  std::vector<DrawnPlane> out;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     if (!drawn[i].empty()) out.push_back(planeOf(faceOf(request, faces[i]), stores, drawn[i]));
   }
@@ -230,11 +229,7 @@ void FramePainter::beginView(const FrameRequest& eye) {
 }
 
 void FramePainter::endView() {
-  const FrameStatistics view = drawing_->finish();
-  if (request_.eyes.empty())
-    drawn_ = view;
-  else
-    drawn_.merge(view);
+  drawn_.merge(drawing_->finish());
   drawing_.reset();
 }
 

@@ -45,7 +45,7 @@ struct RenderStatistics {
   std::uint64_t shared_reads_bytes = 0;  // for brick files that ranks exchange
   std::uint64_t trace_bytes = 0;         // for the trace, if any
   std::uint64_t functions_bytes = 0;     // for transfer functions
-  std::uint64_t shadows_bytes = 0;  // shadow maps and ambient occlusion: planned
+  std::uint64_t shadows_bytes = 0;       // shadow maps and ambient occlusion: planned
   std::uint64_t slabs_bytes = 0,
                 peak_slabs_bytes = 0;  // memory to draw with (slabs, tiles of voxels): planned, and peak
   std::uint64_t peak_rss_bytes = 0;

@@ -1,6 +1,8 @@
 // Source: the named colours of CSS (W3C, CSS Color Module Level 4, §6.1).
 #include "image/named_color.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -91,6 +93,11 @@ std::optional<glm::dvec3> colorNamed(std::string_view text) {
   const auto number = text.starts_with('#') ? numberOfDigits(text.substr(1)) : numberOfName(text);
   if (!number) return std::nullopt;
   return linearFromSrgb(glm::dvec3(*number >> 16, *number >> 8 & 0xff, *number & 0xff) / 255.0);
+}
+
+std::string hexText(const glm::dvec3& color) {
+  const SrgbBytes& bytes = SrgbBytes::all();
+  return fmt::format("#{:02x}{:02x}{:02x}", bytes.of(color.r), bytes.of(color.g), bytes.of(color.b));
 }
 
 }  // namespace kiln

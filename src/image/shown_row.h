@@ -1,6 +1,7 @@
 // A row of a picture as a display shows it: straight sRGB, dithered.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "image/image.h"
@@ -12,6 +13,9 @@ struct PatternPlace {
   int x = 0, y = 0;
   int views = 1;  // of equal width, in the file
 };
+
+/// Converts a pixel of linear premultiplied light to straight sRGB and alpha of 16 bits. NaN becomes 0.
+std::array<std::uint16_t, 4> shownPixel16(const float* rgba) noexcept;
 
 /// Converts row `y` of linear premultiplied light, row `file_y` of the file, to straight sRGB. shape: 4 samples of
 /// `bits` (8 or 16) per pixel, big-endian. NaN becomes 0.

@@ -7,11 +7,10 @@
 
 #include "annotate/annotator.h"
 #include "image/image.h"
+#include "job/job_facts.h"
 #include "sequence/opened_job.h"
 
 namespace kiln {
-
-inline bool holdsColors(Content content) { return content == Content::kPicture || content == Content::kColor; }
 
 /// Moves the file's planes out of the image, and back on destruction.
 class FilePart {

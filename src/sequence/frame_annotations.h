@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "annotate/annotator.h"
+#include "frame/background.h"
 #include "sequence/opened_job.h"
 
 namespace kiln {
@@ -16,5 +18,21 @@ void requireFont(const RenderJob& job);
 using Annotators = std::vector<std::unique_ptr<Annotator>>;
 /// Returns the annotations of a frame of the job. `store` is the first volume.
 Annotators annotatorsOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store);
+
+/// The rows of a drawn view as a display shows them, with annotations. requires: all arguments outlive the object.
+class ShownView {
+ public:
+  /// `annotator` and `depth` may be null.
+  ShownView(const Image& image, const FrameScene& scene, const Annotator* annotator, const float* depth)
+      : shown_(shownRows(image, drawnPixels(scene.picture.size, scene.picture.crop).y0,
+                         finishOf(scene.picture, scene.transfer_function))) {
+    if (annotator != nullptr) annotated_.emplace(*shown_, *annotator, depth);
+  }
+  ImageRows& rows() { return annotated_ ? static_cast<ImageRows&>(*annotated_) : *shown_; }
+
+ private:
+  const std::unique_ptr<ImageRows> shown_;
+  std::optional<AnnotatedRows> annotated_;
+};
 
 }  // namespace kiln

@@ -43,8 +43,7 @@ void requireKnownEnding(const fs::path& path) {
 void requireOpaqueJpeg(const RenderJob& job, const fs::path& path) {
   if (pictureFormatOf(path) != PictureFormat::kJpeg) return;
   const std::optional<Background>& background = job.picture.background;
-  const bool opaque =
-      background ? background->top[3] >= 1 && background->bottom[3] >= 1 : !engineOf(job).capabilities().composites;
+  const bool opaque = background ? isOpaque(*background) : !engineOf(job).capabilities().composites;
   if (!opaque)
     throw Error(ErrorCode::kUsage, path, "",
                 "a JPEG has no transparency, and the background is transparent; add --background white or another "
@@ -182,13 +181,10 @@ int firstRowOf(const PictureOptions& picture) { return drawnPixels(picture.size,
 // Writes one picture. An EXR is finished already. `annotator` may be null; `depth` belongs to the picture.
 void writeFlat(const Image& image, const ImageMetadata& metadata, const ImageFileOptions& options,
                const FrameScene& scene, const Annotator* annotator, const float* depth, const fs::path& path) {
-  const Finish finish = finishOf(scene);
-  if (mediumOf(path) == Medium::kLight || (finish.none() && annotator == nullptr))
+  if (mediumOf(path) == Medium::kLight || (finishOf(scene).none() && annotator == nullptr))
     return writeImage(image, metadata, options, path);
-  const std::unique_ptr<ImageRows> rows = shownRows(image, firstRowOf(scene.picture), finish);
-  if (annotator == nullptr) return writeImage(*rows, metadata, options, path);
-  AnnotatedRows annotated(*rows, *annotator, depth);
-  writeImage(annotated, metadata, options, path);
+  ShownView shown(image, scene, annotator, depth);
+  writeImage(shown.rows(), metadata, options, path);
 }
 
 // Returns both eyes side by side as a display shows them.
@@ -207,8 +203,11 @@ void writeFile(const RenderJob& job, const OutputFile& file, DrawnFrame& drawn, 
                const Annotators& annotators, std::uint64_t writer_bytes) {
   const bool deep = file.content == Content::kDeep;
   const bool as_float = job.output.exr_float || (drawsPart(job.picture) && !deep);
-  ImageFileOptions options{as_float, job.output.png_bits, job.output.exr_compression, writer_bytes};
-  options.jpeg_quality = job.output.jpeg_quality;
+  const ImageFileOptions options{.exr_float = as_float,
+                                 .png_bits = job.output.png_bits,
+                                 .exr_compression = job.output.exr_compression,
+                                 .writer_bytes = writer_bytes,
+                                 .jpeg_quality = job.output.jpeg_quality};
   if (drawn.tiles) {
     TileRows rows(*drawn.tiles, file, aovsOf(job, file), finishOf(drawn.scene), annotators.front().get());
     return writeImage(rows, metadataOf(job, file, drawn, drawn.views.front().view, store), options, file.path);
@@ -351,11 +350,8 @@ std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, cons
     RowsOfImage rows(both);
     return encodedPng(rows, metadata, job.output.png_bits);
   }
-  const std::unique_ptr<ImageRows> rows =
-      shownRows(first.image, firstRowOf(drawn.scene.picture), finishOf(drawn.scene));
-  if (!annotators.front()) return encodedPng(*rows, metadata, job.output.png_bits);
-  AnnotatedRows annotated(*rows, *annotators.front(), depthOf(first.image));
-  return encodedPng(annotated, metadata, job.output.png_bits);
+  ShownView shown(first.image, drawn.scene, annotators.front().get(), depthOf(first.image));
+  return encodedPng(shown.rows(), metadata, job.output.png_bits);
 }
 
 FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const BrickedVolume& store) {

@@ -1,6 +1,5 @@
-// Annotations against geometry that the test computes for itself: lengths and places of bars, ticks, arrows and edges
-// to half a pixel, in both projections and at four sizes; colours of the legend against the transfer function; edges
-// against a depth plane.
+// Annotations against geometry that the test computes: bars, ticks, arrows and edges to half a pixel, in both
+// projections and at four sizes. Colours of the legend equal the transfer function; edges follow a depth plane.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -330,13 +329,13 @@ TEST_P(AnnotationsAt, Crops_equalTheWhole) {
   }
 }
 
-// A corner cut off by a plane at one voxel's third: 3 edges more; all points lie in the box and above the plane.
+// A plane cuts a corner off: 3 edges more. All points lie in the box and on the plane's side that is kept.
 TEST(VolumeOutline, CutCorner_hasATriangle) {
   VolumeGeometry box;
   box.dims = {10, 10, 10};
   Clipping clipping;
   clipping.planes = {{{-1, -1, -1}, 24}};
-  const std::vector<WorldLine> edges = edgesOf(box, clipping);
+  const std::vector<Edge> edges = edgesOf(box, clipping);
   EXPECT_EQ(edges.size(), 15u);
   for (const auto& [a, b] : edges) {
     for (const glm::dvec3& p : {a, b}) {

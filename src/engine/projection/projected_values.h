@@ -21,14 +21,15 @@ struct Attenuation {
   double share(double value) const { return hi > lo ? std::clamp((value - lo) / (hi - lo), 0.0, 1.0) : 0; }
 };
 
+/// True if the order of samples counts: front to back.
+inline bool takesInOrder(PixelValue held) { return held == PixelValue::kMean || held == PixelValue::kAttenuated; }
+
 class ProjectedValues {
  public:
   /// Pixels of `rect` without values.
   ProjectedValues(PixelValue held, const PixelRect& rect, const Attenuation& attenuation = {});
   /// Upper bound of the memory of a pixel. unit: bytes.
-  static std::uint64_t bytesOfPixel(PixelValue held) {
-    return held == PixelValue::kMean || held == PixelValue::kAttenuated ? 17 : 9;
-  }
+  static std::uint64_t bytesOfPixel(PixelValue held) { return takesInOrder(held) ? 17 : 9; }
 
   const PixelRect& rect() const { return rect_; }
   bool mean() const { return mean_; }

@@ -114,7 +114,7 @@ ValueRange ValueProjection::rangeOf(const BrickEntry& entry) {
 }
 
 std::vector<BrickInView> ValueProjection::ordered(std::vector<BrickInView> front_to_back) const {
-  if (held_ == PixelValue::kMean || held_ == PixelValue::kAttenuated) return front_to_back;
+  if (takesInOrder(held_)) return front_to_back;
   const ProjectedValues bounds(held_, {0, 0, 1, 1});
   const auto urgency = [&](const BrickInView& brick) {
     const BrickEntry& entry = entryOf(brick);

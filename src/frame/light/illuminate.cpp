@@ -115,18 +115,21 @@ LatticeView latticeOf(const VolumeGeometry& first, const ShownExtent& extent) {
   return {seen.view, seen.depths.near, std::clamp(cells, 1, 2 * kLatticeEdge)};
 }
 
-bool hasSurfaces(const FrameRequest& request) {
-  if (request.volumes.empty()) return !request.transfer_function.surfaces.empty();
+// Returns whether a transfer function of the picture has a property.
+template <class Has>
+bool anyFunction(const FrameRequest& request, const Has& has) {
+  if (request.volumes.empty()) return has(request.transfer_function);
   return std::any_of(request.volumes.begin(), request.volumes.end(),
-                     [](const VolumeRequest& volume) { return !volume.transfer_function.surfaces.empty(); });
+                     [&](const VolumeRequest& volume) { return has(volume.transfer_function); });
+}
+
+bool hasSurfaces(const FrameRequest& request) {
+  return anyFunction(request, [](const TransferFunction& function) { return !function.surfaces.empty(); });
 }
 
 // Returns whether samples of a volume reflect or scatter light.
 bool hasLight(const FrameRequest& request) {
-  const auto lit = [](const TransferFunction& f) { return f.shaded || f.scattering; };
-  if (request.volumes.empty()) return lit(request.transfer_function);
-  return std::any_of(request.volumes.begin(), request.volumes.end(),
-                     [&](const VolumeRequest& volume) { return lit(volume.transfer_function); });
+  return anyFunction(request, [](const TransferFunction& function) { return function.shaded || function.scattering; });
 }
 
 double radiusOf(const AmbientOcclusion& occlusion, const ShownExtent& extent) {

@@ -36,10 +36,6 @@ ImageFileOptions ImageFileOptions::within(std::uint64_t memory_bytes, const Imag
   return out;
 }
 
-bool isExrPath(const std::filesystem::path& path) { return extensionOf(path) == ".exr"; }
-
-bool isPictureName(const std::filesystem::path& path) { return isExrPath(path) || extensionOf(path) == ".png"; }
-
 std::optional<PictureFormat> pictureFormatOf(const std::filesystem::path& path) {
   const std::string ending = extensionOf(path);
   if (ending == ".exr") return PictureFormat::kExr;
@@ -47,6 +43,12 @@ std::optional<PictureFormat> pictureFormatOf(const std::filesystem::path& path) 
   if (ending == ".tif" || ending == ".tiff") return PictureFormat::kTiff;
   if (ending == ".jpg" || ending == ".jpeg") return PictureFormat::kJpeg;
   return std::nullopt;
+}
+
+bool isExrPath(const std::filesystem::path& path) { return pictureFormatOf(path) == PictureFormat::kExr; }
+
+bool isPictureName(const std::filesystem::path& path) {
+  return isExrPath(path) || pictureFormatOf(path) == PictureFormat::kPng;
 }
 
 void requireImagePath(const std::filesystem::path& path, bool with_planes) {

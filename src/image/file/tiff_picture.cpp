@@ -20,6 +20,7 @@
 #include "image/file/text_block.h"
 #include "image/image_memory.h"
 #include "image/pixel_rect.h"
+#include "image/shown_row.h"
 #include "image/srgb.h"
 
 namespace kiln {
@@ -123,15 +124,7 @@ class PictureTiff {
 
 // Converts a row of linear premultiplied light to straight sRGB. NaN becomes 0.
 void encodeTiffRow(const float* rgba, std::size_t width, std::uint16_t* out) noexcept {
-  const auto sample = [](double v) { return static_cast<std::uint16_t>(v * 65535 + 0.5); };
-  for (std::size_t x = 0; x < width; ++x, rgba += 4) {
-    const double alpha = rgba[3] > 0 ? std::min<double>(rgba[3], 1) : 0;
-    for (int channel = 0; channel < 3; ++channel) {
-      const double straight = alpha > 0 ? rgba[channel] / alpha : 0;
-      *out++ = sample(straight > 0 ? srgbFromLinear(std::min(straight, 1.0)) : 0);
-    }
-    *out++ = sample(alpha);
-  }
+  for (std::size_t x = 0; x < width; ++x, rgba += 4) out = std::ranges::copy(shownPixel16(rgba), out).out;
 }
 
 struct TiffLayout {
@@ -233,13 +226,15 @@ Image decodeTiff(std::span<const std::byte> data, const std::filesystem::path& p
   const TiffLayout layout = requiredLayout(tiff, path);
   requireMemory(std::uint64_t{layout.width} * layout.height * 4 * sizeof(float), memory_bytes, path);
   Image out(static_cast<int>(layout.width), static_cast<int>(layout.height));
+  std::vector<double> light(65536);
+  for (std::size_t v = 0; v < light.size(); ++v) light[v] = linearFromSrgb(static_cast<double>(v) / 65535.0);
   readStrips(tiff, layout, [&](int y, int rows, const std::vector<std::uint16_t>& strip) {
     float* pixel = out.pixel(0, y);
     const std::size_t count = static_cast<std::size_t>(rows) * layout.width;
     for (std::size_t i = 0; i < count; ++i, pixel += 4) {
       const double alpha = strip[4 * i + 3] / 65535.0;
       for (std::size_t channel = 0; channel < 3; ++channel)
-        pixel[channel] = static_cast<float>(alpha * linearFromSrgb(strip[4 * i + channel] / 65535.0));
+        pixel[channel] = static_cast<float>(alpha * light[strip[4 * i + channel]]);
       pixel[3] = static_cast<float>(alpha);
     }
   });

@@ -1,3 +1,4 @@
+#include "base/duration_text.h"
 #include "bench/report/report.h"
 #include "bench/report/report_text.h"
 #include "bench/run_suite.h"

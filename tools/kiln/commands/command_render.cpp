@@ -333,8 +333,10 @@ void repeatFrame(const RenderArguments& a, RenderJob job, const SequenceOptions&
 void drawSheet(const RenderArguments& a, const RenderJob& job, const SequenceOptions& options, Context& context) {
   FileSystem::real().requirePlaceFor(job.output.path);
   const Image sheet = drawSequenceSheet(job, options.store_for, context.progress);
-  ImageFileOptions file{job.output.exr_float, job.output.png_bits, job.output.exr_compression};
-  file.jpeg_quality = job.output.jpeg_quality;
+  const ImageFileOptions file{.exr_float = job.output.exr_float,
+                              .png_bits = job.output.png_bits,
+                              .exr_compression = job.output.exr_compression,
+                              .jpeg_quality = job.output.jpeg_quality};
   writeImage(sheet, {}, file.within(job.speed.memory_bytes, sheet), job.output.path);
   context.progress.clear();
   if (!a.quiet)

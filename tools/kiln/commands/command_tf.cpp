@@ -7,7 +7,7 @@
 #include "foreign_store.h"
 #include "frame/transfer_function_picture.h"
 #include "image/file/image_file.h"
-#include "image/srgb.h"
+#include "image/named_color.h"
 #include "ingest/open_source.h"
 #include "job/job_names.h"
 #include "job/transfer_function_json.h"
@@ -77,15 +77,10 @@ Subject subjectOf(const TfArguments& a, const OutputFiles& outputs, Context& con
   return {{withoutVolume(function), "", 0}, function, false};
 }
 
-std::string hexOf(const glm::dvec3& linear) {
-  const SrgbBytes& bytes = SrgbBytes::all();
-  return fmt::format("#{:02x}{:02x}{:02x}", bytes.of(linear.r), bytes.of(linear.g), bytes.of(linear.b));
-}
-
 void printSurfaces(const TransferFunction& f) {
   say("{:>14}  {:>8}  {:>7}  {:<24}\n", "value", "opacity", "sRGB", "red, green, blue (linear light)");
   for (const IsoSurface& s : f.surfaces)
-    say("{:>14.9g}  {:>8.5f}  {}  {:.4f}, {:.4f}, {:.4f}\n", s.value, s.opacity, hexOf(s.color), s.color.r, s.color.g,
+    say("{:>14.9g}  {:>8.5f}  {}  {:.4f}, {:.4f}, {:.4f}\n", s.value, s.opacity, hexText(s.color), s.color.r, s.color.g,
         s.color.b);
   say("{} surfaces; opacity is per crossing\n", f.surfaces.size());
 }
@@ -95,7 +90,7 @@ void printPlane(const TransferFunction& f, std::string_view unit) {
   for (const GradientRegion& r : f.regions)
     say("{:>14.9g}  {:>8.5f}  of the opacity, up to value {:.9g}, gradients {:.9g} to {:.9g} per {}, a {}{}\n",
         r.values.x, r.opacity, r.values.y, r.gradients.x, r.gradients.y, unit, nameIn(kRegionShapeNames, r.shape),
-        r.color ? ", " + hexOf(*r.color) : std::string());
+        r.color ? ", " + hexText(*r.color) : std::string());
   if (const GradientTable& t = f.table; t.columns > 0)
     say("{} x {} factors of the opacity, values {:.9g} to {:.9g}, gradients {:.9g} to {:.9g} per {}\n", t.columns,
         t.rows, t.values.x, t.values.y, t.gradients.x, t.gradients.y, unit);
@@ -121,7 +116,7 @@ void print(const TransferFunction& f, const Subject& subject) {
       "red, green, blue (linear light)");
   for (const TransferPoint& p : f.points) {
     say("{:>14.9g}  {:>8.5f}  {:>12.5g}  {}  {:.4f}, {:.4f}, {:.4f}\n", p.value, p.opacity,
-        extinctionOf(p.opacity, f.unit), hexOf(p.color), p.color.r, p.color.g, p.color.b);
+        extinctionOf(p.opacity, f.unit), hexText(p.color), p.color.r, p.color.g, p.color.b);
   }
   for (const GradientPoint& p : f.gradient_opacity)
     say("{:>14.9g}  {:>8.5f}  of the opacity, by gradient in values per {}\n", p.gradient, p.factor, unit);
@@ -133,7 +128,7 @@ void printLabels(const TransferFunction& f) {
   say("{:>9}  {:>8}  {:>12}  {:>7}  {}\n", "label", "opacity", "extinction", "sRGB", "name");
   for (const LabelStyle& look : f.labels)
     say("{:>9.0f}  {:>8.5f}  {:>12.5g}  {}  {}\n", look.label, look.opacity, extinctionOf(look.opacity, f.unit),
-        hexOf(look.color), look.name);
+        hexText(look.color), look.name);
   say("{} labels; opacity is per {:.6g}\n", f.labels.size(), f.unit);
 }
 
