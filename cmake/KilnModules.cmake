@@ -1,5 +1,5 @@
 # Modules, which the program loads when it needs them (base/module.h), and workers, which it starts (base/worker_process.h):
-# it starts without them, and find_package(kiln) does not look for what they link. They lie beside the library, where
+# it starts without them, and find_package(kiln) does not look for what they link. They lie in lib/kiln, where
 # programs of this build and installed programs look.
 set(kiln_module_options -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -fvisibility=hidden)
 set(kiln_modules)

@@ -1,7 +1,7 @@
 # shellcheck shell=bash
 # A bare Debian in a folder, for scripts that source this file; as root. Release, mirror, keys and proxy are those of the host's apt.
 
-# make_bare_debian FOLDER [RELEASE [COMPONENT...]]: FOLDER is empty. A RELEASE other than the host's comes from the same mirror.
+# make_bare_debian FOLDER [RELEASE]: FOLDER is empty. A RELEASE other than the host's comes from the same mirror.
 make_bare_debian() {
   local folder=$1 host release
   # shellcheck disable=SC1091

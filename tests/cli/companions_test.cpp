@@ -31,8 +31,7 @@ class CompanionsCli : public ToolTest {
   }
   ZeroPages<float> drawn(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), "render");
-    for (const char* more : {"-o", "@", "--size", "40x36", "--exr-type", "float"})
-      arguments.push_back(std::string(more) == "@" ? in("d.exr") : more);
+    arguments.insert(arguments.end(), {"-o", in("d.exr"), "--size", "40x36", "--exr-type", "float"});
     done(arguments);
     return readImage(in("d.exr")).rgba;
   }
@@ -52,7 +51,7 @@ TEST_F(CompanionsCli, OptionsAreTheJobsKeys) {
   writeText(in("job.json"), R"({"kiln": 2, "volume": "h.kiln", "transferFunction": "ct-skin",
       "mask": {"volume": "m.kiln", "labels": [3, 9]}, "colorBy": {"volume": "m.kiln"}})");
   EXPECT_EQ(drawn({in("job.json")}), both);
-  // A volume file becomes a store of labels.
+  // Listing a label again changes nothing.
   EXPECT_EQ(drawn({in("h.kiln"), "--tf", "ct-skin", "--mask", in("m.kiln") + ":3,9,3"}), masked);
   writeText(in("two.json"), R"({"kiln": 2, "volumes": [{"volume": "h.kiln", "transferFunction": "ct-skin",
       "mask": {"volume": "m.kiln", "labels": [3, 9]}, "colorBy": {"volume": "m.kiln"}}]})");

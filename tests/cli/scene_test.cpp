@@ -9,6 +9,7 @@
 #include "image/file/image_file.h"
 #include "image/file/png_file.h"
 #include "support/system/run_tool.h"
+#include "support/system/text_of.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
 
@@ -166,8 +167,7 @@ TEST_F(SceneCli, OpacityOverValuesAndGradients_isInTheFunction) {
     }
   }
   const std::vector<std::byte> png = encodePng(halves, 8, in("halves.png"));
-  std::ofstream(in("halves.png"), std::ios::binary)
-      .write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  writeText(in("halves.png"), textOf(png));
   const auto function = [&](const std::string& name, const std::string& plane) {
     std::ofstream(in(name)) << R"({"points": [{"value": 0, "color": [1, 1, 1], "opacity": 0.5}], )" << plane << "}";
     return drawnTwice({"--tf", in(name)}).rgba;

@@ -43,7 +43,7 @@ void rewrite(const fs::path& path, const std::string& bytes) {
   fs::last_write_time(path, before);
 }
 
-ConvertOptions smallBricks() {
+ConvertOptions bricksOf16() {
   ConvertOptions out;
   out.brick_size = 16;
   return out;
@@ -65,7 +65,7 @@ TEST(ChangedSource, WhileItIsConverted_LeavesNoStore) {
     ChangingSource source(openSource(path, described()), 8, change);
     Progress silent;
     SCOPED_TRACE(what);
-    expectError([&] { convert(source, out, smallBricks(), silent); }, ErrorCode::kFormat,
+    expectError([&] { convert(source, out, bricksOf16(), silent); }, ErrorCode::kFormat,
                 path.string() + ": was changed while it was converted");
     EXPECT_EQ(std::distance(fs::directory_iterator(directory), {}), 1);
   }
@@ -75,7 +75,7 @@ TEST(ChangedSource, WhileItIsConverted_LeavesNoStore) {
     fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
   });
   Progress silent;
-  convert(source, out, smallBricks(), silent);
+  convert(source, out, bricksOf16(), silent);
   EXPECT_TRUE(isStoreOf(out, source.info()));
 }
 
@@ -83,9 +83,9 @@ TEST(ChangedSource, BetweenTwoRuns_IsNotResumed) {
   const fs::path directory = freshDirectory("changed_resume"), path = directory / "v.raw", out = directory / "v.kiln";
   writeText(path, voxels(1));
   ImpatientProgress impatient(5);
-  EXPECT_THROW(convert(*openSource(path, described()), out, smallBricks(), impatient), Error);
+  EXPECT_THROW(convert(*openSource(path, described()), out, bricksOf16(), impatient), Error);
   rewrite(path, voxels(2));
-  ConvertOptions resuming = smallBricks();
+  ConvertOptions resuming = bricksOf16();
   resuming.resume = true;
   Progress silent;
   expectError([&] { convert(*openSource(path, described()), out, resuming, silent); }, ErrorCode::kExists,

@@ -95,10 +95,7 @@ TEST(InstructionSets, DrawRegionsAndCloudsTheSame) {
   function.gradient_opacity = {{0, 0.1}, {0.1 * width, 0.4}, {0.3 * width, 1}};
   expectTheSameOnAllSets(store, request);
   function.scattering = {0.9, 0.4};
-  Light sun;
-  sun.kind = LightKind::kDirectional;
-  sun.place = {1, 0.4, 0.6};
-  request.shading.lights = {Light{}, sun};
+  request.shading.lights = {Light{}, Light{LightKind::kDirectional, {1, 0.4, 0.6}}};
   request.shading.shadows = true;
   expectTheSameOnAllSets(store, request);
 }

@@ -33,17 +33,18 @@ FrameRequest channelRequest(std::uint64_t seed, const std::vector<DenseVolume>& 
   out.mode = mode;
   out.level = 0;  // smaller bricks have more levels
   const glm::dvec3 colors[] = {{1, 0, 0.2}, {0, 1, 0}, {0.1, 0.3, 1}};
+  Random random(seed);
   for (std::size_t i = 0; i < volumes.size(); ++i) {
     const ValueRange range = volumes[i].range();
     VolumeRequest volume;
     volume.transfer_function.points = {{range.lo, glm::dvec3(0), 0}, {range.hi, colors[i], 1}};
-    if (i == 1) volume.clipping = randomClipping(*std::make_unique<Random>(seed), volumes[i].geometry);
+    if (i == 1) volume.clipping = randomClipping(random, volumes[i].geometry);
     out.volumes.push_back(volume);
   }
   return out;
 }
 
-// The picture of one volume of the request by itself, in the view of all.
+// The request with the colours of all channels but one black.
 FrameRequest alone(const FrameRequest& request, std::size_t channel) {
   FrameRequest out = request;
   for (std::size_t i = 0; i < out.volumes.size(); ++i) {

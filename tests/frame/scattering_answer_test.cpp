@@ -44,13 +44,6 @@ FrameRequest slabRequest(const TransferFunction& function) {
   return request;
 }
 
-Light sunFrom(const glm::dvec3& towards) {
-  Light out;
-  out.kind = LightKind::kDirectional;
-  out.place = towards;
-  return out;
-}
-
 // Light of the slab, scattered towards the eye. `towards`: the light, whose z is not 0.
 double lightOfSlab(double extinction, double anisotropy, const glm::dvec3& towards) {
   const glm::dvec3 direction = glm::normalize(towards);
@@ -73,7 +66,7 @@ TEST_P(ScatteringOf, ASlabIsTheClosedForm) {
       FrameRequest request = slabRequest(mediumOf(extinction, anisotropy));
       setLattice(request, GetParam());
       for (const glm::dvec3& towards : {glm::dvec3(0, 0, 1), glm::dvec3(0.6, 0.3, 1), glm::dvec3(0.4, -0.2, -1)}) {
-        request.shading.lights = {sunFrom(towards)};
+        request.shading.lights = {Light{LightKind::kDirectional, towards}};
         const double expected = lightOfSlab(extinction, anisotropy, towards);
         // A voxel of the voxel lattice is a single sample, as thick as the voxel.
         const double error = GetParam() == Lattice::kPixel ? 0.01 : 0.12;
@@ -122,11 +115,8 @@ TEST(Scattering, OfACloud_isTheReference) {
     request.samples = 4;
     request.transfer_function = {1, {{0, glm::dvec3(1), 0}, {200, glm::dvec3(1), 0.25}}};
     request.transfer_function.scattering = {0.95, 0.4};
-    Light lamp;
-    lamp.kind = LightKind::kPoint;
-    lamp.place = {80, -40, 60};
-    lamp.color = {1, 0.6, 0.3};
-    request.shading.lights = {sunFrom({-1, -0.4, 0.8}), lamp};
+    request.shading.lights = {Light{LightKind::kDirectional, {-1, -0.4, 0.8}},
+                              Light{LightKind::kPoint, {80, -40, 60}, {1, 0.6, 0.3}}};
     request.shading.shadows = true;
     const Image judged =
         referenceImage(cloud, request.view, request.transfer_function, request.shading, {}, {2, 0.5, 0.9999, true, {}});

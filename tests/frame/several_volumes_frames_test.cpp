@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <glm/gtc/matrix_transform.hpp>
 
 #include "base/thread/parallel.h"
 #include "frame/pass/frame_drawing.h"
@@ -27,9 +26,7 @@ constexpr int kMixScenes = casesOf(6, 1);
 std::vector<DenseVolume> mixedVolumes() {
   std::vector<DenseVolume> out;
   out.push_back(cheese({{75, 61, 90}, VoxelType::i16}, 1, usualRange(VoxelType::i16)));
-  glm::dmat4 turned = glm::translate(glm::dmat4(1), glm::dvec3(20, -10, 25));
-  turned = glm::rotate(turned, 0.6, glm::normalize(glm::dvec3(1, 2, 0.5)));
-  turned = glm::scale(turned, glm::dvec3(1.3, 0.9, 1.7));
+  const glm::dmat4 turned = turnedAffine(0.6, {1.3, 0.9, 1.7}, {20, -10, 25});
   out.push_back(head({{50, 71, 37}, VoxelType::u8, turned}, usualRange(VoxelType::u8)));
   return out;
 }

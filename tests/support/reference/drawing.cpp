@@ -38,6 +38,11 @@ Image draw(const std::vector<const BrickedVolume*>& volumes, const FrameRequest&
   return renderFrame(cache, request, silent, statistics != nullptr ? *statistics : unused);
 }
 
+Image draw(const BrickedVolume& volume, const FrameRequest& request, std::uint64_t budget_bytes,
+           FrameStatistics* statistics) {
+  return draw(std::vector<const BrickedVolume*>{&volume}, request, budget_bytes, statistics);
+}
+
 bool equalBits(const Image& a, const Image& b) {
   const auto equal = [](const ZeroPages<float>& p, const ZeroPages<float>& q) {
     return p.size() == q.size() && std::memcmp(p.data(), q.data(), p.size() * sizeof(float)) == 0;

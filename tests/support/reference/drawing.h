@@ -20,6 +20,10 @@ Image draw(const std::vector<std::filesystem::path>& stores, const FrameRequest&
 Image draw(const std::vector<const BrickedVolume*>& volumes, const FrameRequest& request,
            std::uint64_t budget_bytes = 1ull << 30, FrameStatistics* statistics = nullptr);
 
+/// Draws an open volume.
+Image draw(const BrickedVolume& volume, const FrameRequest& request, std::uint64_t budget_bytes = 1ull << 30,
+           FrameStatistics* statistics = nullptr);
+
 /// Returns true for equal sizes and bitwise equal floats, including planes, the sign of zero and the kind of NaN.
 bool equalBits(const Image& a, const Image& b);
 

@@ -93,6 +93,11 @@ glm::dmat4 obliqueAffine() {
   return turned * shear * spacingAffine({0.8, 1.0, 1.3});
 }
 
+glm::dmat4 turnedAffine(double angle, const glm::dvec3& spacing, const glm::dvec3& origin) {
+  const glm::dmat4 moved = glm::translate(glm::dmat4(1), origin);
+  return glm::scale(glm::rotate(moved, angle, glm::normalize(glm::dvec3(1, 2, 0.5))), spacing);
+}
+
 glm::dmat4 mirroredAffine(const glm::dmat4& world_from_index, int axis, const Extent3& dims) {
   glm::dvec3 scale(1), origin(0);
   scale[axis] = -1;

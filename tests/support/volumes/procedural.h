@@ -61,6 +61,8 @@ glm::dmat4 spacingAffine(const glm::dvec3& spacing, const glm::dvec3& origin = g
 glm::dmat4 anisotropicAffine();
 /// Anisotropic, rotated about no axis of the world and sheared: the hardest legal affine.
 glm::dmat4 obliqueAffine();
+/// Voxels of these edges, turned about no axis of the world. unit: `angle`: radians.
+glm::dmat4 turnedAffine(double angle, const glm::dvec3& spacing, const glm::dvec3& origin);
 /// The affine of equal voxels mirrored in place: `axis` of the index space is reversed.
 glm::dmat4 mirroredAffine(const glm::dmat4& world_from_index, int axis, const Extent3& dims);
 
