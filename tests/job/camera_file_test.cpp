@@ -109,7 +109,7 @@ TEST_F(CameraFile, Damage_isNamed) {
   const std::string whole = paraView(0);
   expectRefused("d.pvcc", whole.substr(0, whole.size() / 2), "d.pvcc");
   expectRefused("a.gltf", R"({"nodes": []})", "a node with a camera");
-  expectRefused("b.gltf", R"({"nodes": [{"camera": 1}], "cameras": [{}]})", "found 1");
+  expectRefused("b.gltf", R"({"nodes": [{"camera": 1}], "cameras": [{}]})", "found '1'");
   expectRefused("c.gltf", gltf(R"({"type": "fisheye"})"), "fisheye");
   expectRefused("e.gltf",
                 R"({"cameras": [{"type": "orthographic", "orthographic": {"ymag": 1}}],)"

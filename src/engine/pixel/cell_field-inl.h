@@ -234,7 +234,7 @@ class CubicCellField {
   // Calls f(row, weight) for the rows around the n-th sample; `row` holds the row's voxels from lane i of four on.
   template <class F>
   HWY_INLINE void forEachRow(std::size_t n, const Taps& y, const Taps& z, std::size_t i, F f) const {
-    const float* const at = in_.values + s_.offset[n] - 1 + i;
+    const float* const at = values_ + s_.offset[n] - 1 + i;
     for (int k = 0; k < z.count; ++k) {
       for (int j = 0; j < y.count; ++j)
         f(hn::LoadU(D4(), at + z.at[k] * kPlane + y.at[j] * kPatchStride), y.weight[j] * z.weight[k]);
@@ -268,7 +268,7 @@ class CubicCellField {
     return along(x, sum);
   }
 
-  const CellInput& in_;
+  const float* values_;
   CellSamples& s_;
   const Interpolation interpolation_;
 };
