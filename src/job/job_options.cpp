@@ -13,6 +13,7 @@
 #include "job/stated_job.h"
 #include "scene/sampling.h"
 #include "scene/scene_limits.h"
+#include "scene/transfer/label_styles.h"
 #include "scene/transfer/presets.h"
 
 namespace kiln {
@@ -71,14 +72,29 @@ constexpr std::string_view kColorByHelp =
     "Colour the volume by the values of another volume at the same place in the world, such as a PET on a CT. Opacity "
     "stays the volume's own.";
 
-// "STORE:LABEL,...".
+// "LABEL,FIRST-LAST,..."; null if the text is anything else, or lists too many labels.
+json labelsOfText(std::string_view text) {
+  json out = json::array();
+  for (const std::string_view part : splitAt(text, ',')) {
+    const std::size_t dash = part.find('-', 1);  // a sign is no dash
+    const auto first = decimalOf<std::int64_t>(part.substr(0, dash));
+    const auto last = dash == std::string_view::npos ? first : decimalOf<std::int64_t>(part.substr(dash + 1));
+    if (!first || !last || *last < *first) return {};
+    if (static_cast<double>(*last) > kLargestLabel || static_cast<double>(*first) < -kLargestLabel) return {};
+    if (static_cast<std::uint64_t>(*last - *first) >= kMostMaskLabels - out.size()) return {};
+    for (std::int64_t label = *first; label <= *last; ++label) out.push_back(label);
+  }
+  return out;
+}
+
+// "STORE:LABELS".
 void putMaskText(OptionForm& form) {
   form.value_name = "FILE:LABELS";
-  form.expected = "the file of a volume of labels, a colon, and its labels that show, such as organs.kiln:3,7";
+  form.expected = "the file of a volume of labels, a colon, and its labels that show, such as organs.kiln:3,7,10-19";
   form.parse = [](const std::string& text) -> json {
     const std::size_t colon = text.rfind(':');
     if (colon == std::string::npos || colon == 0) return {};
-    const json labels = numbersOfText(std::string_view(text).substr(colon + 1));
+    const json labels = labelsOfText(std::string_view(text).substr(colon + 1));
     if (labels.is_null()) return {};
     return {{"volume", text.substr(0, colon)}, {"labels", labels}};
   };
