@@ -178,6 +178,8 @@ PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& 
   if (!(request.thickness >= 0) || !std::isfinite(request.thickness))
     throw Error(ErrorCode::kUsage,
                 fmt::format("--thickness: expected a length of at least 0 (found {})", request.thickness));
+  if (request.pixel && (!(*request.pixel > 0) || !std::isfinite(*request.pixel)))
+    throw Error(ErrorCode::kUsage, fmt::format("--pixel: expected a length above 0 (found {})", *request.pixel));
   const glm::dvec3 normal = request.normal / length;
   const glm::dvec3 on = -request.offset / length * normal;
   const std::vector<glm::dvec3> outline = cornersBetween(level, on, normal, 0.5 * request.thickness);
@@ -189,7 +191,8 @@ PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& 
                                                request.offset, offsets.lo, offsets.hi));
   }
   PlanePixels out{};
-  out.edge = level.shortestEdge();
+  const double voxel = level.shortestEdge();
+  out.edge = request.pixel.value_or(voxel);
   const glm::dvec3 down = downOf(normal), right = glm::cross(down, normal);
   ValueRange across, below;
   for (const glm::dvec3& corner : outline) {
@@ -197,8 +200,13 @@ PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& 
     below.include(glm::dot(corner - on, down));
   }
   const auto pixels = [&](const ValueRange& side) {
-    return std::max<std::int64_t>(1,
-                                  static_cast<std::int64_t>(std::ceil((side.hi - side.lo) / out.edge - kSideRounding)));
+    const double count = std::max(1.0, std::ceil((side.hi - side.lo) / out.edge - kSideRounding));
+    if (count > kLargestSliceSide)
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--plane: expected at most {} pixels along a side (found {:.0f}, of {:g}); choose larger "
+                              "pixels (--pixel) or a coarser --level",
+                              kLargestSliceSide, count, out.edge));
+    return static_cast<std::int64_t>(count);
   };
   out.width = pixels(across);
   out.height = pixels(below);
@@ -208,12 +216,12 @@ PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& 
   out.first = on + begin(across, out.width) * right + begin(below, out.height) * down;
   out.right = out.edge * right;
   out.down = out.edge * down;
-  const double samples = std::max(1.0, std::ceil(request.thickness / out.edge - kSideRounding));
+  const double samples = std::max(1.0, std::ceil(request.thickness / voxel - kSideRounding));
   if (samples > kLargestSliceSide)
-    throw Error(ErrorCode::kUsage, fmt::format("--thickness: expected at most {} pixels of {:g} (found {:g})",
-                                               kLargestSliceSide, out.edge, request.thickness));
+    throw Error(ErrorCode::kUsage, fmt::format("--thickness: expected at most {} voxels of {:g} (found {:g})",
+                                               kLargestSliceSide, voxel, request.thickness));
   out.samples = static_cast<int>(samples);
-  out.along = (out.samples > 1 ? request.thickness / samples : out.edge) * normal;
+  out.along = (out.samples > 1 ? request.thickness / samples : voxel) * normal;
   return out;
 }
 
@@ -226,11 +234,6 @@ Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& requ
     throw Error(ErrorCode::kUsage, "--thickness: labels have no average; add --mode mip or minip");
   const SlicePalette palette(request.colormap, request.window.value_or(defaultWindow(store.manifest().histogram)));
   const PlanePixels pixels = pixelsOfPlane(level, request);
-  if (pixels.width > kLargestSliceSide || pixels.height > kLargestSliceSide)
-    throw Error(
-        ErrorCode::kUsage,
-        fmt::format("--plane: expected at most {} pixels along a side (found {} x {}); choose a coarser --level",
-                    kLargestSliceSide, pixels.width, pixels.height));
   requireSliceFits(store, pixels.width, pixels.height, 4 * sizeof(float) + sizeof(GatheredValue), request.memory_bytes);
   const PlaneSampler sampler(level, pixels, labels);
   std::vector<GatheredValue> gathered(static_cast<std::size_t>(pixels.width * pixels.height));

@@ -1,6 +1,6 @@
 // Draws the slice of a volume along any plane, thin or thick, from the bricks that the slice meets.
 // Method. Multiplanar reformatting: values between voxels are trilinear, labels are of the nearest voxel; the samples
-// across a thick slice are a pixel apart.
+// across a thick slice are at most a voxel's shortest edge apart.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,10 @@ struct PlaneSliceRequest {
   /// The plane is where normal·x + offset = 0, as of clip planes. The picture shows the plane as seen along the normal.
   glm::dvec3 normal{0, 0, 1};
   double offset = 0;
-  double thickness = 0;        // of the slice, centred on the plane. unit: world
-  Mode mode = Mode::kAverage;  // the value of a pixel of a thick slice: kAverage, kMip or kMinip
-  int level = 0;               // 0 is finest
+  double thickness = 0;         // of the slice, centred on the plane. unit: world
+  std::optional<double> pixel;  // edge of a pixel; the shortest edge of a voxel if absent. unit: world
+  Mode mode = Mode::kAverage;   // the value of a pixel of a thick slice: kAverage, kMip or kMinip
+  int level = 0;                // 0 is finest
   std::optional<Window> window;
   std::string colormap = "gray";  // one of sliceColorMaps()
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
@@ -38,8 +39,8 @@ struct PlanePixels {
   glm::dvec3 at(double x, double y) const { return first + x * right + y * down; }
 };
 
-/// Returns the pixels that cover the slice of the volume's box. A pixel is as wide as the shortest edge of a voxel. z
-/// is up, or y is down where the normal is along z. throws: Error kUsage: no normal, or a plane beside the volume.
+/// Returns the pixels that cover the slice of the volume's box. z is up, or y is down where the normal is along z.
+/// throws: Error kUsage: no normal, a plane beside the volume, too many pixels.
 PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& request);
 
 /// Draws a slice. NaN and places outside the volume are transparent. Equal bits for all numbers of threads; sizes of

@@ -72,6 +72,8 @@ TEST_F(SlicesCli, Plane_isDrawnWhereItWasAsked) {
   refused({"slice", in("v.kiln"), "-o", in("o.png"), "--plane", "1,0,1,40"}, 2, "beside the volume");
   refused({"slice", in("v.kiln"), "-o", in("o.png"), "--plane", "1,0,1,-9", "--axis", "x"}, 2, "--axis");
   refused({"slice", in("v.kiln"), "-o", in("o.png"), "--thickness", "3"}, 2, "--plane");
+  refused({"slice", in("v.kiln"), "-o", in("o.png"), "--pixel", "3"}, 2, "--plane");
+  refused({"slice", in("v.kiln"), "-o", in("o.png"), "--plane", "1,0,1,-9", "--pixel", "1e-6"}, 2, "--pixel");
   refused({"slice", in("v.kiln"), "-o", in("o.png"), "--plane", "1,0,1,-9", "--mode", "composite"}, 2, "minip");
   refused({"slice", in("v.kiln"), "-o", in("o.png"), "--plane", "1,0,1,-9", "--mode", "attenuated-mip"}, 2, "minip");
 }

@@ -95,6 +95,23 @@ TEST_F(PlaneSlice, ThickSlice_hasItsMeanAndItsEnds) {
   EXPECT_GT(expectValues(requestOf(normal, -60, 8, Mode::kMinip), -end), 100);
 }
 
+TEST_F(PlaneSlice, PixelsOfAnySize_haveTheValuesOfTheirPlaces) {
+  for (const double pixel : {0.37, 2.5}) {
+    PlaneSliceRequest request = requestOf({1, 2, 3}, -80, 4);
+    const PlanePixels of_voxels = pixelsOfPlane(level(), request);
+    request.pixel = pixel;
+    const PlanePixels pixels = pixelsOfPlane(level(), request);
+    EXPECT_NEAR(static_cast<double>(pixels.width), static_cast<double>(of_voxels.width) / pixel, 2);
+    EXPECT_EQ(pixels.samples, of_voxels.samples);
+    EXPECT_GT(expectValues(request), 300 / (pixel * pixel)) << pixel;
+  }
+  PlaneSliceRequest request = requestOf({1, 2, 3}, -80);
+  for (const double pixel : {0.0, -1.0, 1e-7, HUGE_VAL}) {
+    request.pixel = pixel;
+    EXPECT_THROW(pixelsOfPlane(level(), request), Error) << pixel;
+  }
+}
+
 TEST_F(PlaneSlice, AlongAnAxis_isTheSliceOfThatAxis) {
   for (const int axis : {1, 2}) {  // rows of x; a slice along x is seen from the other side
     glm::dvec3 normal(0);

@@ -29,7 +29,8 @@ struct SliceArguments {
   std::string store, output, axis = "z", window, colormap = "gray", memory = kDefaultMemory;
   int level = 0;
   std::optional<std::string> index, at, plane;
-  double thickness = 0;  // world
+  double thickness = 0;         // world
+  std::optional<double> pixel;  // world
   std::string mode = "average";
   bool sheet = false;
   ForeignArguments source;
@@ -111,6 +112,7 @@ void drawPlane(const SliceArguments& a, const StoreReader& store, const SliceReq
   request.memory_bytes = slice.memory_bytes;
   request.level = a.level;
   request.thickness = a.thickness;
+  request.pixel = a.pixel;
   request.mode = modeOf(a.mode);
   setPlane(*a.plane, request);
   const Image image = renderPlaneSlice(store, request, context.progress);
@@ -194,6 +196,10 @@ void addSlice(CLI::App& app, Context& context) {
       ->type_name("LENGTH")
       ->needs(plane)
       ->capture_default_str();
+  addNumber(*command, "--pixel", a->pixel,
+            "edge of a pixel of --plane, in the volume's unit of length; the shortest edge of a voxel if not given")
+      ->type_name("LENGTH")
+      ->needs(plane);
   command->add_option("--mode", a->mode, "the value of a pixel of a thick slice: average, mip or minip")
       ->type_name("MODE")
       ->needs(plane)
