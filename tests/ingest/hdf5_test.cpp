@@ -143,7 +143,8 @@ TEST(IngestHdf5, EveryRegisteredFilterReadsBack) {
   add("lz4", 32004, {64}, [](const std::string& chunk) { return lz4Blocks(chunk, 64); });
   add("lz4_one", 32004, {}, [](const std::string& chunk) { return lz4Blocks(chunk, 4096); });
   add("zstd", 32015, {3}, [](const std::string& chunk) { return zstdFrame(chunk); });
-  const std::pair<const char*, unsigned> blosc_codecs[] = {{"lz4", 1}, {"lz4hc", 2}, {"zlib", 4}, {"zstd", 5}};
+  const std::pair<const char*, unsigned> blosc_codecs[] = {
+      {"blosclz", 0}, {"lz4", 1}, {"lz4hc", 2}, {"zlib", 4}, {"zstd", 5}};
   for (const auto& [codec, number] : blosc_codecs) {
     for (const int shuffle : {0, 1, 2}) {
       const BloscSpec spec{.codec = codec, .shuffle = shuffle};
@@ -152,6 +153,7 @@ TEST(IngestHdf5, EveryRegisteredFilterReadsBack) {
           [=](const std::string& chunk) { return bloscFrame(chunk, spec); });
     }
   }
+  add("blosc_default", 32001, {2, 2}, [](const std::string& chunk) { return bloscFrame(chunk, {.codec = "blosclz"}); });
   add("bitshuffle", 32008, {0, 4, 2, 16, 0}, [](const std::string& chunk) { return bitshuffled(chunk, 2, 16, false); });
   add("bitshuffle_default", 32008, {0, 4, 2, 0, 0},
       [](const std::string& chunk) { return bitshuffled(chunk, 2, 4096, false); });

@@ -12,6 +12,8 @@ namespace kiln {
 /// `packed` is damaged, is cut, or holds more bytes than `out` has room for. thread: any.
 /// throws: std::bad_alloc if the library has no memory.
 std::optional<std::size_t> unpackLz4(std::span<const std::byte> packed, std::span<std::byte> out);
+/// A block of BloscLZ, which has no mark of its end.
+std::optional<std::size_t> unpackBloscLz(std::span<const std::byte> packed, std::span<std::byte> out);
 /// One or several Zstandard frames, with or without their content size.
 std::optional<std::size_t> unpackZstd(std::span<const std::byte> packed, std::span<std::byte> out);
 /// Memory of LZMA's dictionary at most. unit: bytes.

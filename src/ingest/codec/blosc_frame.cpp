@@ -40,6 +40,7 @@ std::optional<std::size_t> unpackPiece(Codec codec, std::span<const std::byte> p
     case Codec::kZstd:
       return unpackZstd(packed, out);
     case Codec::kBloscLz:
+      return unpackBloscLz(packed, out);
     case Codec::kSnappy:
       break;
   }
@@ -65,9 +66,7 @@ class FrameReader {
   }
 
   std::string unpack(std::span<std::byte> out) {
-    if (codec_ == Codec::kBloscLz || codec_ == Codec::kSnappy)
-      return codec_ == Codec::kSnappy ? "Snappy inside Blosc is not read; write it with lz4, zstd or zlib"
-                                      : "BloscLZ inside Blosc is not read; write it with lz4, zstd or zlib";
+    if (codec_ == Codec::kSnappy) return "Snappy inside Blosc is not read; write it with lz4, zstd or zlib";
     if (codec_ > Codec::kZstd) return fmt::format("codec {} inside Blosc is unknown", head_.flags >> 5);
     if (planes_) shuffled_.resize(std::min<std::size_t>(head_.block_bytes, out.size()));
     for (std::size_t at = 0, block = 0; at < out.size(); at += head_.block_bytes, ++block) {

@@ -1,4 +1,4 @@
-// Frames of Blosc 1: blocks of byte or bit planes, each compressed by LZ4, Zstandard or zlib.
+// Frames of Blosc 1: blocks of byte or bit planes, each compressed by BloscLZ, LZ4, Zstandard or zlib.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 namespace kiln {
 
 /// Decompresses a frame to the front of `out`. Returns a text that names the fault, empty if there is none; `written`
-/// is the number of bytes. BloscLZ and Snappy are refused by name. thread: any. throws: std::bad_alloc.
+/// is the number of bytes. Snappy is refused by name. thread: any. throws: std::bad_alloc.
 std::string unpackBlosc(std::span<const std::byte> frame, std::span<std::byte> out, std::size_t& written);
 
 }  // namespace kiln

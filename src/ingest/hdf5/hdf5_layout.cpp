@@ -31,8 +31,7 @@ std::unique_ptr<ByteCodec> filterCodec(const Hdf5Filter& filter, std::size_t num
     case kLzf:
       return lzfCodec();
     case kBlosc:
-      // The seventh value is the compressor; 0, or no value, is BloscLZ, which Kiln does not decode.
-      return value(6) != 0 ? bloscCodec() : nullptr;
+      return bloscCodec();
     case kLz4:
       return hdf5Lz4Codec();
     case kZstd:
