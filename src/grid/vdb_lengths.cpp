@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <iterator>
 #include <map>
+#include <set>
 #include <string_view>
 #include <vector>
 
@@ -14,6 +17,8 @@ namespace {
 // OpenVDB 1.0 writes version 218. Compression flags belong to the file from 220 on, and to each grid from 222 on.
 constexpr std::uint32_t kOldest = 218, kCompressedFiles = 220, kCompressedGrids = 222;
 constexpr std::int64_t kVdbMagic = 0x56444220;
+// Metadata of a grid by which OpenVDB reads its values.
+constexpr std::string_view kHalvesName = "is_saved_as_half_float";
 constexpr std::uint64_t kVersionAt = 8, kPlacesFlagAt = 20, kUuidBytes = 36;
 
 // Length of a value of a fixed-length type. OpenVDB reads this many bytes, whatever length the file claims.
@@ -43,6 +48,9 @@ std::uint64_t bytesOfMap(const std::string& map) {
 
 // Slots of inner nodes below the root and above the leaves; voxels of a leaf.
 constexpr std::uint64_t kUpperSlots = 1 << 15, kLowerSlots = 1 << 12, kLeafVoxels = 512;
+constexpr std::uint64_t kLeafMaskBytes = kLeafVoxels / 8, kOriginBytes = 3 * sizeof(std::int32_t);
+// A writer keeps values that compression makes longer. More than this factor, and these bytes, is a false length.
+constexpr std::uint64_t kMostPacking = 2, kPackingHead = 256;
 // Flags of compression.
 constexpr std::uint32_t kZip = 1, kActiveOnly = 2, kBlosc = 4;
 // Memory of a node without values and masks (allocator, origin, buffer), and of an entry in the root's table. Measured
@@ -96,6 +104,7 @@ std::uint64_t VdbLengths::fileHead(std::uint32_t newest) {
   if (version_ >= kCompressedFiles && version_ < kCompressedGrids) skip(1);
   skip(kUuidBytes);
   metadata();
+  if (!packed_.empty()) fail(packed_.front().at, "a hint for delayed loading belongs to no grid");
   return at_;
 }
 
@@ -103,47 +112,19 @@ std::uint64_t VdbLengths::fileHead(std::uint32_t newest) {
 void VdbLengths::metadata() {
   const auto count = take<std::uint32_t>();
   for (std::uint32_t i = 0; i < count; ++i) {
-    text();
-    const std::string type = text();
+    const std::string name = text(), type = text();
     const std::uint64_t length_at = at_;
     const auto length = take<std::uint32_t>();
     if (length > file_.size - at_) fail(length_at, fmt::format("a length of {} is more than the file holds", length));
     if (const std::uint32_t bytes = bytesOfType(type); bytes != 0 && bytes != length)
       fail(length_at, fmt::format("a value of type {} has a length of {}; {} is legal", type, length, bytes));
-    const std::uint64_t end = at_ + length;
-    if (type == kDelayedLoadType && length > 0) delayedLoad(end);
-    at_ = end;
+    if (name == kHalvesName) {
+      if (type != "bool") fail(length_at, fmt::format("{} has type {}; bool is legal", name, type));
+      halves_ = number<std::uint8_t>(at_) != 0;
+    }
+    if (type == kDelayedLoadType) packed_.push_back({length_at, 0, VdbPacked::Kind::kHint});
+    at_ += length;
   }
-}
-
-// Walks the hint for delayed loading: a mask of one byte per leaf, then the compressed size of each leaf, eight bytes.
-void VdbLengths::delayedLoad(std::uint64_t end) {
-  constexpr std::uint64_t kLeafBytes = 64;        // least bytes of a leaf in the file: its mask
-  constexpr std::uint32_t kNoSizes = 0xffffffff;  // the tree is compressed by neither Blosc nor zip
-  const std::uint64_t begin = at_;
-  const auto leaves = take<std::uint32_t>();
-  if (leaves > file_.size / kLeafBytes) fail(begin, fmt::format("{} leaves are more than the file holds", leaves));
-  packedNumbers(take<std::uint32_t>(), 1, leaves, end);
-  const auto sizes = take<std::uint32_t>();
-  if (sizes != kNoSizes) packedNumbers(sizes, 8, leaves, end);
-  // OpenVDB skips the rest of the value; a negative rest would count as 4 GiB.
-  if (at_ > end) fail(begin, "the list of leaves is longer than the value that holds it");
-}
-
-// Walks `count` numbers: uncompressed if `packed_bytes` is 0, else compressed by Blosc, whose header holds the memory
-// of the numbers.
-void VdbLengths::packedNumbers(std::uint32_t packed_bytes, std::uint64_t number_bytes, std::uint64_t count,
-                               std::uint64_t end) {
-  constexpr std::uint64_t kBloscHead = 16, kMostPadding = 256;
-  const std::uint64_t at = at_, bytes = packed_bytes > 0 ? packed_bytes : number_bytes * count;
-  if (at > end || bytes > end - at) fail(at - 4, fmt::format("a length of {} is more than the file holds", bytes));
-  skip(bytes);
-  if (packed_bytes == 0) return;
-  if (packed_bytes < kBloscHead) fail(at - 4, fmt::format("{} bytes are too few for a block of Blosc", packed_bytes));
-  const auto unpacked = number<std::uint32_t>(at + 4), packed = number<std::uint32_t>(at + 12);
-  if (packed != packed_bytes || unpacked > number_bytes * count + kMostPadding)
-    fail(at, fmt::format("a block of Blosc has {} bytes and unpacks to {}; {} and at most {} are legal", packed,
-                         unpacked, packed_bytes, number_bytes * count + kMostPadding));
 }
 
 std::uint64_t VdbLengths::descriptor(std::uint64_t at) {
@@ -160,6 +141,8 @@ std::uint64_t VdbLengths::descriptor(std::uint64_t at) {
 
 std::uint64_t VdbLengths::gridHead(std::uint64_t at) {
   at_ = at;
+  packed_.clear();
+  halves_ = false;
   if (version_ >= kCompressedGrids) grid_compression_ = take<std::uint32_t>();
   metadata();
   transform();
@@ -185,22 +168,33 @@ std::uint64_t VdbLengths::treeMemory(std::uint64_t at, const Values& values) {
   if (const auto buffers = take<std::int32_t>(); buffers != 1)
     throw Error(ErrorCode::kUnsupported, file_.path, fmt::format("byte {}", at),
                 fmt::format("the tree has {} buffers, of which one is read; save the grid anew with one", buffers));
+  if (values.half != halves_)
+    throw Error(ErrorCode::kUnsupported, file_.path, fmt::format("byte {}", at),
+                "the grid's name and its metadata differ about half precision; save the grid anew");
   const std::uint64_t value_bytes = bytesOfType(values.type);
-  constexpr std::uint64_t kOrigin = 3 * sizeof(std::int32_t);
   skip(value_bytes);  // the background
   const auto tiles = take<std::uint32_t>(), children = take<std::uint32_t>();
-  skip(tiles * (kOrigin + value_bytes + 1));
+  skip(tiles * (kOriginBytes + value_bytes + 1));
   std::uint64_t out = tiles * kRootEntry;
+  leaves_ = 0;
+  const auto hints = std::ssize(packed_);
+  std::set<std::array<std::int32_t, 3>> origins;
   for (std::uint32_t i = 0; i < children; ++i) {
-    skip(kOrigin);
+    // A node in the place of another would take leaves away from OpenVDB's tree.
+    if (!origins.insert(take<std::array<std::int32_t, 3>>()).second)
+      fail(at_ - kOriginBytes, "two nodes of the tree have one place");
     out += kRootEntry + innerNode(kUpperSlots, values);
   }
-  return out;
+  has_packed_nodes_ =
+      std::any_of(packed_.begin() + hints, packed_.end(), [](const VdbPacked& p) { return p.bytes > 0; });
+  const bool packs = (version_ >= kCompressedGrids ? grid_compression_ : values.compression) & (kZip | kBlosc);
+  if (packs) packed_.reserve(packed_.size() + leaves_);
+  for (std::uint64_t i = 0; i < leaves_; ++i) leaf(values);
+  return out + packed_.capacity() * sizeof(VdbPacked);
 }
 
 // Returns the memory of a node and all nodes below.
 std::uint64_t VdbLengths::innerNode(std::uint64_t slots, const Values& values) {
-  constexpr std::uint64_t kLeafMask = kLeafVoxels / 8;
   const std::uint64_t value_bytes = bytesOfType(values.type);
   // A slot is a union of a child pointer and a small value; a large value lies beside the pointer.
   const std::uint64_t slot_bytes = sizeof(void*) + (value_bytes > sizeof(void*) ? value_bytes : 0);
@@ -208,11 +202,25 @@ std::uint64_t VdbLengths::innerNode(std::uint64_t slots, const Values& values) {
   valuesOfNode(slots, children, active, values);
   std::uint64_t out = slots * slot_bytes + 2 * slots / 8 + kNodeExtra;
   if (slots == kLowerSlots) {
-    skip(children * kLeafMask);
-    return out + children * (kLeafVoxels * value_bytes + kLeafMask + kNodeExtra);
+    skip(children * kLeafMaskBytes);
+    leaves_ += children;
+    return out + children * (kLeafVoxels * value_bytes + kLeafMaskBytes + kNodeExtra);
   }
   for (std::uint64_t i = 0; i < children; ++i) out += innerNode(kLowerSlots, values);
   return out;
+}
+
+// Walks the values of a leaf, which follow all nodes. A leaf of masks has one or two masks and no values.
+void VdbLengths::leaf(const Values& values) {
+  if (values.type == "mask") return skip(kLeafMaskBytes + kOriginBytes);
+  if (values.type == "bool") return skip(kLeafMaskBytes + kOriginBytes + kLeafMaskBytes);
+  const std::uint64_t active = bitsOf(kLeafVoxels);
+  if (version_ < kCompressedGrids) {
+    skip(kOriginBytes);
+    if (const auto buffers = take<std::int8_t>(); buffers > 1)
+      fail(at_ - 1, fmt::format("a leaf has {} buffers; 1 is legal", buffers));
+  }
+  valuesOfNode(kLeafVoxels, 0, active, values);
 }
 
 // Returns the number of set bits in a mask.
@@ -241,11 +249,22 @@ void VdbLengths::valuesOfNode(std::uint64_t slots, std::uint64_t children, std::
   }
   const std::uint64_t shorter = values.half ? halfShortens(values.type) : 1;
   if (shorter > 1 && count == 0) return;
-  const std::uint64_t stored_bytes = count * value_bytes / shorter;
-  if ((compression & (kZip | kBlosc)) == 0) return skip(stored_bytes);
+  valuesIn(count * value_bytes / shorter, compression);
+}
+
+// Walks values that have `bytes` bytes without compression.
+void VdbLengths::valuesIn(std::uint64_t bytes, std::uint32_t compression) {
+  if ((compression & (kZip | kBlosc)) == 0) return skip(bytes);
+  const std::uint64_t at = at_;
   // A positive number is the compressed length; a negative one is the length of uncompressed values.
   const auto packed = take<std::int64_t>();
-  skip(packed > 0 ? static_cast<std::uint64_t>(packed) : 0 - static_cast<std::uint64_t>(packed));
+  const std::uint64_t length = packed > 0 ? static_cast<std::uint64_t>(packed) : 0 - static_cast<std::uint64_t>(packed);
+  if (packed <= 0 ? length != bytes : length > kMostPacking * bytes + kPackingHead)
+    fail(at, fmt::format("values of {} bytes have a stored length of {}", bytes, packed));
+  skip(length);
+  if (packed > 0)
+    packed_.push_back({at, static_cast<std::uint32_t>(bytes),
+                       (compression & kBlosc) != 0 ? VdbPacked::Kind::kBlosc : VdbPacked::Kind::kZip});
 }
 
 }  // namespace kiln

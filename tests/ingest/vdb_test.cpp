@@ -76,6 +76,18 @@ class Vdb : public ::testing::Test {
       EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
     }
   }
+  // Returns the error of a hostile file, or reads a volume of moderate size.
+  std::string openAndRead(const test::Bytes& file) {
+    test::writeBytes(directory_ / "hostile.vdb", file);
+    try {
+      const auto source = openVdb(directory_ / "hostile.vdb", {});
+      const Extent3 dims = source->info().geometry.dims;
+      if (dims.x < 100 && dims.y < 100 && dims.z < 100) readBox(*source, boxOf(dims));
+      return {};
+    } catch (const Error& error) {
+      return error.what();
+    }
+  }
   test::ScratchDirectory directory_;
 };
 
@@ -306,8 +318,7 @@ TEST_F(Vdb, EveryTruncationIsAnError) {
   }
 }
 
-// Names, metadata and the directory of grids, which are checked before OpenVDB reads them. The format has no checksum
-// for the tree, and OpenVDB trusts its bytes (see vdb_bytes.h).
+// Names, metadata and the directory of grids, which are checked before OpenVDB reads them.
 TEST_F(Vdb, FlippedLengthsInTheMetadataAreErrorsOrHarmless) {
   const std::vector<std::byte> whole = readFile(write({{VdbKind::kFloat, "a"}}));
   constexpr unsigned kFlips[] = {1, 0x80, 0xff};
@@ -325,24 +336,70 @@ TEST_F(Vdb, FlippedLengthsInTheMetadataAreErrorsOrHarmless) {
   }
 }
 
-// Known: without packed blocks every length is checked, in the tree, too. A flipped value is another value.
-TEST_F(Vdb, FlippedBitsOfAnUncompressedFile_neverCrash) {
-  test::writeVdb(directory_ / "a.vdb", {{VdbKind::kFloat, "a"}}, true, test::VdbCompression::kNone);
-  const std::vector<std::byte> whole = readFile(directory_ / "a.vdb");
-  const auto* const first = reinterpret_cast<const std::uint8_t*>(whole.data());
+// Known: every length is checked, in the tree, too, and Kiln unpacks the values. A flipped value is another value.
+TEST_F(Vdb, FlippedBits_neverCrash) {
+  using test::VdbCompression;
   std::mt19937 random(11);
-  for (int i = 0; i < test::casesOf(400, 60); ++i) {
-    test::Bytes file(first, first + whole.size());
-    for (int flips = 0; flips < 3; ++flips)
-      file[random() % file.size()] ^= static_cast<std::uint8_t>(1u << random() % 8);
-    test::writeBytes(directory_ / "flip.vdb", file);
-    try {
-      const auto source = openVdb(directory_ / "flip.vdb", {});
-      const Extent3 dims = source->info().geometry.dims;
-      if (dims.x < 100 && dims.y < 100 && dims.z < 100) readBox(*source, boxOf(dims));
-    } catch (const Error&) {
+  for (const VdbCompression compression : {VdbCompression::kNone, VdbCompression::kBlosc, VdbCompression::kZip}) {
+    for (const VdbKind kind : {VdbKind::kHalf, VdbKind::kTiles, VdbKind::kLevelSet}) {
+      test::writeVdb(directory_ / "a.vdb", {{kind, "a"}}, true, compression);
+      const std::vector<std::byte> whole = readFile(directory_ / "a.vdb");
+      const auto* const first = reinterpret_cast<const std::uint8_t*>(whole.data());
+      for (int i = 0; i < test::casesOf(200, 30); ++i) {
+        test::Bytes file(first, first + whole.size());
+        for (int flips = 0; flips < 3; ++flips)
+          file[random() % file.size()] ^= static_cast<std::uint8_t>(1u << random() % 8);
+        openAndRead(file);
+      }
     }
   }
+}
+
+// OpenVDB reads values of a negative length by that length, into room for the values alone. Each number that may be a
+// length of a leaf's values becomes such a length, longer than the values of any leaf.
+TEST_F(Vdb, KeptValuesLongerThanTheirLeaf_areRefused) {
+  constexpr std::int64_t kMostLength = 1024, kLonger = -1100;
+  const std::vector<std::byte> whole = readFile(write({{VdbKind::kHalf, "a"}}));
+  const auto* const first = reinterpret_cast<const std::uint8_t*>(whole.data());
+  int refused = 0;
+  for (std::size_t at = 0; at + 8 <= whole.size(); ++at) {
+    std::int64_t length;
+    std::memcpy(&length, first + at, sizeof length);
+    if (length == 0 || std::abs(length) > kMostLength) continue;
+    test::Bytes file(first, first + whole.size());
+    std::memcpy(&file[at], &kLonger, sizeof kLonger);
+    file.resize(file.size() + 2000);
+    refused += openAndRead(file).find("have a stored length of -1100") != std::string::npos;
+  }
+  EXPECT_GE(refused, 8) << "leaves of the grid";
+}
+
+// Halves and floats differ in the room for values, so both statements of a file must agree.
+TEST_F(Vdb, MetadataAgainstTheNameAboutHalves_areRefused) {
+  constexpr std::string_view kName = "is_saved_as_half_float";
+  const fs::path path = write({{VdbKind::kHalf, "a"}});
+  std::string text = readTextFile(path);
+  const std::size_t at = text.find(kName);
+  ASSERT_NE(at, std::string::npos);
+  // The name, then the length and the text of the type "bool", the value's length, the value.
+  const std::size_t value = at + kName.size() + 4 + 4 + 4;
+  ASSERT_EQ(text[value], 1);
+  text[value] = 0;
+  test::writeBytes(path, test::Bytes(text.begin(), text.end()));
+  expectRefused(path, ErrorCode::kUnsupported, "differ about half precision");
+}
+
+// Known: the first leaf with compressed values gets a damaged frame.
+TEST_F(Vdb, DamagedPackedValues_nameTheirPlace) {
+  test::VdbSpec spec{VdbKind::kTiles, "a"};
+  test::writeVdb(directory_ / "a.vdb", {spec}, true, test::VdbCompression::kZip);
+  std::string text = readTextFile(directory_ / "a.vdb");
+  // A zlib stream of OpenVDB's level begins so.
+  const std::size_t stream = text.find("\x78\x9c", 400);
+  ASSERT_NE(stream, std::string::npos);
+  text[stream] = 'x' ^ 1;
+  test::writeBytes(directory_ / "a.vdb", test::Bytes(text.begin(), text.end()));
+  expectRefused(directory_ / "a.vdb", ErrorCode::kFormat, "the zlib stream is damaged");
 }
 
 #ifdef KILN_TEST_DATA_DIR

@@ -1,11 +1,14 @@
-// Validates the bytes of an OpenVDB file before OpenVDB reads them: the format has no checksum, and OpenVDB trusts its
-// input. VdbBytes throws at the end of the file instead of returning nothing for ever. VdbLengths compares the lengths
-// in names, metadata and offsets with the file.
-// Limit: compressed blocks inside a tree are not checked. A file altered there on purpose can crash OpenVDB; accidental
-// damage there can give wrong values.
+// Validates the bytes of an OpenVDB file before OpenVDB reads them, and unpacks them: the format has no checksum, and
+// OpenVDB trusts its input.
+// Method. VdbLengths compares every length in the file with the bytes that follow and lists the packed parts. VdbBytes
+// gives OpenVDB these parts as values without compression, unpacked by decompressors with their own bounds, and throws
+// at the end of the file instead of returning nothing for ever.
+// Invariant. No decompressor of OpenVDB gets bytes of the file, and no length exceeds the room for its values.
+// Limit: damage inside a tree can give wrong values.
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <streambuf>
 #include <vector>
 
@@ -14,11 +17,15 @@
 
 namespace kiln {
 
-/// A file as a stream buffer for std::istream. Reading beyond the end throws Error kFormat.
+/// A file as a stream buffer for std::istream. Reading beyond the end throws Error kFormat, and so do damaged parts.
 class VdbBytes : public std::streambuf {
  public:
   /// requires: `file` outlives this.
-  explicit VdbBytes(const File& file) : file_(file), buffer_(1 << 16) {}
+  explicit VdbBytes(const File& file) : file_(file), raw_(1 << 16) {}
+
+  /// Gives the parts unpacked from the stream's position on. requires: the parts are those of VdbLengths, and stay
+  /// unchanged until the next call.
+  void setPacked(std::span<const VdbPacked> parts);
 
  protected:
   int_type underflow() override;
@@ -27,10 +34,20 @@ class VdbBytes : public std::streambuf {
   pos_type seekpos(pos_type to, std::ios_base::openmode mode) override;
 
  private:
-  std::uint64_t position() const { return next_ + static_cast<std::uint64_t>(gptr() - eback()); }
+  std::uint64_t position() const;
+  void dropWindow(std::uint64_t at);
+  const VdbPacked* partFrom(std::uint64_t at) const;
+  void unpack(const VdbPacked& part);
+  void unpackValues(const VdbPacked& part, std::span<const std::byte> packed, std::span<std::byte> out) const;
+  void show(std::vector<char>& window, std::size_t bytes) { setg(window.data(), window.data(), window.data() + bytes); }
+
   const File& file_;
-  std::vector<char> buffer_;
-  std::uint64_t next_ = 0;  // file position of eback()
+  std::span<const VdbPacked> parts_;
+  std::vector<char> raw_, unpacked_;
+  std::vector<std::byte> packed_;
+  // The window from eback() to egptr() holds the bytes of the file from begin_ to end_, or what they unpack to.
+  std::uint64_t begin_ = 0, end_ = 0;
+  bool is_unpacked_ = false;
 };
 
 /// Returns the walk over the lengths of `file`; its errors are kFormat. requires: `file` outlives the walk.

@@ -1,6 +1,6 @@
 // An OpenVDB grid as a dense box: the bounding box of its active voxels and tiles, with inactive values unchanged. Only
 // the chosen grid is held in memory, in its sparse form. OpenVDB trusts the bytes of a file; vdb_bytes.h lists the
-// checks made before. OpenVDB leaks the node under construction when it throws.
+// checks made before, and unpacks all values. OpenVDB leaks the node under construction when it throws.
 #include <fmt/format.h>
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
@@ -72,7 +72,7 @@ class GridFile : public openvdb::io::Archive {
     if (!inputHasGridOffsets()) return;  // read already
     for (const GridEntry& entry : entries_) {
       entry.descriptor.seekToGrid(in_);
-      lengths_.gridHead(position());
+      walkHead();
       readGridCompression(in_);
       entry.grid->readMeta(in_);
     }
@@ -96,12 +96,18 @@ class GridFile : public openvdb::io::Archive {
 
  private:
   std::uint64_t position() { return static_cast<std::uint64_t>(std::streamoff(in_.tellg())); }
-  void fill(const GridEntry& entry) {
+  std::uint64_t walkHead() {
     const std::uint64_t tree_at = lengths_.gridHead(position());
+    buffer_.setPacked(lengths_.packed());
+    return tree_at;
+  }
+  void fill(const GridEntry& entry) {
+    const std::uint64_t tree_at = walkHead();
     if (!entry.descriptor.isInstance()) {
       requireKnownMemory(entry);
       charge(entry, lengths_.treeMemory(tree_at,
                                         {entry.grid->valueType(), entry.descriptor.saveFloatAsHalf(), compression()}));
+      buffer_.setPacked(lengths_.packed());
     }
     readGrid(entry.grid, entry.descriptor, in_);
   }

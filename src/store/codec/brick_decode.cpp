@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <functional>
 #include <istream>
 #include <memory>
 #include <streambuf>
@@ -79,8 +80,8 @@ void readGridMetadata(openvdb::GridBase& grid, std::istream& in) {
 // Reads the parts of a file in order, as Archive::readGrid does, but without trees.
 class ArchiveReader : public openvdb::io::Archive {
  public:
-  // Calls take(grid) for each grid while the stream is at the grid's topology; `take` moves the stream behind the last
-  // leaf.
+  // Calls take(grid, nodes_are_plain) for each grid while the stream is at the grid's topology; `take` moves the stream
+  // behind the last leaf. nodes_are_plain() walks the tree, and returns whether OpenVDB may read its nodes.
   template <class Take>
   void read(std::span<const std::byte> file, std::istream& in, const openvdb::MetaMap& expected,
             const std::filesystem::path& path, Take&& take) {
@@ -105,14 +106,18 @@ class ArchiveReader : public openvdb::io::Archive {
       openvdb::io::GridDescriptor descriptor;
       lengths.descriptor(position());
       const openvdb::GridBase::Ptr grid = descriptor.read(in);
-      lengths.gridHead(position());
+      const std::uint64_t tree_at = lengths.gridHead(position());
       readGridCompression(in);
       openvdb::io::setGridBackgroundValuePtr(in, nullptr);
       readGridMetadata(*grid, in);
       openvdb::io::setGridClass(in, grid->getGridClass());
       grid->readTransform(in);
       grid->setName(openvdb::io::GridDescriptor::stripSuffix(descriptor.gridName()));
-      take(*grid);
+      take(*grid, [&] {
+        lengths.treeMemory(tree_at,
+                           {grid->valueType(), descriptor.saveFloatAsHalf(), openvdb::io::getDataCompression(in)});
+        return !lengths.hasPackedNodes();
+      });
     }
     openvdb::io::clearStreamMetadataPtr(in);
   }
@@ -191,6 +196,8 @@ class LeafReader {
   typename Leaf::Buffer spare_;
 };
 
+using NodesArePlain = std::function<bool()>;
+
 template <class T>
 class Decoder {
  public:
@@ -205,12 +212,12 @@ class Decoder {
         in_(in),
         block_(block) {}
 
-  void take(openvdb::GridBase& base) {
+  void take(openvdb::GridBase& base, const NodesArePlain& nodes_are_plain) {
     const auto known = std::find(kGrids.begin(), kGrids.end(), base.getName());
     if (known == kGrids.end()) fail(base.getName() + " is no grid of a brick");
     const auto which = static_cast<std::size_t>(known - kGrids.begin());
     if (std::exchange(taken_[which], true)) fail(base.getName() + " occurs twice");
-    if (!takeAs<BrickGridFor<T>>(base, which) && !takeAs<GridFor<T>>(base, which))
+    if (!takeAs<BrickGridFor<T>>(base, which, nodes_are_plain) && !takeAs<GridFor<T>>(base, which, nodes_are_plain))
       fail(base.getName() + " holds " + base.valueType());
   }
 
@@ -228,13 +235,13 @@ class Decoder {
   static constexpr std::array<std::string_view, 4> kGrids = {kCoreGrid, kApronGrid, kCellMinGrid, kCellMaxGrid};
 
   template <class Grid>
-  bool takeAs(openvdb::GridBase& base, std::size_t which) {
+  bool takeAs(openvdb::GridBase& base, std::size_t which, const NodesArePlain& nodes_are_plain) {
     auto* const grid = dynamic_cast<Grid*>(&base);
     if (grid == nullptr) return false;
     if (which < 2)
       takeVoxels(*grid, which == 0);
     else
-      takeCells(*grid, which == 2);
+      takeCells(*grid, which == 2, nodes_are_plain);
     return true;
   }
 
@@ -308,7 +315,7 @@ class Decoder {
   }
 
   template <class Grid>
-  void takeCells(Grid& grid, bool least) {
+  void takeCells(Grid& grid, bool least, const NodesArePlain& nodes_are_plain) {
     const auto set = [&](const VoxelCoord& cell, auto value) {
       const std::int64_t x = cell.x - core_.lo.x / kCellSize;
       const std::int64_t y = cell.y - core_.lo.y / kCellSize;
@@ -317,7 +324,10 @@ class Decoder {
       ValueRange& range = cells_[static_cast<std::size_t>((z * edge_ + y) * edge_ + x)];
       (least ? range.lo : range.hi) = static_cast<double>(value);
     };
-    if (!takeAllCells(grid, set)) takeSomeCells(grid, set);
+    if (takeAllCells(grid, set)) return;
+    // OpenVDB would unpack values of nodes with Blosc, which trusts their lengths.
+    if (!nodes_are_plain()) fail(grid.getName() + " has packed nodes");
+    takeSomeCells(grid, set);
   }
 
   // Reads cells without building a tree. Returns false, and reads nothing, unless every cell of the core has a value.
@@ -427,7 +437,8 @@ BrickBlock decodeBrick(const BrickDesc& frame, std::span<const std::byte> file, 
     BrickBlock block = emptyBlock(frame);
     withVoxelType(frame.type, [&]<class T>(std::type_identity<T>) {
       Decoder<T> decoder(frame, path, buffer, in, block);
-      ArchiveReader().read(file, in, metadataOf(frame), path, [&](openvdb::GridBase& grid) { decoder.take(grid); });
+      ArchiveReader().read(file, in, metadataOf(frame), path,
+                           [&](openvdb::GridBase& grid, const NodesArePlain& plain) { decoder.take(grid, plain); });
       decoder.finish();
     });
     block.supports = supportsOf(block);
