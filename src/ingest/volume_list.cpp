@@ -37,7 +37,7 @@ Volumes ofFile(const fs::path& file, const SourceOptions& options) {
   if (format == "an OpenVDB") return listVdb(file, options);
   if (format == "a TIFF") return listTiff({file});
   if (format == "a DICOM") return listDicom({file});
-  if (format == "an HDF5") return listHdf5(file);
+  if (format == "an HDF5") return listHdf5(file, options);
   return ofOneVolume(file, options);
 }
 

@@ -189,7 +189,7 @@ void readCameraFile(const fs::path& path, CameraSpec& camera) {
   const std::string ending = path.extension().string();
   if (ending == ".pvcc") return readParaView(path, camera);
   if (ending == ".gltf") return readGltf(JsonNode(path, kJsonMemory), camera);
-  if (ending == ".glb") return readGltf(JsonNode(path, jsonOfBinary(File(path))), camera);
+  if (ending == ".glb") return readGltf(JsonNode(path, jsonOfBinary(File(path)), kJsonMemory), camera);
   throw Error(ErrorCode::kUnsupported, path, "",
               "expected a camera file .pvcc (ParaView), .gltf or .glb; export the camera in one of these formats");
 }

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "ingest/open_source.h"
+#include "ingest/volume_list.h"
 #include "support/volumes/foreign_files.h"
 #include "support/volumes/hdf5_files.h"
 #include "support/volumes/packed_bytes.h"
@@ -237,6 +238,32 @@ TEST(IngestHdf5, SeveralVolumesAreListed) {
   SourceOptions options;
   options.scale = 1;
   expectRefused(part(file, "/one"), ErrorCode::kUsage, "--scale", options);
+}
+
+// Known: the description holds 256 texts of 16 KiB.
+TEST(IngestHdf5, DescriptionLargerThanTheMemory_isRefused) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 473);
+  const fs::path file = files.directory() / "a.h5";
+  {
+    Hdf5File out(file);
+    out.add("/one", volume);
+    for (int i = 0; i < 256; ++i) {
+      const std::string group = "/g" + std::to_string(i);
+      out.addGroup(group);
+      out.setText(group, "note", std::string(16 << 10, 'x'));
+    }
+  }
+  SourceOptions options;
+  for (const std::uint64_t mib : {2, 8}) {
+    options.memory_bytes = mib << 20;
+    expectRefused(file, ErrorCode::kBudget, "a.h5: --memory: the header takes up to", options);
+  }
+  options.memory_bytes = 16 << 20;
+  expectReadsBack(
+      volume, [&] { return openSource(file, options); }, 474);
+  options.memory_bytes = 2 << 20;
+  expectError([&] { volumesIn(file, options); }, ErrorCode::kBudget, "a.h5: --memory");
 }
 
 // Known: the last three axes are z, y, x; an axis in front is chosen by a number.

@@ -115,8 +115,9 @@ std::optional<CodecChain> codecsOf(const std::vector<Hdf5Filter>& filters, std::
   return out;
 }
 
-Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const fs::path& file, const std::string& path) {
-  const JsonNode header(file, reader.text(hdf5::Request::kLayout, path));
+Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const fs::path& file, const std::string& path,
+                          std::uint64_t memory_bytes) {
+  const JsonNode header(file, reader.text(hdf5::Request::kLayout, path, memory_bytes), memory_bytes);
   const std::optional<JsonNode> type = header.find("type"), chunk = header.find("chunk"),
                                 offset = header.find("offset");
   if (!type)

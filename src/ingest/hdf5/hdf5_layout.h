@@ -36,7 +36,8 @@ struct Hdf5Layout : ChunkLayout {
 /// Kiln decodes; all other voxels the HDF5 library has to read (virtual and external data sets, other filters, types
 /// with unused bits, more chunks than are listed). throws: Error kFormat, kUnsupported if the data set holds no
 /// numbers.
-Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const std::filesystem::path& file, const std::string& path);
+Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const std::filesystem::path& file, const std::string& path,
+                          std::uint64_t memory_bytes);
 
 /// Returns the codecs of a chunk whose filters in `left_out` (bit i for filter i) were not applied; nothing if a filter
 /// is unknown to Kiln.

@@ -1,6 +1,7 @@
 #include "ingest/hdf5/hdf5_objects.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "ingest/source/header_text.h"
 
@@ -58,8 +59,8 @@ std::vector<std::string> Hdf5Object::texts(const std::string& attribute) const {
   return out;
 }
 
-Hdf5Objects::Hdf5Objects(const std::filesystem::path& file, const std::string& json) {
-  const JsonNode root(file, json);
+Hdf5Objects::Hdf5Objects(const std::filesystem::path& file, std::string json, std::uint64_t memory_bytes) {
+  const JsonNode root(file, std::move(json), memory_bytes);
   for (const std::string& path : root.keys()) {
     const JsonNode node = root.at(path);
     Hdf5Object object{

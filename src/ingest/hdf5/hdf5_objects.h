@@ -32,8 +32,8 @@ struct Hdf5Object {
 
 class Hdf5Objects {
  public:
-  /// `json` is the answer to hdf5::Request::kDescribe. throws: Error kFormat.
-  Hdf5Objects(const std::filesystem::path& file, const std::string& json);
+  /// `json` is the answer to hdf5::Request::kDescribe. throws: Error kFormat, kBudget.
+  Hdf5Objects(const std::filesystem::path& file, std::string json, std::uint64_t memory_bytes);
 
   const Hdf5Object* find(const std::string& path) const;
   bool hasDataset(const std::string& path) const;

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/module.h"
+#include "ingest/source/json_node.h"
 
 namespace kiln {
 
@@ -23,9 +24,10 @@ void Hdf5Reader::requireAtMost(std::uint64_t bytes, std::uint64_t most) const {
               fmt::format("its description has {} bytes, more than the {} that are read", bytes, most));
 }
 
-std::string Hdf5Reader::text(hdf5::Request kind, const std::string& payload) {
+std::string Hdf5Reader::text(hdf5::Request kind, const std::string& payload, std::uint64_t memory_bytes) {
   const std::uint64_t bytes = request(kind, payload);
   requireAtMost(bytes, 16 << 20);
+  requireHeaderFits(place_.file, bytes, memory_bytes);
   std::string out(bytes, '\0');
   worker_.receive(place_, std::as_writable_bytes(std::span(out)));
   return out;

@@ -21,8 +21,8 @@ class Hdf5Reader {
   /// HDF5, kIo.
   Hdf5Reader(std::filesystem::path file, std::uint64_t memory_bytes);
   /// Returns a text. throws: Error kFormat, naming the file, if the library cannot answer, or the text has more than 16
-  /// MiB.
-  std::string text(hdf5::Request kind, const std::string& payload);
+  /// MiB; kBudget if the text does not fit into `memory_bytes`.
+  std::string text(hdf5::Request kind, const std::string& payload, std::uint64_t memory_bytes);
   /// Returns the table of the chunks of a data set; nothing if there are too many chunks. throws: as `text`.
   std::vector<hdf5::ChunkEntry> table(const std::string& path);
   /// Fills `out` with voxels. throws: as `text`, and kFormat if the library gives another number of bytes.

@@ -54,9 +54,10 @@ ArrayVolume placed(const fs::path& file, const Hdf5Image& image, const Hdf5Layou
 
 }  // namespace
 
-std::vector<ListedVolume> listHdf5(const fs::path& file) {
+std::vector<ListedVolume> listHdf5(const fs::path& file, const SourceOptions& options) {
   Hdf5Reader reader(file, kReaderAddressBytes);
-  const Hdf5Objects objects(file, reader.text(hdf5::Request::kDescribe, ""));
+  const Hdf5Objects objects(file, reader.text(hdf5::Request::kDescribe, "", options.memory_bytes),
+                            options.memory_bytes);
   std::vector<ListedVolume> out;
   for (const std::string& path : objects.volumes()) {
     const Hdf5Object& dataset = *objects.find(path);
@@ -73,9 +74,10 @@ std::vector<ListedVolume> listHdf5(const fs::path& file) {
 
 std::unique_ptr<VolumeSource> openHdf5(const fs::path& file, const std::string& path, const SourceOptions& options) {
   Hdf5Reader reader(file, kReaderAddressBytes);
-  const Hdf5Objects objects(file, reader.text(hdf5::Request::kDescribe, path));
+  const Hdf5Objects objects(file, reader.text(hdf5::Request::kDescribe, path, options.memory_bytes),
+                            options.memory_bytes);
   const Hdf5Image image = findHdf5Image(file, path, objects, options);
-  Hdf5Layout layout = readHdf5Layout(reader, file, image.path);
+  Hdf5Layout layout = readHdf5Layout(reader, file, image.path, options.memory_bytes);
   if (image.is_unsigned) {
     layout.number = layout.number.withoutSign();
     layout.served = layout.served.withoutSign();

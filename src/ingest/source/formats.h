@@ -24,7 +24,7 @@ std::unique_ptr<VolumeSource> openDicom(const SliceFiles& input, const SourceOpt
 /// True if `folder` is a Zarr or N5 container, group or array, by its header or its name.
 bool isZarrFolder(const std::filesystem::path& folder, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openZarr(const std::filesystem::path& input, const SourceOptions& options);
-std::vector<ListedVolume> listHdf5(const std::filesystem::path& file);
+std::vector<ListedVolume> listHdf5(const std::filesystem::path& file, const SourceOptions& options);
 /// `path` names a data set; empty for the only one.
 std::unique_ptr<VolumeSource> openHdf5(const std::filesystem::path& file, const std::string& path,
                                        const SourceOptions& options);

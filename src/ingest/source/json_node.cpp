@@ -79,23 +79,41 @@ std::optional<double> numberIn(const std::string& text) {
   return numberOf<double>(digits);
 }
 
-// In memory: the text, perhaps with quoted numbers, its parsed texts, and a value for two characters or more.
+// In memory: the text, perhaps with quoted numbers, its parsed texts, and the values.
+std::uint64_t headerBytes(std::uint64_t length, std::uint64_t values) {
+  return 3 * length + std::min(values, kMostValues) * kMostValueBytes;
+}
+
+// A value has two characters or more.
 std::string textWithin(std::uint64_t memory_bytes, const fs::path& file) {
   const std::uint64_t length = File(file).size();
-  const std::uint64_t needed = 3 * length + std::min(length / 2, kMostValues) * kMostValueBytes;
-  if (length <= kMostBytes && needed > memory_bytes)
-    throw Error(ErrorCode::kBudget, file, "--memory",
-                fmt::format("the header takes up to {} in memory (allowed: {})", formatBytes(needed),
-                            formatBytes(memory_bytes)));
+  if (length <= kMostBytes) requireHeaderFits(file, headerBytes(length, length / 2), memory_bytes);
   return readTextFile(file, kMostBytes);
+}
+
+// Each value but the first follows one of these characters. Letters inside texts count, too.
+std::string countedWithin(std::uint64_t memory_bytes, const fs::path& file, std::string text) {
+  const auto values = std::count_if(text.begin(), text.end(), [](char c) { return c == ',' || c == '[' || c == '{'; });
+  requireHeaderFits(file, headerBytes(text.size(), static_cast<std::uint64_t>(values) + 1), memory_bytes);
+  return text;
 }
 
 }  // namespace
 
-JsonNode::JsonNode(const fs::path& file, std::uint64_t memory_bytes) : JsonNode(file, textWithin(memory_bytes, file)) {}
+void requireHeaderFits(const fs::path& file, std::uint64_t needed_bytes, std::uint64_t memory_bytes) {
+  if (needed_bytes > memory_bytes)
+    throw Error(ErrorCode::kBudget, file, "--memory",
+                fmt::format("the header takes up to {} in memory (allowed: {})", formatBytes(needed_bytes),
+                            formatBytes(memory_bytes)));
+}
 
-JsonNode::JsonNode(const fs::path& file, std::string text)
-    : document_(documentOf(file, std::move(text))), value_(document_.get()), file_(file) {}
+JsonNode::JsonNode(const fs::path& file, std::uint64_t memory_bytes)
+    : JsonNode(file, textWithin(memory_bytes, file), UINT64_MAX) {}
+
+JsonNode::JsonNode(const fs::path& file, std::string text, std::uint64_t memory_bytes)
+    : document_(documentOf(file, countedWithin(memory_bytes, file, std::move(text)))),
+      value_(document_.get()),
+      file_(file) {}
 
 JsonNode::JsonNode(const JsonNode& parent, const json& value, std::string place)
     : document_(parent.document_), value_(&value), file_(parent.file_), place_(std::move(place)) {}

@@ -11,6 +11,9 @@
 
 namespace kiln {
 
+/// Throws Error kBudget if a header of `file` that takes `needed_bytes` in memory exceeds the memory.
+void requireHeaderFits(const std::filesystem::path& file, std::uint64_t needed_bytes, std::uint64_t memory_bytes);
+
 /// A value of a JSON file.
 class JsonNode {
  public:
@@ -18,8 +21,9 @@ class JsonNode {
   /// kNotFound, kIo; kBudget if the values may take more than `memory_bytes`; kFormat if the file is no JSON, is larger
   /// than 16 MiB, or has too many or too deep values.
   JsonNode(const std::filesystem::path& file, std::uint64_t memory_bytes);
-  /// Parses `text`, which describes `file`. throws: Error kFormat.
-  JsonNode(const std::filesystem::path& file, std::string text);
+  /// Parses `text`, which describes `file`. throws: Error kFormat; kBudget if text and values may take more than
+  /// `memory_bytes`.
+  JsonNode(const std::filesystem::path& file, std::string text, std::uint64_t memory_bytes);
 
   const std::filesystem::path& file() const { return file_; }
   bool isText() const { return value_->is_string(); }

@@ -260,7 +260,7 @@ StackNotes notesOfTifffile(const JsonNode& description, int samples) {
 std::optional<StackNotes> tifffileNotes(std::string_view description, int samples) {
   if (!description.starts_with("{\"shape\": [")) return std::nullopt;
   try {
-    return notesOfTifffile(JsonNode({}, std::string(description)), samples);
+    return notesOfTifffile(JsonNode({}, std::string(description), UINT64_MAX), samples);
   } catch (const Error&) {
     return std::nullopt;
   }
