@@ -41,35 +41,42 @@ Volumes ofFile(const fs::path& file, const SourceOptions& options) {
   return ofOneVolume(file, options);
 }
 
-// Returns a file's volumes; a file that cannot be opened is listed with the reason.
-Volumes ofFileInFolder(const fs::path& file, const SourceOptions& options) {
+// Returns the volumes of files in a folder; files that cannot be listed are one volume with the reason.
+template <class List>
+Volumes listedOrRefused(const std::string& name, const std::string& kind, List&& list) {
   try {
-    Volumes out = ofFile(file, options);
-    for (ListedVolume& volume : out) {
-      if (volume.name != file.filename()) volume.kind += " in " + inQuotes(file.filename().string());
-      // A data set of HDF5 is named by its file already.
-      if (volume.refusal.empty() && (volume.option.empty() || volume.option.starts_with("--")))
-        volume.option = file.string() + (volume.option.empty() ? "" : " " + volume.option);
-    }
-    return out;
+    return list();
   } catch (const Error& error) {
     ListedVolume out;
-    out.name = file.filename().string();
-    out.kind = "file";
+    out.name = name;
+    out.kind = kind;
     out.refusal = error.what();
     return {out};
   }
+}
+
+Volumes ofFileInFolder(const fs::path& file, const SourceOptions& options) {
+  Volumes out = ofFile(file, options);
+  for (ListedVolume& volume : out) {
+    if (volume.name != file.filename()) volume.kind += " in " + inQuotes(file.filename().string());
+    // A data set of HDF5 is named by its file already.
+    if (volume.refusal.empty() && (volume.option.empty() || volume.option.starts_with("--")))
+      volume.option = file.string() + (volume.option.empty() ? "" : " " + volume.option);
+  }
+  return out;
 }
 
 Volumes ofFolder(const fs::path& folder, const SourceOptions& options) {
   const FolderFiles files = filesIn(folder);
   Volumes out;
   if (!files.dicom.empty()) append(out, listDicom(files.dicom));
-  for (const std::vector<fs::path>& stack : stacksByName(files.tiff)) append(out, listTiff(stack));
+  for (const std::vector<fs::path>& stack : stacksByName(files.tiff))
+    append(out, listedOrRefused(nameOfStack(stack), "TIFF", [&] { return listTiff(stack); }));
   for (const auto& [format, pictures] : files.pictures)
     for (const std::vector<fs::path>& stack : stacksByName(pictures)) out.push_back(listPictures(format, stack));
   for (const fs::path& file : files.other) {
-    if (volumeFormatOf(file).read) append(out, ofFileInFolder(file, options));
+    if (!volumeFormatOf(file).read) continue;
+    append(out, listedOrRefused(file.filename().string(), "file", [&] { return ofFileInFolder(file, options); }));
   }
   if (out.empty()) throw Error(ErrorCode::kUnsupported, folder, "", "a directory without a volume; name another");
   return out;

@@ -251,6 +251,31 @@ TEST_F(DicomSeries, FaultInAFileOfAnotherSeries_IsPassedOver) {
   expectError(ErrorCode::kFormat, "beyond what a float can hold", options);
 }
 
+// Known: the damaged file is cut inside its pixels, behind its series, or inside its first group, before its series.
+TEST_F(DicomSeries, DamagedFile_isAnErrorOfItsSeriesAndElseNoted) {
+  writeAt({{0, 0, 0}, {0, 0, 2}});
+  DicomSpec other;
+  other.series = "9.9";
+  files_.write("y", slice(other, 5));
+  const std::string whole = slice(other, 5);
+  files_.write("z", whole.substr(0, whole.size() - 60));
+  expectError(ErrorCode::kUsage, "9.9 (CT 'a series', 1 slice); 'z' cannot be read (");
+  SourceOptions options;
+  options.series = "9.9";
+  expectError(ErrorCode::kFormat, "z: byte", options);
+  for (const std::size_t bytes : {whole.size() - 60, std::size_t{150}}) {
+    files_.write("z", whole.substr(0, bytes));
+    options.series = DicomSpec().series;
+    EXPECT_EQ(order(options), (std::vector{0, 1}));
+    const auto notes = open(options)->info().notes;
+    EXPECT_TRUE(std::any_of(notes.begin(), notes.end(), [](const auto& note) {
+      return note.starts_with("passed over 'z'") && note.find(": cannot be read (") != std::string::npos;
+    }));
+  }
+  for (const char* const name : {"a", "b", "y"}) fs::remove(files_.directory() / name);
+  expectError(ErrorCode::kFormat, "z: byte");
+}
+
 // Known: archives name folders and files by identifiers, whose last number looks like an ending.
 TEST_F(DicomSeries, FolderNamedByAnIdentifier_IsSearched) {
   const fs::path folder = files_.directory() / "1.3.6.7";

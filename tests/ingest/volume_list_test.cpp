@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "ingest/open_source.h"
+#include "support/volumes/dicom_files.h"
 #include "support/volumes/picture_files.h"
 #include "support/volumes/tiff_files.h"
 
@@ -48,6 +49,43 @@ TEST(VolumeList, FolderOfPictures_IsListedAsItIsRead) {
   volumes = volumesIn(files.directory());
   ASSERT_EQ(volumes.size(), 1u);
   EXPECT_EQ(volumes[0].kind, "TIFF");
+}
+
+// Known: three files of two series, of which one is cut inside its elements, and one inside its first group.
+TEST(VolumeList, DamagedDicomFile_isListedWithItsReason) {
+  const ForeignFiles files;
+  DicomSpec spec;
+  spec.pixel_bytes = std::string(40, '\0');
+  const std::string whole = dicomFile(spec);
+  files.write("a.dcm", whole);
+  spec.series = "1.2.9";
+  files.write("b.dcm", dicomFile(spec));
+  files.write("c.dcm", whole.substr(0, whole.size() - 60));
+  files.write("d.dcm", whole.substr(0, 150));
+  const auto volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 4u);
+  for (const std::size_t i : {0u, 1u}) {
+    EXPECT_EQ(volumes[i].name, i == 0 ? "c.dcm" : "d.dcm");
+    EXPECT_NE(volumes[i].refusal.find(volumes[i].name), std::string::npos);
+    EXPECT_TRUE(volumes[i].option.empty());
+  }
+  EXPECT_EQ(volumes[2].option, "--series 1.2.3.4");
+  EXPECT_EQ(volumes[3].option, "--series 1.2.9");
+  EXPECT_TRUE(volumes[2].refusal.empty() && volumes[3].refusal.empty());
+  // A file alone is an error.
+  expectError([&] { volumesIn(files.directory() / "c.dcm"); }, ErrorCode::kFormat, "c.dcm: byte");
+}
+
+// Known: the second stack is cut inside its directory of tags.
+TEST(VolumeList, DamagedTiff_isListedWithItsReason) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({5, 4, 2}, VoxelType::u8, 3);
+  writeTiff(files.directory() / "whole.tif", volume, 0, 2, {});
+  files.write("z.tif", bytesOf(files.directory() / "whole.tif").substr(0, 20));
+  const auto volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 2u);
+  EXPECT_TRUE(volumes[0].refusal.empty());
+  EXPECT_NE(volumes[1].refusal.find("z.tif"), std::string::npos);
 }
 
 TEST(VolumeList, HostileCountOfImages_HasNoOverflow) {

@@ -40,6 +40,17 @@ class Parser {
   }
 
   DicomFile run() {
+    try {
+      parse();
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::kFormat) throw;
+      out_.fault = error;
+    }
+    return std::move(out_);
+  }
+
+ private:
+  void parse() {
     out_.transfer_syntax = metaSyntax();
     if (out_.transfer_syntax == kDeflated) {
       out_.deflated_offset_bytes = cursor_.at();
@@ -60,10 +71,8 @@ class Parser {
       }
       readValue(head, implicit, out_.set, 0);
     }
-    return std::move(out_);
   }
 
- private:
   // Files without a transfer syntax: tests whether the first group is 0x0008 in big-endian order, and whether the first
   // element has a value representation.
   bool beginsBigEndian() const { return cursor_.left() >= 2 && DicomBytes(cursor_).integer(2) == 0x0800; }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "ingest/dicom/dicom_bytes.h"
 
 namespace kiln {
@@ -55,11 +56,14 @@ struct DicomFile {
   std::optional<std::uint64_t> pixels_bytes;
   /// OB or OW; empty if the file gives no representation.
   std::string pixels_representation;
+  /// The reason why parsing ended before the pixels, with the byte and the element; empty if it did not. All other
+  /// members hold what was parsed before.
+  std::optional<Error> fault;
 };
 
 /// Reads up to the pixel data and keeps the elements of `wanted`, also inside sequences of `wanted`.
-/// throws: Error kFormat with the byte and the element if the file is not DICOM, is cut short or contradicts itself;
-/// kIo.
+/// A file that is cut short or contradicts itself is returned with its fault.
+/// throws: Error kFormat if the file is not DICOM; kIo.
 /// cost: reads little more than the elements' heads; a deflated file is inflated up to its pixels.
 DicomFile readDicomElements(const File& file, const std::vector<DicomTag>& wanted);
 

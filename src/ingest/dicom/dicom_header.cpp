@@ -234,6 +234,35 @@ VoxelType DicomPixels::storedType() const {
   return is_signed ? VoxelType::i32 : VoxelType::u32;
 }
 
+namespace {
+
+// Fills the pixels and the frames of `out`. throws: Error if the header contradicts itself or the file.
+void readFrames(const DicomFile& parsed, const File& file, DicomHeader& out) {
+  out.pixels = pixelsOf(parsed, out.path);
+  out.refusal = refusalOf(parsed, out.pixels);
+  if (!out.refusal.empty()) return;
+  requirePixels(out.pixels, parsed, file);
+  const auto count = static_cast<std::size_t>(out.pixels.frames);
+  try {
+    if (parsed.set.text(kSegmentation) == "FRACTIONAL")
+      out.largest_fraction = parsed.set.number(kLargestFraction).value_or(255);
+    if (out.pixels.bits_allocated == 1 || out.largest_fraction) out.segments = segmentsOf(parsed.set, count, out.path);
+    for (std::size_t i = 0; i < count; ++i) out.frames.push_back(checkedFrame(parsed.set, i, out, out.path));
+    if (std::optional<DicomLut> lut = modalityLut(parsed.set, out.pixels.is_signed, out.path))
+      out.lut = std::make_shared<const DicomLut>(*std::move(lut));
+  } catch (const Error& error) {
+    // Only slices taken into the volume must be valid.
+    out.fault = error;
+    return;
+  }
+  placeFrames(parsed.set, out.frames);
+  if (!out.pixels.packed) return;
+  std::vector<std::vector<ByteRange>> fragments = dicomFragments(file, out.pixels.offset_bytes, count);
+  for (std::size_t i = 0; i < count; ++i) out.frames[i].fragments = std::move(fragments[i]);
+}
+
+}  // namespace
+
 DicomHeader readDicomHeader(const fs::path& path) {
   const File file(path);
   const DicomFile parsed = readDicomElements(
@@ -249,30 +278,17 @@ DicomHeader readDicomHeader(const fs::path& path) {
   out.description = parsed.set.text(kDescription);
   out.modality = parsed.set.text(kModality);
   out.instance = integerOf(trimmed(parsed.set.text(kInstance)));
-  out.has_pixels = parsed.pixels_offset_bytes > 0;
   out.is_image = parsed.set.find(kRows) != nullptr;
+  out.damage = parsed.fault;
+  out.has_pixels = parsed.pixels_offset_bytes > 0 && !out.damage;
   if (!out.has_pixels) return out;
-  out.pixels = pixelsOf(parsed, path);
-  out.refusal = refusalOf(parsed, out.pixels);
-  if (!out.refusal.empty()) return out;
-  requirePixels(out.pixels, parsed, file);
-  const auto count = static_cast<std::size_t>(out.pixels.frames);
   try {
-    if (parsed.set.text(kSegmentation) == "FRACTIONAL")
-      out.largest_fraction = parsed.set.number(kLargestFraction).value_or(255);
-    if (out.pixels.bits_allocated == 1 || out.largest_fraction) out.segments = segmentsOf(parsed.set, count, path);
-    for (std::size_t i = 0; i < count; ++i) out.frames.push_back(checkedFrame(parsed.set, i, out, path));
-    if (std::optional<DicomLut> lut = modalityLut(parsed.set, out.pixels.is_signed, path))
-      out.lut = std::make_shared<const DicomLut>(*std::move(lut));
+    readFrames(parsed, file, out);
   } catch (const Error& error) {
-    // Only slices taken into the volume must be valid.
-    out.fault = error;
-    return out;
+    if (error.code() != ErrorCode::kFormat && error.code() != ErrorCode::kUnsupported) throw;
+    out.damage = error;
+    out.has_pixels = false;
   }
-  placeFrames(parsed.set, out.frames);
-  if (!out.pixels.packed) return out;
-  std::vector<std::vector<ByteRange>> fragments = dicomFragments(file, out.pixels.offset_bytes, count);
-  for (std::size_t i = 0; i < count; ++i) out.frames[i].fragments = std::move(fragments[i]);
   return out;
 }
 

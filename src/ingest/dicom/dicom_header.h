@@ -72,6 +72,9 @@ struct DicomHeader {
   bool is_image = false;
   /// Reason why the pixels are not supported ("holds RGB colours"); empty if they are supported.
   std::string refusal;
+  /// The reason why the file cannot be parsed; empty if it can. Of a damaged file only path and identifiers are known,
+  /// as far as they precede the damage, and `has_pixels` is false.
+  std::optional<Error> damage;
   /// An invalid number in the header, thrown only if the file is taken as a slice; empty if all numbers are valid.
   std::optional<Error> fault;
   DicomPixels pixels;
@@ -85,8 +88,9 @@ struct DicomHeader {
   std::shared_ptr<const DicomLut> lut;
 };
 
-/// throws: Error kNotFound, kIo, kFormat if the file is not DICOM, is cut short, or its header contradicts itself;
-/// kUnsupported if fragments cannot be assigned to frames.
+/// The damage is of kFormat if the file is cut short or its header contradicts itself; kUnsupported if fragments cannot
+/// be assigned to frames.
+/// throws: Error kNotFound, kIo, kFormat if the file is not DICOM.
 /// cost: the header, not the pixels.
 DicomHeader readDicomHeader(const std::filesystem::path& path);
 

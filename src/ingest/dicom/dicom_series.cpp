@@ -45,16 +45,36 @@ std::map<std::string, Series> seriesOf(const std::vector<DicomHeader>& all) {
   return out;
 }
 
+// Returns the reason of the damage without the path and the remedy.
+std::string damageOf(const DicomHeader& header) {
+  std::string text = header.damage->what();
+  const std::string prefix = header.path.string() + ": ";
+  if (text.starts_with(prefix)) text.erase(0, prefix.size());
+  return "cannot be read (" + text.substr(0, text.find(';')) + ")";
+}
+
+// Names the first damaged file, for the end of a sentence; empty if no file is damaged.
+std::string damagedAmong(const std::vector<DicomHeader>& all) {
+  const auto damaged = [](const DicomHeader& header) { return header.damage.has_value(); };
+  const auto first = std::find_if(all.begin(), all.end(), damaged);
+  if (first == all.end()) return {};
+  const auto count = std::count_if(first, all.end(), damaged);
+  return fmt::format("; {}{} {}", inQuotes(first->path.filename().string()),
+                     count == 1 ? "" : fmt::format(" (and {} more)", count - 1), damageOf(*first));
+}
+
 std::string theSeries(const fs::path& input, const std::map<std::string, Series>& series,
-                      const SourceOptions& options) {
+                      const std::vector<DicomHeader>& all, const SourceOptions& options) {
   if (options.series) {
     if (series.contains(*options.series)) return *options.series;
     throw Error(ErrorCode::kUsage, input, "",
-                fmt::format("--series {}: is not among the series here: {}", *options.series, listOf(series)));
+                fmt::format("--series {}: is not among the series here: {}{}", *options.series, listOf(series),
+                            damagedAmong(all)));
   }
   if (series.size() == 1) return series.begin()->first;
-  throw Error(ErrorCode::kUsage, input, "",
-              fmt::format("holds {} series; choose one with --series: {}", series.size(), listOf(series)));
+  throw Error(
+      ErrorCode::kUsage, input, "",
+      fmt::format("holds {} series; choose one with --series: {}{}", series.size(), listOf(series), damagedAmong(all)));
 }
 
 std::string extentOf(const DicomPixels& p) { return fmt::format("{} x {}", p.columns, p.rows); }
@@ -208,11 +228,14 @@ std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions
   all.reserve(input.files.size());
   for (const fs::path& path : input.files) all.push_back(readDicomHeader(path));
   const std::map<std::string, Series> series = seriesOf(all);
+  for (const DicomHeader& header : all) {
+    if (header.damage && (series.empty() || header.series == options.series)) throw *header.damage;
+  }
   if (series.empty()) {
     throw Error(ErrorCode::kUnsupported, all.front().path, "",
                 "has no pixel data; it is a DICOM file of another kind than an image");
   }
-  const std::string chosen = theSeries(input.input, series, options);
+  const std::string chosen = theSeries(input.input, series, all, options);
   const Majority most = majorityOf(all, chosen, input.input);
   PassedOver passed_over;
   std::vector<std::size_t> taken;
@@ -220,6 +243,11 @@ std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions
     const DicomHeader& header = all[i];
     const bool of_series = header.series == chosen;
     if (!of_series && header.has_pixels) continue;
+    if (header.damage) {
+      if (of_series) throw *header.damage;
+      passed_over.add(header, damageOf(header));
+      continue;
+    }
     // An image of the series without pixels is a slice that is cut short.
     if (of_series && header.is_image && !header.has_pixels)
       throw Error(ErrorCode::kFormat, header.path, "", "has no pixel data, but is of the series");
@@ -266,6 +294,15 @@ std::vector<ListedVolume> listDicom(const std::vector<fs::path>& files) {
   for (const fs::path& path : files) all.push_back(readDicomHeader(path));
   const std::map<std::string, Series> series = seriesOf(all);
   std::vector<ListedVolume> out;
+  for (const DicomHeader& header : all) {
+    if (!header.damage) continue;
+    if (series.empty()) throw *header.damage;
+    ListedVolume damaged;
+    damaged.name = header.path.filename().string();
+    damaged.kind = "file";
+    damaged.refusal = header.damage->what();
+    out.push_back(std::move(damaged));
+  }
   for (const auto& [uid, entry] : series) {
     if (entry.objects > 1 && !entry.first->segments.empty()) {
       for (const DicomHeader& object : all) {
