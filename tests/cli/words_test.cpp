@@ -33,6 +33,35 @@ TEST(Words, UnknownOption_proposesAnOptionOfTheCommand) {
   }
 }
 
+TEST(Words, SurplusWord_leadsToItsOption) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"convert", "a.nrrd", "b.nrrd", "out.kiln"},
+       "convert: expected INPUT and OUT (found a.nrrd b.nrrd out.kiln); convert one volume at a time, and name slices "
+       "by "
+       "their folder"},
+      {{"export", "a.kiln", "a.nrrd", "b.nrrd"},
+       "export: expected STORE and OUT (found a.kiln a.nrrd b.nrrd); run kiln export for one after the other"},
+      {{"slice", "a.kiln", "a b.png"},
+       "slice: expected STORE (found a.kiln 'a b.png'); -o 'a b.png' names the file to write"},
+      {{"split", "a.kiln", "b.kiln", "-o", "p_#.exr"},
+       "split: expected STORE (found a.kiln b.kiln); run kiln split for one after the other"},
+      {{"render", "a.kiln", "b.png"}, "render: expected INPUT (found a.kiln b.png); -o b.png names the file to write"},
+      {{"render", "a.kiln", "b.kiln"},
+       "render: expected INPUT (found a.kiln b.kiln); --add b.kiln shows a further volume"},
+      {{"gallery", "a.kiln", "b.kiln"},
+       "gallery: expected STORE (found a.kiln b.kiln); run kiln gallery for one after the other"},
+      {{"schema", "a"}, "schema: expected options only (found a); leave the words out"},
+      {{"verify", "a.kiln", "b.kiln"},
+       "verify: expected STORE (found a.kiln b.kiln); run kiln verify for one after the other"},
+      {{"compare", "a.png", "b.png", "c.png", "-o", "d.png"},
+       "compare: expected A and B (found a.png b.png c.png); run kiln compare for one after the other"}};
+  for (const auto& [arguments, expected] : cases) {
+    const ToolResult result = runTool(arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err, "kiln: " + expected + "\n");
+  }
+}
+
 TEST(Words, EndingsOfOutputs_areListed) {
   const std::filesystem::path directory = freshDirectory("words_endings");
   const std::string store = (directory / "h.kiln").string();
@@ -40,7 +69,8 @@ TEST(Words, EndingsOfOutputs_areListed) {
   for (const char* name : {"x.gif", "x.webp", "x"}) {
     const ToolResult result = runTool({"render", store, "-o", (directory / name).string()});
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_NE(result.err.find("pictures end in .exr, .png, .tif or .jpg, videos in .mp4, .mov, .mkv or .webm"), std::string::npos)
+    EXPECT_NE(result.err.find("pictures end in .exr, .png, .tif or .jpg, videos in .mp4, .mov, .mkv or .webm"),
+              std::string::npos)
         << result.err;
   }
   const ToolResult video = runTool({"render", store, "-o", (directory / "x.mp4").string()});

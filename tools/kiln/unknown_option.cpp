@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
+#include "base/shell_text.h"
 #include "job/json/job_json.h"
 
 namespace kiln::tool {
@@ -62,6 +65,38 @@ std::optional<std::string_view> proposalFor(std::string_view word, const std::ve
   return common >= 3 ? std::optional(nearest) : std::nullopt;
 }
 
+// Returns the remedy for words beyond those that a command takes; `word` is the first of them.
+std::string remedyFor(const CLI::App& command, const std::string& word) {
+  const CLI::Option* const output = command.get_option_no_throw("--output");
+  std::error_code ignored;
+  const bool is_input = word.ends_with(".kiln") || std::filesystem::exists(word, ignored);
+  if (output != nullptr && output->results().empty() && !is_input)
+    return fmt::format("-o {} names the file to write", shellText(word));
+  const std::string name = command.get_name();
+  if (name == "convert") return "convert one volume at a time, and name slices by their folder";
+  if (command.get_option_no_throw("--add") != nullptr)
+    return fmt::format("--add {} shows a further volume", shellText(word));
+  const bool takes_none = std::ranges::none_of(command.get_options(), &CLI::Option::get_positional);
+  return takes_none ? "leave the words out" : fmt::format("run kiln {} for one after the other", name);
+}
+
+// The sentence for words beyond those that the command takes; empty if there are none.
+std::string surplusText(const CLI::App& command) {
+  const std::vector<std::string> left = command.remaining();
+  if (left.empty() || left.front().starts_with('-')) return "";
+  std::string expected, found;
+  for (const CLI::Option* const option : command.get_options()) {
+    if (!option->get_positional()) continue;
+    expected += (expected.empty() ? "" : " and ") + option->get_name(true);
+    for (const std::string& word : option->results()) found += shellText(word) + " ";
+  }
+  if (expected.empty()) expected = "options only";
+  for (const std::string& word : left) found += shellText(word) + " ";
+  found.pop_back();
+  return fmt::format("{}: expected {} (found {}); {}", command.get_name(), expected, found,
+                     remedyFor(command, left.front()));
+}
+
 }  // namespace
 
 std::string unknownOptionText(const CLI::App& app) {
@@ -75,6 +110,7 @@ std::string unknownOptionText(const CLI::App& app) {
           "{}: is no option of kiln {}; {}", name, command->get_name(),
           proposal ? fmt::format("{}?", *proposal) : fmt::format("run 'kiln {} --help'", command->get_name()));
     }
+    if (const std::string surplus = surplusText(*command); !surplus.empty()) return surplus;
   }
   return "";
 }
