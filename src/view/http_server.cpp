@@ -270,8 +270,9 @@ Status statusOf(ErrorCode code) {
 
 class Client final : public ViewClient {
  public:
-  Client(Stream& stream, bool keep_alive, double seconds, bool framed)
-      : stream_(stream), keep_alive_(keep_alive), seconds_(seconds), framed_(framed) {}
+  /// `head_only` leaves out the body of a whole answer, as HEAD asks.
+  Client(Stream& stream, bool keep_alive, double seconds, bool framed, bool head_only)
+      : stream_(stream), keep_alive_(keep_alive), seconds_(seconds), framed_(framed), head_only_(head_only) {}
 
   void document(std::string_view type, std::span<const std::byte> bytes) override { whole(Status::ok, type, bytes); }
   void record(std::string_view json, std::span<const std::byte> payload) override {
@@ -304,7 +305,7 @@ class Client final : public ViewClient {
     fill(head, type);
     head.content_length(bytes.size());
     sendHead(head);
-    send(net::buffer(bytes.data(), bytes.size()));
+    if (!head_only_) send(net::buffer(bytes.data(), bytes.size()));
   }
   void error(Status status, std::string_view sentence) {
     const std::string text = jsonError(sentence);
@@ -352,7 +353,7 @@ class Client final : public ViewClient {
   Stream& stream_;
   const bool keep_alive_;
   const double seconds_;
-  const bool framed_;
+  const bool framed_, head_only_;
   bool begun_ = false, streams_ = false;
   std::atomic<bool> failed_ = false;
 };
@@ -550,9 +551,10 @@ class HttpServer final : public ViewServer {
     error_code error;
     http::read_header(stream, buffer, parser, error);
     const bool keeps = !error && parser.keep_alive();
-    Client client(stream, keeps, options_.request_s, options_.framed);
+    const bool head_only = parser.get().method() == http::verb::head;
+    Client client(stream, keeps, options_.request_s, options_.framed, head_only);
     const auto refused = [&](const Refusal& refusal) {
-      Client last(stream, false, options_.header_s, options_.framed);
+      Client last(stream, false, options_.header_s, options_.framed, head_only);
       last.error(refusal.status, refusal.sentence);
       return false;
     };
@@ -594,7 +596,8 @@ class HttpServer final : public ViewServer {
     const std::string_view target = viewOf(request.target());
     if (!target.starts_with('/')) return Refusal{Status::bad_request, "the target is no path; begin it with /"};
     if (!target.starts_with("/api/")) {
-      if (request.method() != http::verb::get) return Refusal{Status::method_not_allowed, "a file is read by GET"};
+      if (request.method() != http::verb::get && request.method() != http::verb::head)
+        return Refusal{Status::method_not_allowed, "a file is read by GET"};
       return std::nullopt;
     }
     if (!hasToken(request))

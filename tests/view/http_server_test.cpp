@@ -66,6 +66,21 @@ TEST_F(HttpServerTest, FilesAndRequests_areAnswered) {
   EXPECT_NE(failed.find(R"({"error": "a \"wrong\" request"})"), std::string::npos) << failed;
 }
 
+// RFC 9110, 9.3.2: the header of GET without a body, or the next answer on the connection would begin with the body.
+TEST_F(HttpServerTest, Head_hasNoBody) {
+  const std::string page = server_.answerTo(server_.request("GET /"));
+  const std::size_t body = page.find("\r\n\r\n") + 4;
+  EXPECT_EQ(server_.answerTo(server_.request("HEAD /")), page.substr(0, body));
+  const std::pair<std::string, int> cases[] = {{server_.request("HEAD /none.js"), 404},
+                                               {server_.request("HEAD /api/session"), 401},
+                                               {server_.request("HEAD /api/session", server_.token()), 405}};
+  for (const auto& [request, expected] : cases) {
+    const std::string answer = server_.answerTo(request);
+    EXPECT_EQ(statusOf(answer), expected);
+    EXPECT_TRUE(answer.ends_with("\r\n\r\n")) << answer;
+  }
+}
+
 TEST_F(HttpServerTest, WhatHasNoToken_orComesFromElsewhere_isRefused) {
   const std::string port = std::to_string(server_.port()), token = server_.token();
   const std::string good = server_.server().token();
