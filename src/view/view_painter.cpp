@@ -129,6 +129,20 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
   return out;
 }
 
+void ViewPainter::requireDrawable(const RenderJob& job, const Progress& progress) {
+  const std::unique_ptr<ViewedJob> viewed = prepare(job);
+  const std::vector<int> frames = framesOf(job);
+  for (const int frame : frames) {
+    progress.throwIfCancelled("testing frames");
+    try {
+      viewed->scenes->at(frame);
+    } catch (const Error& error) {
+      if (frames.size() == 1) throw;
+      throw Error(error.code(), fmt::format("frame {}: {}", frame, error.what()));
+    }
+  }
+}
+
 void ViewPainter::makeRoom(const ViewedJob& job) {
   const std::uint64_t left = cacheBytes(job.memory, session_.speed.memory_bytes, volumes_.first().path());
   if (job.memory.shadows == 0) shadows_.reset();

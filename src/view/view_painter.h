@@ -49,6 +49,8 @@ class ViewPainter {
   const OpenedVolumes& volumes() const { return volumes_; }
   /// Makes every choice of the job's first frame, or of another. throws: Error kUsage, kBudget; as SceneOfJob.
   std::unique_ptr<ViewedJob> prepare(const RenderJob& job);
+  /// Makes the choices of all frames. throws: as `prepare`, for the first frame that cannot be drawn; kCancelled.
+  void requireDrawable(const RenderJob& job, const Progress& progress);
 
   /// Leaves the memory of the job's pictures free. throws: Error kBudget.
   void makeRoom(const ViewedJob& job);

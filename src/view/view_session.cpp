@@ -313,6 +313,11 @@ RenderJob ViewSession::frameJobOf(const Body& body) const {
   return out;
 }
 
+// Refuses a job that a batch render would refuse.
+void ViewSession::requireDrawable(const RenderJob& job, ViewClient& client) {
+  inTurn(client, [&](OtherStops& stops) { painter_.requireDrawable(job, stops); });
+}
+
 const fs::path& ViewSession::jobFile() const {
   if (source_.job_file.empty()) throw Error(ErrorCode::kUsage, "this session has no file for its job; give --job");
   return source_.job_file;
@@ -523,6 +528,7 @@ void ViewSession::function(const Body& body, ViewClient& client) {
 void ViewSession::command(const Body& body, ViewClient& client) {
   const ImageSize size = body.size();
   const RenderJob job = jobOf(body);
+  requireDrawable(job, client);
   std::string text = "kiln render ";
   if (const auto options = optionsOf(job)) {
     text += shellText(source_.named.volume.string());
@@ -552,6 +558,7 @@ void ViewSession::estimate(const Body& body, ViewClient& client) {
 void ViewSession::save(const Body& body, ViewClient& client) {
   const fs::path& file = jobFile();
   const std::string text = savedJobText(body.job(), body.size(), source_.named, file);
+  requireDrawable(jobOf(body), client);
   FileSystem::real().writeAtomic(file, text);
   sendJson(client, {{"path", file.string()}, {"bytes", text.size()}});
 }

@@ -71,6 +71,7 @@ class ViewSession final : public ViewService {
   RenderJob jobOf(const Body& body) const;
   /// The job with a single frame, the first if the request names none: other frames take time to prepare.
   RenderJob frameJobOf(const Body& body) const;
+  void requireDrawable(const RenderJob& job, ViewClient& client);
   std::size_t volumeOf(const Body& body) const;
   /// throws: Error kUsage without a file.
   const std::filesystem::path& jobFile() const;

@@ -13,6 +13,7 @@
 #include "image/file/png_file.h"
 #include "job/render_job.h"
 #include "sequence/render_job_run.h"
+#include "sequence/sequence.h"
 #include "support/system/expect_error.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
@@ -279,6 +280,41 @@ TEST_F(ViewSessionTest, SavedJobs_nameTheVolumeOnly) {
   EXPECT_TRUE(job.output.path.empty());
   session.answer("command", bodyOf(jobWith({}), 320, 200).dump(), command);
   EXPECT_NE(command.json().at("command").get<std::string>().find("kiln render "), std::string::npos);
+}
+
+// Known: a batch render of an equal job file refuses these jobs, with this sentence.
+TEST_F(ViewSessionTest, JobsThatBatchRefuses_areNotSaved) {
+  ViewSession session(source(), silent_);
+  const std::vector<json> jobs = {jobWith({{"lattice", "voxel"}, {"interpolation", "cubic"}}),
+                                  jobWith({{"camera", {{"projection", "equirectangular"}}}, {"lattice", "voxel"}}),
+                                  jobWith({{"camera", {{"eye", {1, 1, 1}}, {"target", {1, 1, 1}}}}}),
+                                  jobWith({{"camera",
+                                            {{"keyframes",
+                                              {{{"frame", 1}, {"eye", {90, 90, 90}}, {"target", {0, 0, 0}}},
+                                               {{"frame", 3}, {"eye", {1, 1, 1}}, {"target", {1, 1, 1}}}}}}}})};
+  for (const json& job : jobs) {
+    json file = job;
+    file["volume"] = store_.string();
+    file["image"] = {{"width", 96}, {"height", 64}};
+    writeText(directory_ / "job.json", file.dump());
+    std::string why;
+    try {
+      RenderJob batch = readJob(directory_ / "job.json");
+      batch.output.path = directory_ / "p_#.png";
+      SequenceListener listener;
+      runSequence(batch, {}, silent_, listener);
+    } catch (const Error& error) {
+      why = error.what();
+    }
+    EXPECT_NE(why, "") << job;
+    // The page sees its first frame at once.
+    if (why.starts_with("frame 1: ")) why.erase(0, why.find(' ', 6) + 1);
+    for (const char* const request : {"save", "command"}) {
+      RecordedClient client;
+      expectError([&] { session.answer(request, bodyOf(job).dump(), client); }, ErrorCode::kUsage, why);
+    }
+    EXPECT_FALSE(fs::exists(directory_ / "look.view.json"));
+  }
 }
 
 // Known because the session may not replace what it reads.
