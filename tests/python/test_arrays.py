@@ -204,6 +204,51 @@ def test_exception_of_an_array_is_the_callers():
         kiln.convert(Short(ramp("uint16"), (10, 10, 10)), "short.kiln")
 
 
+def test_exception_while_drawing_is_the_cause():
+    class Failing(Counting):
+        broken = False
+
+        def __getitem__(self, key):
+            if self.broken:
+                raise RuntimeError("the tape is gone")
+            return super().__getitem__(key)
+
+    # Slices of more than the 64 MiB that are kept.
+    failing = Failing(numpy.broadcast_to(ramp("uint16", (1, 300, 300)), (400, 300, 300)), (100, 100, 100))
+    s = kiln.open(failing)
+    failing.broken = True
+    for call in (lambda: picture(s), lambda: s[...], lambda: list(s.frames(turntable=2, **SIZE))):
+        with pytest.raises(kiln.Error, match="the array raised RuntimeError: the tape is gone$") as failure:
+            call()
+        assert isinstance(failure.value.__cause__, RuntimeError) and failure.value.code == "io"
+        assert failure.value.__cause__.__traceback__ is not None
+
+
+def test_masked_voxels_are_refused():
+    plain = ramp("uint16", (20, 30, 40))
+    mask = numpy.zeros(plain.shape, bool)
+    whole = numpy.ma.MaskedArray(plain, mask)
+    assert same_voxels(kiln.open(whole), plain)
+    assert same_voxels(kiln.open(numpy.ma.MaskedArray(plain)), plain)
+    mask[3, 4, 5:7] = True
+    masked = numpy.ma.MaskedArray(plain, mask, fill_value=7)
+    for dtype in ("uint16", "int64"):
+        for use in (kiln.open, lambda array: kiln.convert(array, "a.kiln")):
+            with pytest.raises(kiln.Error, match=r"^array: .+ \(found 2 masked\); array.filled") as failure:
+                use(masked.astype(dtype))
+            assert failure.value.code == "usage"
+    assert kiln.open(masked.filled())[3, 4, 5] == 7
+
+    class Lazy(Counting):
+        """As netCDF4: slices of a variable are masked."""
+
+        def __getitem__(self, key):
+            return numpy.ma.MaskedArray(super().__getitem__(key), mask[key])
+
+    with pytest.raises(kiln.Error, match=r"found 2 masked"):
+        kiln.convert(Lazy(plain, (20, 30, 40)), "a.kiln")
+
+
 def test_interrupted_conversion_is_resumed():
     array = ramp("uint16", (320, 64, 64))
     plain = Counting(array, (16, 64, 64))

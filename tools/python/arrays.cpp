@@ -131,10 +131,20 @@ class SlicedArray final : public ChunkedArray {
     }
   }
   [[noreturn]] void keep(const py::error_already_set& error) const {
-    const std::string text = error.what();
+    const std::string text = textOf(error);
     const std::lock_guard lock(raised_->mutex);
     if (!raised_->first) raised_->first = error;
-    throw Error(ErrorCode::kIo, name_, "", "the array raised " + text);
+    throw CausedError(Error(ErrorCode::kIo, name_, "", "the array raised " + text), error);
+  }
+
+  // Returns type and message, without the lines of the traceback. Another exception may be raised on the way.
+  static std::string textOf(const py::error_already_set& error) {
+    try {
+      return fmt::format("{}: {}", std::string(py::str(error.type().attr("__name__"))),
+                         std::string(py::str(error.value())));
+    } catch (const py::error_already_set&) {
+      return "an exception without a text";
+    }
   }
 
   const ChunkLayout layout_;

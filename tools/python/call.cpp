@@ -36,6 +36,8 @@ void raise(const Error& error) {
     instance.attr("path") = py::none();
   else
     instance.attr("path") = error.path().string();
+  if (const auto* const caused = dynamic_cast<const CausedError*>(&error))
+    PyException_SetCause(instance.ptr(), py::object(caused->cause()).release().ptr());
   PyErr_SetObject(error_type, instance.ptr());
 }
 
@@ -146,6 +148,14 @@ class CallUnderWay {
 };
 
 }  // namespace
+
+CausedError::CausedError(const Error& error, const py::error_already_set& cause)
+    : Error(error), cause_(new py::object(cause.value()), [](py::object* object) {
+        const py::gil_scoped_acquire locked;
+        delete object;
+      }) {
+  if (cause.trace()) PyException_SetTraceback(cause_->ptr(), cause.trace().ptr());
+}
 
 void bindErrors(py::module_& module) {
   error_type = PyErr_NewExceptionWithDoc(

@@ -8,14 +8,27 @@
 #include <pybind11/pybind11.h>
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 
+#include "base/error.h"
 #include "base/progress.h"
 
 namespace kiln::python {
 
 namespace py = pybind11;
+
+/// An error that an exception of Python's caused; the exception becomes the error's `__cause__`.
+class CausedError : public Error {
+ public:
+  /// requires: the lock is held.
+  CausedError(const Error& error, const py::error_already_set& cause);
+  const py::object& cause() const { return *cause_; }
+
+ private:
+  std::shared_ptr<py::object> cause_;  // released with the lock held, by any thread
+};
 
 /// Registers kiln.Error, with `code` and `path`, and kiln.Warning.
 void bindErrors(py::module_& module);

@@ -124,6 +124,20 @@ def _checked_index(word: str, index: int | None, axes: str, shape: Sequence[int]
     return index
 
 
+def _unmasked(array: Any) -> Any:
+    """Returns an array of NumPy without its mask. A masked voxel has no value, so it is refused."""
+    import numpy
+
+    if not isinstance(array, numpy.ma.MaskedArray):
+        return array
+    masked = int(numpy.ma.count_masked(array))
+    if masked:
+        raise wrong_word(
+            "array", "expected a value for each voxel", f"{masked} masked", "array.filled(VALUE) gives them one"
+        )
+    return array.data
+
+
 def source_of(
     array: Any,
     *,
@@ -140,6 +154,7 @@ def source_of(
     """Opens an array as a source of a conversion or a volume."""
     import numpy
 
+    array = _unmasked(array)
     shape = [int(length) for length in array.shape]
     axes = _checked_axes(axes, array, shape)
     at: dict[str, Any] = {
@@ -172,7 +187,7 @@ def source_of(
     native = dtype.newbyteorder("=")
 
     def read(low: tuple[int, ...], high: tuple[int, ...]) -> Any:
-        piece = numpy.asarray(array[tuple(slice(a, b) for a, b in zip(low, high))])
+        piece = numpy.asarray(_unmasked(array[tuple(slice(a, b) for a, b in zip(low, high))]))
         expected = tuple(b - a for a, b in zip(low, high))
         if piece.shape != expected:
             raise ValueError(f"a slice of the array has the shape {piece.shape} instead of {expected}")
