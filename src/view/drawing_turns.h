@@ -1,5 +1,6 @@
-// The order of drawing: a single thread at a time, frames before other work, and the newest frame alone.
-// Method. A new frame ends the frame before, and interrupts other work. Interrupted work waits and begins again.
+// The order of drawing: a single thread at a time, frames before other work, and the newest frame of a page alone.
+// Method. Frames are numbered as they arrive. A new frame ends the frame before of its page, goes before all frames
+// that wait, and interrupts other work. Interrupted work waits and begins again.
 #pragma once
 
 #include <atomic>
@@ -7,24 +8,37 @@
 #include <cstdint>
 #include <functional>
 #include <mutex>
+#include <set>
 
 namespace kiln {
 
 class DrawingTurns {
  public:
-  /// Returns the number of a new frame. The new frame supersedes all earlier frames. thread: any.
-  std::uint64_t arrive() { return ++newest_; }
-  bool superseded(std::uint64_t frame) const { return newest_ != frame; }
-  /// True while a frame waits: other work should end soon. thread: any.
-  bool framesWait() const { return frames_waiting_ > 0; }
+  /// The frames of a page.
+  class Page {
+   public:
+    bool superseded(std::uint64_t frame) const { return newest_ != frame; }
+
+   private:
+    friend class DrawingTurns;
+    std::atomic<std::uint64_t> newest_ = 0;
+  };
+  /// Work that is no frame.
+  static constexpr std::uint64_t kOther = 0;
+
+  /// Returns the number of a new frame, which supersedes all earlier frames of the page. thread: any.
+  std::uint64_t arrive(Page& page);
+  /// True while a frame waits that is newer than `frame`, or any frame for kOther. thread: any.
+  bool newerWaits(std::uint64_t frame) const { return newest_waiting_ > frame; }
   /// Wakes all waiting threads for a test whether to give up.
   void wake() { changed_.notify_all(); }
 
   /// The right to draw, until destruction.
   class Turn {
    public:
-    /// Waits for the turn. Gives up, `given()` false, once `gives_up()` is true; asked now and then.
-    Turn(DrawingTurns& turns, bool of_frame, const std::function<bool()>& gives_up);
+    /// Waits for the turn. Gives up, `given()` false, once `gives_up()` is true; asked now and then. Frames of equal
+    /// numbers have no order.
+    Turn(DrawingTurns& turns, std::uint64_t frame, const std::function<bool()>& gives_up);
     ~Turn();
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
@@ -36,10 +50,11 @@ class DrawingTurns {
   };
 
  private:
-  std::atomic<std::uint64_t> newest_ = 0;
-  std::atomic<int> frames_waiting_ = 0;
-  std::mutex mutex_;  // guards `busy_`
+  std::atomic<std::uint64_t> newest_waiting_ = 0;
+  std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
+  std::uint64_t last_ = 0;
+  std::multiset<std::uint64_t> waiting_;
   bool busy_ = false;
 };
 

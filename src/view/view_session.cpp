@@ -198,12 +198,14 @@ struct ViewSession::Body {
 // A frame stops for a newer frame, and after the client has gone.
 class ViewSession::FrameStops final : public Progress {
  public:
-  FrameStops(const ViewSession& session, std::uint64_t number, std::int64_t seq, ViewClient& client)
-      : session_(session), number_(number), seq_(seq), client_(client) {}
+  FrameStops(const ViewSession& session, const DrawingTurns::Page& page, std::uint64_t number, std::int64_t seq,
+             ViewClient& client)
+      : session_(session), page_(page), number_(number), seq_(seq), client_(client) {}
 
-  bool superseded() const { return session_.stopped_ || session_.turns_.superseded(number_); }
-  bool cancelled() const override {
-    if (superseded() || gone_) return true;
+  std::uint64_t number() const { return number_; }
+  /// True once the frame has ended for good.
+  bool ended() const {
+    if (session_.stopped_ || page_.superseded(number_) || gone_) return true;
     // Several threads may look at once, which does no harm.
     if (const double now = nowSeconds(); now >= next_look_s_) {
       next_look_s_ = now + kLookEvery;
@@ -211,6 +213,9 @@ class ViewSession::FrameStops final : public Progress {
     }
     return gone_;
   }
+  /// True also if a stage gives way to a newer frame of another page.
+  bool cancelled() const override { return ended() || (gives_way_ && session_.turns_.newerWaits(number_)); }
+  void giveWay(bool gives_way) { gives_way_ = gives_way; }
   void advance(const char*, const char* unit, std::uint64_t done, std::uint64_t total) override {
     const double now = nowSeconds();
     if (now < next_report_s_) return;
@@ -220,11 +225,13 @@ class ViewSession::FrameStops final : public Progress {
 
  private:
   const ViewSession& session_;
+  const DrawingTurns::Page& page_;
   const std::uint64_t number_;
   const std::int64_t seq_;
   ViewClient& client_;
   mutable std::atomic<double> next_look_s_ = 0;
   mutable std::atomic<bool> gone_ = false;
+  bool gives_way_ = false;
   double next_report_s_ = nowSeconds() + kReportEvery;
 };
 
@@ -233,7 +240,7 @@ class ViewSession::OtherStops final : public Progress {
  public:
   OtherStops(const ViewSession& session, const ViewClient& client) : session_(session), client_(client) {}
   bool ends() const { return session_.stopped_ || client_.gone(); }
-  bool cancelled() const override { return session_.turns_.framesWait() || ends(); }
+  bool cancelled() const override { return session_.turns_.newerWaits(DrawingTurns::kOther) || ends(); }
 
  private:
   const ViewSession& session_;
@@ -244,7 +251,7 @@ template <class Work>
 auto ViewSession::inTurn(ViewClient& client, const Work& work) {
   OtherStops stops(*this, client);
   for (;;) {
-    const DrawingTurns::Turn turn(turns_, false, [&] { return stops.ends(); });
+    const DrawingTurns::Turn turn(turns_, DrawingTurns::kOther, [&] { return stops.ends(); });
     if (!turn.given()) throw Error(ErrorCode::kCancelled, "nobody reads the answer");
     try {
       return work(stops);
@@ -348,13 +355,37 @@ void ViewSession::sessionFacts(const Body&, ViewClient& client) {
   sendJson(client, out);
 }
 
+struct ViewSession::Page {
+  explicit Page(std::string of_page) : name(std::move(of_page)) {}
+  const std::string name;
+  DrawingTurns::Page frames;
+  std::int64_t newest_seq = 0;
+  double newest_at_s = -1;
+};
+
+// Returns the page that the request names. A frame under way keeps its page, even if the session forgets it.
+std::shared_ptr<ViewSession::Page> ViewSession::pageOf(const Body& body) {
+  constexpr std::size_t kMostPages = 64, kLongestName = 64;
+  const std::string name = body.find("page") == nullptr ? "" : body.text("page");
+  if (name.size() > kLongestName) Body::refuse("page", fmt::format("a text of at most {} bytes", kLongestName));
+  const std::lock_guard lock(frames_);
+  auto found = std::find_if(pages_.begin(), pages_.end(), [&](const auto& page) { return page->name == name; });
+  if (found == pages_.end()) {
+    if (pages_.size() == kMostPages) pages_.erase(pages_.begin());
+    pages_.push_back(std::make_shared<Page>(name));
+  } else {
+    std::rotate(found, found + 1, pages_.end());
+  }
+  return pages_.back();
+}
+
 // Two connections may change the order of a page's frames: an older frame must not end a newer frame.
-bool ViewSession::stale(std::int64_t seq) {
+bool ViewSession::stale(Page& page, std::int64_t seq) {
   const std::lock_guard lock(frames_);
   const double now = nowSeconds();
-  if (seq < newest_seq_ && now < newest_at_s_ + kOvertaken) return true;
-  newest_seq_ = seq;
-  newest_at_s_ = now;
+  if (seq < page.newest_seq && now < page.newest_at_s + kOvertaken) return true;
+  page.newest_seq = seq;
+  page.newest_at_s = now;
   return false;
 }
 
@@ -364,11 +395,12 @@ void ViewSession::frame(const Body& body, ViewClient& client) {
   body.size();
   const RenderJob job = frameJobOf(body);
   const bool moving = body.flag("moving");
-  if (stale(seq)) {
+  const std::shared_ptr<Page> page = pageOf(body);
+  if (stale(*page, seq)) {
     sendRecord(client, {{"kind", "cancelled"}, {"seq", seq}});
     return;
   }
-  FrameStops stops(*this, turns_.arrive(), seq, client);
+  FrameStops stops(*this, page->frames, turns_.arrive(page->frames), seq, client);
   turns_.wake();
   try {
     drawStages(job, moving, seq, stops, client);
@@ -384,19 +416,27 @@ void ViewSession::frame(const Body& body, ViewClient& client) {
 
 void ViewSession::drawStages(const RenderJob& job, bool moving, std::int64_t seq, FrameStops& stops,
                              ViewClient& client) {
-  const auto in_turn = [&](const auto& work) {
-    const DrawingTurns::Turn turn(turns_, true, [&] { return stops.cancelled(); });
-    if (!turn.given()) throw Error(ErrorCode::kCancelled, "a newer frame has come");
-    return work();
+  // A stage that gives way to a frame of another page begins again afterwards. Previews are short and give no way.
+  const auto in_turn = [&](bool gives_way, const auto& work) {
+    for (;;) {
+      const DrawingTurns::Turn turn(turns_, stops.number(), [&] { return stops.ended(); });
+      if (!turn.given()) throw Error(ErrorCode::kCancelled, "a newer frame has come");
+      stops.giveWay(gives_way);
+      try {
+        return work();
+      } catch (const Error& error) {
+        if (error.code() != ErrorCode::kCancelled || stops.ended()) throw;
+      }
+    }
   };
   const auto send = [&](const char* stage, const ViewPicture& picture) {
-    stops.throwIfCancelled("drawing");
+    if (stops.ended()) throw Error(ErrorCode::kCancelled, "a newer frame has come");
     sendRecord(client, pictureRecord(seq, stage, picture), picture.bytes);
   };
   std::unique_ptr<ViewedJob> viewed;
   bool at_once = false;
   int coarser = 0;
-  const std::optional<ViewPicture> preview = in_turn([&]() -> std::optional<ViewPicture> {
+  const std::optional<ViewPicture> preview = in_turn(false, [&]() -> std::optional<ViewPicture> {
     viewed = painter_.prepare(job);
     if (!moving) {
       coarser = painter_.coarserToReadLittle(*viewed);
@@ -411,8 +451,8 @@ void ViewSession::drawStages(const RenderJob& job, bool moving, std::int64_t seq
   if (preview) send("preview", *preview);
   if (moving) return;
   for (; !at_once && coarser >= 0; --coarser)
-    send("refined", in_turn([&] { return painter_.refined(*viewed, coarser, stops); }));
-  send("final", in_turn([&] { return painter_.png(*viewed, painter_.exact(*viewed, stops)); }));
+    send("refined", in_turn(true, [&] { return painter_.refined(*viewed, coarser, stops); }));
+  send("final", in_turn(true, [&] { return painter_.png(*viewed, painter_.exact(*viewed, stops)); }));
 }
 
 void ViewSession::resolve(const Body& body, ViewClient& client) {

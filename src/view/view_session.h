@@ -1,7 +1,7 @@
 // A viewing session: open volumes, one cache, requests by name. It knows jobs and pictures, and no HTTP.
 //
 // The requests are those of the manual page view.md. A frame is answered by a stream: a preview at once, refinements,
-// and the picture that `kiln render` draws of the job, bit for bit. A newer frame ends the older one.
+// and the picture that `kiln render` draws of the job, bit for bit. A newer frame of a page ends its older one.
 // Threads. Each request has the thread of its connection; DrawingTurns lets one draw at a time.
 #pragma once
 
@@ -75,16 +75,17 @@ class ViewSession final : public ViewService {
   std::size_t volumeOf(const Body& body) const;
   /// throws: Error kUsage without a file.
   const std::filesystem::path& jobFile() const;
-  bool stale(std::int64_t seq);
+  struct Page;
+  std::shared_ptr<Page> pageOf(const Body& body);
+  bool stale(Page& page, std::int64_t seq);
 
   const ViewSource source_;
   const ThreadLimit threads_;
   ViewPainter painter_;
   DrawingTurns turns_;
   std::atomic<bool> stopped_ = false;
-  std::mutex frames_;  // guards the members below
-  std::int64_t newest_seq_ = 0;
-  double newest_at_s_ = -1;
+  std::mutex frames_;                         // guards the pages, but for their frames
+  std::vector<std::shared_ptr<Page>> pages_;  // the last to send a frame is last
 };
 
 }  // namespace kiln

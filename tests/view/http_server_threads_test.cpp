@@ -39,12 +39,14 @@ TEST(HttpServerThreads, Requests_fromManyClients) {
 // A single thread draws at a time; a frame goes before other work.
 TEST(DrawingTurnsThreads, OneAtATime_framesFirst) {
   DrawingTurns turns;
+  DrawingTurns::Page pages[6], page, other;
   std::atomic<int> drawing = 0, most = 0, given = 0;
   std::vector<std::thread> threads;
   for (int i = 0; i < 6; ++i) {
     threads.emplace_back([&, i] {
       for (int k = 0; k < 50; ++k) {
-        const DrawingTurns::Turn turn(turns, i % 2 == 0, [] { return false; });
+        const DrawingTurns::Turn turn(turns, i % 2 == 0 ? turns.arrive(pages[i]) : DrawingTurns::kOther,
+                                      [] { return false; });
         if (!turn.given()) continue;
         ++given;
         const int now = ++drawing;
@@ -56,13 +58,18 @@ TEST(DrawingTurnsThreads, OneAtATime_framesFirst) {
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(given, 300);
   EXPECT_EQ(most, 1);
-  EXPECT_FALSE(turns.framesWait());
-  const std::uint64_t older = turns.arrive(), newer = turns.arrive();
-  EXPECT_TRUE(turns.superseded(older));
-  EXPECT_FALSE(turns.superseded(newer));
-  const DrawingTurns::Turn held(turns, true, [] { return false; });
-  const DrawingTurns::Turn late(turns, true, [] { return true; });
+  EXPECT_FALSE(turns.newerWaits(DrawingTurns::kOther));
+  const std::uint64_t older = turns.arrive(page), newer = turns.arrive(page), others = turns.arrive(other);
+  EXPECT_TRUE(page.superseded(older));
+  EXPECT_FALSE(page.superseded(newer));
+  EXPECT_FALSE(other.superseded(others));
+  const DrawingTurns::Turn held(turns, newer, [] { return false; });
+  EXPECT_FALSE(turns.newerWaits(newer));
+  bool waited = false;
+  const DrawingTurns::Turn late(turns, others, [&] { return waited = turns.newerWaits(newer); });
   EXPECT_FALSE(late.given());
+  EXPECT_TRUE(waited);
+  EXPECT_FALSE(turns.newerWaits(newer));
 }
 
 }  // namespace

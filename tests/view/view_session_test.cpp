@@ -168,6 +168,41 @@ TEST_F(ViewSessionTest, ANewerFrame_endsTheOlder) {
   EXPECT_EQ(late.kinds(), std::vector<std::string>{"cancelled"});
 }
 
+// The frames of one page arrive while a stage of the other is under way. Known: each picture is that of the page alone.
+TEST_F(ViewSessionTest, FramesOfTwoPages_endNoneOfEachOther) {
+  ViewSession session(source(), silent_);
+  const json slow = jobWith({{"samples", 16}, {"camera", {{"view", "left"}}}});
+  const auto body = [&](const char* page, const json& job, bool moving, int seq) {
+    json out = bodyOf(job, 256, 256, moving, seq);
+    out["page"] = page;
+    return out.dump();
+  };
+  RecordedClient alone, first;
+  session.answer("frame", body("a", slow, false, 1), alone);
+  std::promise<void> begun;
+  first.on_record = [&](const RecordedClient::Record& record) {
+    if (record.json.at("kind") == "resolved") begun.set_value();
+  };
+  std::thread thread([&] { session.answer("frame", body("a", slow, false, 5), first); });
+  begun.get_future().wait();
+  for (int seq = 1; seq < 5; ++seq) {
+    RecordedClient second;
+    session.answer("frame", body("b", jobWith({}), seq < 4, seq), second);
+    EXPECT_EQ(second.kinds().back(), "end");
+  }
+  thread.join();
+  ASSERT_EQ(first.kinds().back(), "end");
+  EXPECT_EQ(first.stage("final")->payload, alone.stage("final")->payload);
+  RecordedClient wrong;
+  expectError([&] { session.answer("frame", body(std::string(65, 'x').c_str(), slow, true, 1), wrong); },
+              ErrorCode::kUsage, "page");
+  for (int page = 0; page < 100; ++page) {
+    RecordedClient client;
+    session.answer("frame", body(std::to_string(page).c_str(), jobWith({}), true, 1), client);
+    EXPECT_EQ(client.kinds().back(), "end");
+  }
+}
+
 TEST_F(ViewSessionTest, AClientThatLeaves_stopsTheDrawing) {
   ViewSession session(source(), silent_);
   RecordedClient client;

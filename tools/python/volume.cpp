@@ -110,7 +110,9 @@ struct Drawing::Session {
 };
 
 std::shared_ptr<Picture> Drawing::draw(const RenderJob& job, const Volumes& volumes, Progress& progress) {
-  const DrawingTurns::Turn turn(turns_, true, [&] { return progress.cancelled(); });
+  // Calls have no order: each draws to its end.
+  constexpr std::uint64_t kAnyCall = 1;
+  const DrawingTurns::Turn turn(turns_, kAnyCall, [&] { return progress.cancelled(); });
   if (!turn.given()) throw Error(ErrorCode::kCancelled, "interrupted while another picture of the volume was drawn");
   const ThreadLimit threads(job.speed.threads);
   if (!session_ || !session_->serves(job, volumes)) {

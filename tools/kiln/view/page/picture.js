@@ -4,6 +4,8 @@
 // kind is let finish, so that a slow drag shows pictures, and the newest job follows. kRest_ms after the last change the
 // request in flight is aborted, and a request with `moving: false` gets all stages up to the picture of the batch.
 const kRest_ms = 150;
+// Distinguishes this page from others of the server: frames of a page end its older frames alone.
+const kPage = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) => byte.toString(16).padStart(2, '0')).join('');
 // A moving frame that takes longer is given up for a newer job.
 const kPatience_ms = 1000;
 
@@ -61,11 +63,10 @@ export class Picture {
     if (!wanted) return;
     const flight = { moving, abort: new AbortController(), start: performance.now(), bytesRead: 0 };
     this.#flight = flight;
-    // Numbers rise over reloads and windows, too.
-    const seq = (this.#sequence = Math.max(this.#sequence + 1, Date.now()));
+    const seq = ++this.#sequence;
     this.#listeners.onState(moving ? 'moving' : 'waiting');
     try {
-      const body = { seq, size: wanted.size, moving, job: wanted.job };
+      const body = { page: kPage, seq, size: wanted.size, moving, job: wanted.job };
       if (wanted.frame !== undefined) body.frame = wanted.frame;
       await this.#server.records('frame', body, flight.abort.signal, (head, payload) => this.#take(flight, head, payload, wanted));
     } catch (error) {
