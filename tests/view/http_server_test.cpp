@@ -230,7 +230,7 @@ TEST_F(HttpServerTest, MutatedRequests_neverEndTheServer) {
       server_.request("POST /api/echo",
                       server_.token() + "Content-Type: application/json\r\nTransfer-Encoding: chunked\r\n") +
           "5\r\nhello\r\n0\r\n\r\n"};
-  const int cases = casesOf(4000, 600);
+  const int cases = casesOf(10000, 600);
   for (int i = 0; i < cases; ++i) {
     std::string bytes = seeds[below(seeds.size())];
     for (std::size_t change = 0; change <= below(8); ++change) {
