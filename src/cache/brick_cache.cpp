@@ -163,12 +163,18 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {
   passTurnsUpTo(brick);
   auto slot = slots_.find(brick);
   if (slot != slots_.end()) {
-    ++counts_.hits;
     if (slot->second.state != State::kFailed) recency_.splice(recency_.begin(), recency_, slot->second.recency);
     slot->second.awaited = true;
     changed_.wait(lock, [&] { return slot->second.state != State::kReading; });
     slot->second.awaited = false;
-  } else {
+    if (!skip_ && slot->second.state == State::kFailed) {
+      slots_.erase(slot);
+      slot = slots_.end();
+    } else {
+      ++counts_.hits;
+    }
+  }
+  if (slot == slots_.end()) {
     const std::uint64_t needed = storeOf(brick).readBytes(brick.key);
     // A brick being read ahead shrinks to its decoded size when ready, and can then be evicted.
     while (!makeRoom(needed, true) && !makeRoom(needed, false)) {
@@ -186,7 +192,11 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {
   }
   const bool first = !std::exchange(slot->second.asked_for, true);
   counts_.load_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  return slot->second.state == State::kFailed ? skip(slot->second, first, lock) : slot->second.block;
+  if (slot->second.state != State::kFailed) return slot->second.block;
+  if (skip_) return skip(slot->second, first, lock);
+  const std::exception_ptr failure = slot->second.failure;
+  slots_.erase(slot);
+  std::rethrow_exception(failure);
 }
 
 // Bricks announced before a requested brick have become hidden: their turn has passed.
@@ -213,13 +223,13 @@ bool BrickCache::holds(const StoredBrick& brick) const {
 
 std::shared_ptr<const BrickBlock> BrickCache::skip(const Slot& failed, bool first, Lock& lock) {
   const std::exception_ptr failure = failed.failure;
-  if (skip_) ++counts_.skipped;
+  ++counts_.skipped;
   lock.unlock();
   try {
     std::rethrow_exception(failure);
   } catch (const Error& error) {
     // A replaced store is always an error: the picture would mix two stores.
-    if (!skip_ || error.code() == ErrorCode::kReplaced) throw;
+    if (error.code() == ErrorCode::kReplaced) throw;
     if (first) skip_(error);
   }
   return nullptr;

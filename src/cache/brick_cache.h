@@ -66,7 +66,8 @@ class BrickCache {
   BrickCache& operator=(const BrickCache&) = delete;
 
   /// Returns a brick from memory or disk; the brick stays while the caller holds the pointer. Returns null for an
-  /// unreadable brick if `skip` is set. thread: one caller at a time.
+  /// unreadable brick if `skip` is set. Without `skip`, each request reads a brick that could not be read before.
+  /// thread: one caller at a time.
   /// throws: Error kBudget if held bricks leave no room; any exception of BrickedVolume::read.
   std::shared_ptr<const BrickBlock> get(const StoredBrick& brick);
   std::shared_ptr<const BrickBlock> get(const BrickKey& key) { return get(StoredBrick{key}); }
@@ -106,7 +107,7 @@ class BrickCache {
     bool awaited = false;  // `get` waits for the brick, which must not be evicted
     std::shared_ptr<const BrickBlock> block;
     std::exception_ptr failure;
-    std::list<StoredBrick>::iterator recency;  // unset for a failed brick, which costs nothing and stays
+    std::list<StoredBrick>::iterator recency;  // unset for a failed brick, which costs nothing
   };
   using Slots = std::map<StoredBrick, Slot>;
   using Announced = std::deque<NextBrick>;

@@ -174,6 +174,30 @@ TEST_F(BrickCacheTest, DamageIsAnErrorWhenAskedForAndNotBefore) {
   }
 }
 
+// Known: a file that is away while bricks are read ahead is read once it is back, and so after an error.
+TEST_F(BrickCacheTest, ABrickThatComesBack_isReadAgain) {
+  const std::filesystem::path file = path_ / "bricks/0/1_1_1.vdb", away = file.string() + ".away";
+  const BrickKey key{0, {1, 1, 1}};
+  for (const unsigned readers : {0u, 2u}) {
+    BrickCache cache(*store_, 1u << 30, readers);
+    std::filesystem::rename(file, away);
+    cache.announce(toRead(keys_));
+    while (readers > 0 && !cache.holds({keys_.back()})) std::this_thread::yield();
+    cache.settle();
+    std::filesystem::rename(away, file);
+    EXPECT_EQ(cache.get(key)->key, key);
+  }
+  for (const unsigned readers : {0u, 2u}) {
+    BrickCache cache(*store_, 1u << 30, readers);
+    std::filesystem::rename(file, away);
+    for (int again = 0; again < 2; ++again) expectError([&] { cache.get(key); }, ErrorCode::kNotFound, "");
+    std::filesystem::rename(away, file);
+    EXPECT_EQ(cache.get(key)->key, key);
+    EXPECT_EQ(cache.counts().reads, 1u);
+    EXPECT_EQ(cache.counts().hits, 0u);
+  }
+}
+
 // Known because a file that comes back after the first read is still reported as missing.
 TEST_F(BrickCacheTest, DamagedBricksAreSkippedOnceToldAndNotReadAgain) {
   const std::filesystem::path files[] = {path_ / "bricks/0/1_1_1.vdb", path_ / "bricks/0/2_0_1.vdb"};
