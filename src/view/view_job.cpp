@@ -23,9 +23,9 @@ using nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 // Keys of files, of the machine, and of parts of a render.
-constexpr std::array<std::string_view, 16> kSessionsOwn = {
-    "volume", "mask",   "colorBy", "output", "outputs", "video", "exr",        "png",
-    "jpeg",   "frames", "part",    "memory", "threads", "trace", "distribute", "shareReads"};
+constexpr std::array<std::string_view, 17> kSessionsOwn = {
+    "volume", "mask", "colorBy", "output",  "outputs", "video",      "exr",        "png", "jpeg",
+    "frames", "part", "memory",  "threads", "trace",   "distribute", "shareReads", "aov"};
 // Keys of files in each of several volumes.
 constexpr std::array<std::string_view, 3> kFilesOfVolume = {"volume", "mask", "colorBy"};
 
@@ -119,7 +119,6 @@ ordered_json jobForBrowser(const RenderJob& session, const std::vector<const Man
   if (job.volumes.empty()) inObjects(job.picture.transfer_function, job.animation.functions, *manifests.front());
   for (std::size_t i = 0; i < job.volumes.size(); ++i)
     inObjects(job.volumes[i].transfer_function, job.volumes[i].functions, *manifests.at(i));
-  job.picture.aovs = {};
   ordered_json out = statedJson(job);
   for (const std::string_view key : kSessionsOwn) out.erase(std::string(key));
   if (!out.contains("volumes")) return out;
@@ -141,7 +140,6 @@ RenderJob jobOfBrowser(const json& job, const ImageSize& size, const RenderJob& 
     out.volumes[i].volume = session.volumes[i].volume;
     out.volumes[i].companions = session.volumes[i].companions;
   }
-  out.picture.aovs = {};
   const VisibilityOptions visibility = out.speed.visibility;
   out.speed = session.speed;
   out.speed.visibility = visibility;

@@ -217,7 +217,7 @@ TEST_F(ViewSessionTest, JobsWithPaths_areRefused) {
   ViewSession session(source(), silent_);
   const std::string body = bodyOf(jobWith({})).dump();
   for (const char* key :
-       {"volume", "output", "outputs", "video", "exr", "frames", "part", "trace", "memory", "threads"}) {
+       {"volume", "output", "outputs", "video", "exr", "frames", "part", "trace", "memory", "threads", "aov"}) {
     RecordedClient client;
     expectError([&] { session.answer("frame", bodyOf(jobWith({{key, "1"}})).dump(), client); }, ErrorCode::kUsage, key);
     EXPECT_TRUE(client.records.empty());
@@ -323,6 +323,7 @@ TEST_F(ViewSessionTest, JobsThatBatchRefuses_areNotSaved) {
   const std::vector<json> jobs = {jobWith({{"lattice", "voxel"}, {"interpolation", "cubic"}}),
                                   jobWith({{"camera", {{"projection", "equirectangular"}}}, {"lattice", "voxel"}}),
                                   jobWith({{"camera", {{"eye", {1, 1, 1}}, {"target", {1, 1, 1}}}}}),
+                                  jobWith({{"transferFunction", {{"labels", {{{"label", 1}, {"color", "red"}}}}}}}),
                                   jobWith({{"camera",
                                             {{"keyframes",
                                               {{{"frame", 1}, {"eye", {90, 90, 90}}, {"target", {0, 0, 0}}},
