@@ -29,6 +29,7 @@ constexpr CapabilityRow kCapabilityRows[] = {
     {&EngineCapabilities::depth_and_normal, "`--aov depth,normal`"},
     {&EngineCapabilities::value, "`--aov value`"},
     {&EngineCapabilities::companions, "`--mask`, `--color-by`"},
+    {&EngineCapabilities::sections, "`--section`"},
     {&EngineCapabilities::deep, "`--deep`"},
     {&EngineCapabilities::parts, "`--part`, `--distribute bricks`"},
 };
@@ -64,6 +65,7 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .filters_rays = true,
        .depth_and_normal = true,
        .companions = true,
+       .sections = true,
        .deep = true,
        .parts = true},
       {.kind = EngineKind::kVoxel,
@@ -92,6 +94,7 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .filters_rays = true,
        .depth_and_normal = true,
        .companions = true,
+       .sections = true,
        .deep = true},
   };
   return table;

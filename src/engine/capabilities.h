@@ -34,6 +34,7 @@ struct EngineCapabilities {
   bool depth_and_normal = false;  // has planes of depth and normals
   bool value = false;             // has a plane of values
   bool companions = false;        // draws volumes with masks or colours of another volume
+  bool sections = false;          // cut faces can show the values there
   bool deep = false;              // draws deep images
   bool parts = false;             // draws partial images, also of ranks that share bricks
 };

@@ -17,6 +17,7 @@
 #include "frame/slice_palette.h"
 #include "grid/value_range.h"
 #include "scene/half_spaces.h"
+#include "scene/transfer/display_map.h"
 #include "store/brick_index.h"
 #include "store/codec/brick_block.h"
 #include "store/codec/brick_codec.h"

@@ -25,7 +25,7 @@ struct PlaneSliceRequest {
   Mode mode = Mode::kAverage;   // the value of a pixel of a thick slice: kAverage, kMip or kMinip
   int level = 0;                // 0 is finest
   std::optional<Window> window;
-  std::string colormap = "gray";  // one of sliceColorMaps()
+  std::string colormap = "gray";  // one of displayMapNames()
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
 };
 

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/memory/memory.h"
 #include "frame/slice_palette.h"
+#include "scene/transfer/display_map.h"
 #include "store/brick_index.h"
 #include "store/codec/brick_block.h"
 

@@ -24,7 +24,7 @@ struct SliceRequest {
   int level = 0;                      // 0 is finest
   std::optional<std::int64_t> index;  // in voxels of the level; else the middle
   std::optional<Window> window;       // from the first to the last colour; else the middle 99 % of the values
-  std::string colormap = "gray";      // one of sliceColorMaps()
+  std::string colormap = "gray";      // one of displayMapNames()
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
 };
 

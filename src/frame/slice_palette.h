@@ -5,17 +5,10 @@
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <string>
-#include <vector>
 
-#include "job/transfer_function_choice.h"
-#include "store/manifest/manifest.h"
+#include "scene/transfer/transfer_function.h"
 
 namespace kiln {
-
-/// "gray", and the colour maps of scene/transfer/named_color_maps.h.
-std::vector<std::string> sliceColorMaps();
-/// Returns the window of the middle 99 % of the values.
-Window defaultWindow(const ValueHistogram& histogram);
 
 /// The colours of a map in equal steps, in linear light. A step is a quarter of a step of an 8-bit picture.
 class SlicePalette {

@@ -12,6 +12,7 @@
 #include "frame/histogram_bars.h"
 #include "frame/slice_palette.h"
 #include "image/plot_image.h"
+#include "scene/transfer/display_map.h"
 #include "store/brick_index.h"
 #include "store/codec/brick_block.h"
 

@@ -19,6 +19,7 @@
 #include "scene/annotation_text.h"
 #include "scene/camera/camera_path.h"
 #include "scene/camera/framing.h"
+#include "scene/transfer/display_map.h"
 #include "scene/transfer/presets.h"
 #include "scene/transfer/transfer_function_fade.h"
 #include "scene/volume_part.h"
@@ -229,12 +230,14 @@ FrameScene SceneOfJob::at(int frame) const {
     out.picture.stereo->eye = eye;
   }
   if (!animation.clip.empty()) out.picture.clipping = withPlanes(out.picture.clipping, between(animation.clip));
+  if (auto& section = out.picture.clipping.section) section = resolved(*section, *looks_.front(), out.transfer_function);
   for (std::size_t i = 0; i < job_.volumes.size(); ++i) {
     const VolumeOptions& volume = job_.volumes[i];
     VolumeScene scene{functions_[i].at(frame), volume.shading.value_or(out.picture.shading),
                       withPlanes(volume.clipping, out.picture.clipping.planes), manifests_[i]->world_per_own,
                       manifests_[i]->index_checksum};
     scene.shading.lights = out.picture.shading.lights;
+    if (auto& section = scene.clipping.section) section = resolved(*section, *looks_[i], scene.transfer_function);
     out.volumes.push_back(std::move(scene));
   }
   return out;

@@ -76,7 +76,8 @@ void addVolumes(const AddedVolumes& more, const GivenFlags& flags, RenderJob& jo
                 fmt::format("--add-tf: {} given for {} volumes of --add and --labels; the first is of the first",
                             more.functions.size(), count));
   if (job.volumes.empty() && count == 0) return;
-  if (job.volumes.empty()) makeFirstOfSeveral(job);
+  const bool had_volumes = !job.volumes.empty();
+  if (!had_volumes) makeFirstOfSeveral(job);
   VolumeOptions& first = job.volumes.front();
   if (flags.has("--tf")) {
     first.transfer_function = job.picture.transfer_function;
@@ -86,6 +87,8 @@ void addVolumes(const AddedVolumes& more, const GivenFlags& flags, RenderJob& jo
   if (auto mask = std::exchange(job.companions.mask, std::nullopt)) first.companions.mask = std::move(mask);
   if (auto colors = std::exchange(job.companions.color_by, std::nullopt)) first.companions.color_by = std::move(colors);
   if (auto region = std::exchange(job.picture.clipping.region, std::nullopt)) first.clipping.region = region;
+  if (had_volumes && flags.has("--section"))
+    first.clipping.section = std::exchange(job.picture.clipping.section, std::nullopt);
   for (std::size_t i = 0; i < count; ++i) {
     VolumeOptions volume;
     volume.labels = i >= more.added.size();

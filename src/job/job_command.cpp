@@ -93,6 +93,12 @@ Texts textsOf(const RenderJob& job, const RenderJob& plain) {
     out["--mask"] = {fmt::format("{}:{}", mask->volume.generic_string(), fmt::join(mask->labels, ","))};
   if (const auto& colors = job.companions.color_by)
     out["--color-by"] = {colors->volume.generic_string() + ":" + functionText(colors->transfer_function)};
+  if (const auto& section = picture.clipping.section; section && section->opacity == Section().opacity) {
+    const std::string window = section->window ? fmt::format("{},{}", section->window->x, section->window->y) : "";
+    out["--section"] = {section->color_map.empty() ? "tf"
+                        : window.empty()           ? section->color_map
+                                                   : window + ":" + section->color_map};
+  }
   const ordered_json stated = statedJson(job);
   if (stated.contains("worldRegion")) out["--world-region"] = {simpleText(stated["worldRegion"])};
   out.erase("--clip");

@@ -42,10 +42,13 @@ inline bool isOpaque(const Background& background) { return background.top[3] >=
 inline bool holdsColors(Content content) { return content == Content::kPicture || content == Content::kColor; }
 /// throws: Error kUsage for a partial image that could not be composited or written.
 void requirePart(const RenderJob& job);
-/// throws: Error kUsage for volumes, companions or colours of channels that the engine of the job does not draw.
+/// throws: Error kUsage for volumes, companions, cut faces or colours of channels that the engine of the job does not
+/// draw.
 void requireVolumes(const RenderJob& job);
 /// throws: Error kUsage for a mask or colours of another volume if the engine of the job draws none.
 void requireCompanions(const RenderJob& job);
+/// throws: Error kUsage for cut faces that show values if the engine draws none, or if nothing is cut.
+void requireSections(const RenderJob& job);
 /// throws: Error kUsage for colours of channels without several projected volumes.
 void requireChannels(const RenderJob& job);
 /// Makes the job's single volume the first of several. requires: `volumes` is empty.

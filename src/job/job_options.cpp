@@ -66,6 +66,11 @@ constexpr std::string_view kFunctionHelp =
     "ParaView's colour maps (FILE or FILE#NAME) or of ITK-SNAP's labels. iso:VALUE[:OPACITY[:COLOR]],... is a "
     "preset, too: surfaces at these values. solid:VALUE is solid from VALUE on.";
 
+constexpr std::string_view kSectionHelp =
+    "Cut faces, where the view enters the volume through --clip, --region or --world-region, show the values there, "
+    "without light: in the colours of the transfer function (tf), or a window of values in grey or in the colours of "
+    "a map.";
+
 constexpr std::string_view kMaskHelp =
     "Show the volume only where another volume, at the same place in the world, has one of these labels.";
 constexpr std::string_view kColorByHelp =
@@ -120,6 +125,16 @@ OptionValue<Owner> maskValue() {
 template <class Owner>
 OptionValue<Owner> colorByValue() {
   return objectValue("colorBy", optionsIn<Owner>(colorByOptions(), KILN_MEMBER(companions.color_by)));
+}
+
+template <class Owner, class Member>
+OptionValue<Owner> sectionValue(Member member) {
+  OptionValue<Owner> out = objectValue("section", optionsIn<Owner>(sectionOptions(), member));
+  out.form = sectionForm();
+  out.read = [member](const JobObject& object, std::string_view key, Owner& owner) {
+    readSection(object, key, member(owner));
+  };
+  return out;
 }
 
 OptionForm channelColorsForm() {
@@ -449,6 +464,8 @@ Options<RenderJob> rootOptions() {
   add(Row("clip", "--clip", kShown,
           std::move(clip).resolvedIf([](const RenderJob& job) { return !job.picture.clipping.planes.empty(); }),
           "Show the half-space nx·x + ny·y + nz·z + d >= 0 of the world. Repeatable."));
+  add(Row("section", "--section", kShown, sectionValue<RenderJob>(KILN_MEMBER(picture.clipping.section)),
+          kSectionHelp));
   add(objectRow("annotations", optionsIn<RenderJob>(annotationOptions(), KILN_MEMBER(picture.annotations))));
   add(objectRow("visibility", visibilityOptions()));
   add(Row("tile", "--tile", kCost, {KILN_MEMBER(speed.tile_px), Whole{0, kLargestSide_px, "pixels"}, ofQuadtree},
@@ -659,6 +676,7 @@ const Options<VolumeOptions>& volumeOptions() {
     out.push_back(Row(
         "clip", std::move(clip).resolvedIf([](const VolumeOptions& volume) { return !volume.clipping.planes.empty(); }),
         "Half-spaces that are shown."));
+    out.push_back(Row("section", sectionValue<VolumeOptions>(KILN_MEMBER(clipping.section)), kSectionHelp));
     return out;
   }();
   return kOptions;

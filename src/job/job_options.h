@@ -39,6 +39,9 @@ const Options<Shadow>& shadowOptions();
 const Options<AmbientOcclusion>& occlusionOptions();
 const Options<Light>& lightOptions();
 const Options<ClipPlane>& clipPlaneOptions();
+const Options<Section>& sectionOptions();
+/// The legal values of a section, and their text.
+OptionForm sectionForm();
 const Options<Annotations>& annotationOptions();
 const ListOf<VolumeOptions>& volumeList();
 const ListOf<Light>& lightList();

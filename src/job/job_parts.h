@@ -19,7 +19,8 @@ std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject
 
 /// Replaces the planes by `clip`, except faces of a box of the world.
 void replaceClipPlanes(const JobObject& owner, Clipping& clipping);
-
+/// Reads `true`, `false`, or a section.
+void readSection(const JobObject& owner, std::string_view key, std::optional<Section>& out);
 void readPart(const JobObject& root, PictureOptions& picture);
 void readVolumes(const JobObject& root, RenderJob& job);
 

@@ -84,7 +84,7 @@ void readPart(const JobObject& root, PictureOptions& picture) {
 
 // Options of a job with one volume; with several volumes, each volume has its own.
 void readVolumes(const JobObject& root, RenderJob& job) {
-  for (const char* key : {"volume", "transferFunction", "window", "region", "mask", "colorBy"}) {
+  for (const char* key : {"volume", "transferFunction", "window", "region", "mask", "colorBy", "section"}) {
     if (root.has(key)) root.complain(key, "is each volume's own where there are several; put it into \"volumes\"");
   }
   volumeList().read(root, "volumes", job.volumes);

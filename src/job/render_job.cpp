@@ -99,6 +99,7 @@ void requireVolumes(const RenderJob& job) {
                                                kMostVolumesOfJob, job.volumes.size()));
   if (!job.volumes.empty()) requireOptions(engineOf(job), {});
   requireCompanions(job);
+  requireSections(job);
   requireChannels(job);
 }
 
@@ -111,6 +112,20 @@ void requireCompanions(const RenderJob& job) {
   };
   require(job.companions);
   for (const VolumeOptions& volume : job.volumes) require(volume.companions);
+}
+
+void requireSections(const RenderJob& job) {
+  const bool moves = !job.animation.clip.empty();
+  const auto require = [&](const Clipping& clipping, bool cut) {
+    if (!clipping.section) return;
+    requireCapability(engineOf(job), &EngineCapabilities::sections, "--section: needs", "leave --section out");
+    if (!cut && !clipping.region && clipping.planes.empty())
+      throw Error(ErrorCode::kUsage,
+                  "--section: nothing is cut; add --clip, --region or --world-region, or leave --section out");
+  };
+  require(job.picture.clipping, moves);
+  for (const VolumeOptions& volume : job.volumes)
+    require(volume.clipping, moves || !job.picture.clipping.planes.empty());
 }
 
 void requireChannels(const RenderJob& job) {
@@ -135,6 +150,7 @@ void makeFirstOfSeveral(RenderJob& job) {
   first.window = picture.window;
   first.companions = std::exchange(job.companions, {});
   first.clipping.region = std::exchange(picture.clipping.region, std::nullopt);
+  first.clipping.section = std::exchange(picture.clipping.section, std::nullopt);
   job.volumes = {std::move(first)};
 }
 

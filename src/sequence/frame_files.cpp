@@ -78,6 +78,7 @@ RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameSce
     volume.transfer_function = scene.volumes.at(i).transfer_function;
     volume.functions.clear();
     volume.window.reset();
+    volume.clipping.section = scene.volumes.at(i).clipping.section;
   }
   out.picture = scene.picture;
   out.picture.aovs = aovsOf(job, file);

@@ -4,12 +4,12 @@
 
 #include "convert/volume_sample.h"
 #include "frame/slice.h"
-#include "frame/slice_palette.h"
 #include "histogram_text.h"
 #include "ingest/open_source.h"
 #include "ingest/source/formats.h"
 #include "ingest/volume_format.h"
 #include "say.h"
+#include "scene/transfer/display_map.h"
 #include "scene/transfer/preset_ranges.h"
 #include "scene/transfer/presets.h"
 #include "store/manifest/read_manifest.h"

@@ -14,6 +14,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "engine/pixel/cell_faces-inl.h"
 #include "engine/pixel/cell_field-inl.h"
 #include "engine/pixel/cell_rays-inl.h"
 #include "engine/pixel/cell_surfaces-inl.h"
@@ -49,6 +50,7 @@ class CellCaster {
         out_(out) {}
 
   void run() {
+    if (in_.on_face) castFaces();
     const auto cast = [this](std::size_t count) { castFound(count); };
     const RayParts parts = l_.surfaces > 0 ? RayParts::kPieces : RayParts::kMiddles;
     CellRays<decltype(cast)>(p_, r_, in_, tile_, s_, parts, cast).run(field_.shown());
@@ -91,6 +93,70 @@ class CellCaster {
         blendAll();
       lightAll();
     });
+  }
+
+  // Draws the points on cut faces, the first samples of their rays.
+  HWY_NOINLINE void castFaces() {
+    on_face_ = true;
+    CellFaces(p_, r_, context_, in_, s_).find([this](std::size_t points) {
+      count_ = kept_ = points;
+      classifyFaces();
+      if (in_.mask != nullptr) maskSurfaces();
+      const D d;
+      for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
+        const CellPlaces::Where w = p_.whereIs(hn::Load(DI(), s_.kept_code + n));
+        for (int a = 0; a < 3; ++a) hn::StoreU(p_.pointAt(a, w, hn::Load(d, s_.at + n)), d, s_.index_place[a] + n);
+      }
+      if (in_.sums != nullptr)
+        sumSurfaces();
+      else
+        blendAll();
+      lightAll();
+    });
+    on_face_ = false;
+  }
+
+  // Table positions and opacities of points on cut faces.
+  void classifyFaces() {
+    const float opacity = context_.look().faces->opacity();
+    if (in_.labels != nullptr) {
+      for (std::size_t n = 0; n < kept_; ++n) {
+        const std::int32_t rank = nearestOf(in_.labels, n);
+        s_.entry[n] = SampleTable::placeOf(std::max(rank, 0), 1);
+        s_.opacity[n] = rank >= 0 ? opacity : 0;
+      }
+      return;
+    }
+    const D d;
+    const SampleTable* const colors = context_.look().faces->colors();
+    field_.interpolate(kept_);
+    for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
+      V value = field_.values(n);
+      M shows = hn::Eq(value, value);
+      value = hn::IfThenElseZero(shows, value);
+      if (colors != nullptr) {
+        const V place =
+            hn::Mul(hn::Add(value, hn::Set(d, context_.look().faces->shift())), hn::Set(d, colors->scale()));
+        hn::StoreU(hn::Min(hn::Max(place, hn::Zero(d)), hn::Set(d, colors->last())), d, s_.entry + n);
+      } else {
+        const V entry = placeOf(d, l_, value);
+        hn::StoreU(entry, d, s_.entry + n);
+        V tau = extinctionAt(d, l_, entry);
+        if (modulates_) {
+          keepSlopes(n, std::min(kept_ - n, hn::Lanes(d)));
+          tau = modulatedTau(n, tau);
+        }
+        shows = hn::And(shows, hn::Gt(tau, hn::Zero(d)));
+      }
+      hn::StoreU(hn::IfThenElseZero(shows, hn::Set(d, opacity)), d, s_.opacity + n);
+    }
+  }
+
+  // The voxel of a patch that is nearest to a sample.
+  template <class T>
+  HWY_INLINE T nearestOf(const T* patch, std::size_t sample) const {
+    const auto next = [&](int axis) { return s_.fraction[axis][sample] >= 0.5f; };
+    return patch[s_.offset[sample] + (next(2) ? kPlane : 0) + (next(1) ? kPatchStride : 0) + (next(0) ? 1 : 0)];
   }
 
   // Finishes crossings: those outside the clip region become transparent. Stores gradients and positions.
@@ -321,8 +387,11 @@ class CellCaster {
       const SampleSite site = siteOf(n + i);
       glm::dvec3 along;
       for (int a = 0; a < 3; ++a) along[a] = static_cast<double>(steps[a][i] * slabs[i]);
-      const auto share = static_cast<float>(context_.look().clip->shareOf(site.index, along));
-      taus[i] *= share;
+      const ClipRegion& clip = *context_.look().clip;
+      const bool behind_face = context_.look().faces != nullptr;
+      // The sums of a slab have one sample of each volume.
+      taus[i] *= static_cast<float>(behind_face ? clip.shareBehindFace(site.index, along, in_.sums != nullptr)
+                                                : clip.shareOf(site.index, along));
     }
     return hn::Load(d, taus);
   }
@@ -367,7 +436,7 @@ class CellCaster {
   // Opacity of a sample in front of which the pixel has an alpha of `before`. In the overlap of two levels a surface
   // counts unless the finer level has drawn it.
   HWY_INLINE float opacityIn(std::size_t n, float before) const {
-    if (l_.surfaces == 0 || r_.overlap == 0) return s_.opacity[n];
+    if (l_.surfaces == 0 || r_.overlap == 0 || on_face_) return s_.opacity[n];
     const bool in_overlap = s_.at[n] < -r_.middle - 0.5f;
     return in_overlap && before >= s_.opacity[n] ? 0.0f : s_.opacity[n];
   }
@@ -385,7 +454,7 @@ class CellCaster {
       const Packing packed(kept);
       const auto move = [&](auto tag, auto* of) { hn::StoreU(packed(hn::Load(tag, of + n)), tag, of + seen); };
       move(di, s_.index), move(di, s_.kept_code), move(d, s_.entry), move(d, s_.opacity);
-      if (l_.surfaces > 0) move(d, s_.at);
+      if (exact()) move(d, s_.at);
       for (int a = 0; derives_ && a < 3; ++a) move(d, s_.slope[a]);
       for (int a = 0; places_ && a < 3; ++a) move(d, s_.index_place[a]);
       if (l_.plane.colors != nullptr) move(d, s_.row);
@@ -404,10 +473,17 @@ class CellCaster {
       const float depth = s_.weight[n] = s_.opacity[n];
       if (places_ && in_.sums->hasNormals() && depth > 0) {
         const CellPlaces::Place at = p_.placeOf(s_.kept_code[n]);
-        in_.sums->addNormal(at.slab, at.x, at.y, depth * finishedNormal(context_.look(), siteOf(n)));
+        in_.sums->addNormal(at.slab, at.x, at.y, depth * normalOf(siteOf(n)));
       }
     }
     keepSeen();
+  }
+
+  // Samples have depths of their own, inside their slabs.
+  bool exact() const { return l_.surfaces > 0 || on_face_; }
+
+  glm::vec3 normalOf(const SampleSite& site) const {
+    return on_face_ ? faceNormal(context_.look(), site) : finishedNormal(context_.look(), site);
   }
 
   void addShadow(std::size_t n, float before, float after) {
@@ -432,8 +508,8 @@ class CellCaster {
     layer.closes = closes;
     layer.opacity = opacity;
     layer.middle = site.view.z;
-    layer.thickness = l_.surfaces > 0 ? 0 : (s_.kept_code[n] >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
-    const glm::vec3 normal = finishedNormal(context_.look(), site);
+    layer.thickness = exact() ? 0 : (s_.kept_code[n] >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
+    const glm::vec3 normal = normalOf(site);
     for (int a = 0; a < 3; ++a) layer.normal[a] = weight * normal[a];
     addLayer(layer, tile_.aovs, p_.pixelPlace(pixel));
   }
@@ -457,9 +533,14 @@ class CellCaster {
     const D d;
     const D4 d4;
     const bool one_color = in_.color != nullptr && !finishes_ && l_.plane.colors == nullptr;
-    if (!one_color) lookUpColors(n, count);
-    if (l_.plane.colors != nullptr) mixRegionColors(n, count);
-    if (finishes_) finishColors(n, count);
+    const SampleTable* const of_faces = on_face_ ? context_.look().faces->colors() : nullptr;
+    if (of_faces != nullptr) {
+      for (std::size_t i = 0; i < count; ++i) lookUpColor(of_faces->entries(), s_.entry[n + i], i);
+    } else {
+      if (!one_color) lookUpColors(n, count);
+      if (l_.plane.colors != nullptr) mixRegionColors(n, count);
+    }
+    if (finishes_ && !on_face_) finishColors(n, count);
     const bool lights = l_.light.phong || l_.lights != nullptr;
     if (lights && slopes_) findSlopes(n, count);
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
@@ -550,10 +631,9 @@ class CellCaster {
 
   // Position of a found sample in the table of the companion's colours; NaN if the companion has no value there.
   HWY_INLINE float companionPlaceAt(std::size_t sample) const {
-    const float* const at = in_.color_places + s_.offset[sample];
-    const float x = s_.fraction[0][sample], y = s_.fraction[1][sample], z = s_.fraction[2][sample];
-    if (l_.color_nearest) return at[(z >= 0.5f ? kPlane : 0) + (y >= 0.5f ? kPatchStride : 0) + (x >= 0.5f ? 1 : 0)];
-    return trilinear(at, x, y, z);
+    if (l_.color_nearest) return nearestOf(in_.color_places, sample);
+    return trilinear(in_.color_places + s_.offset[sample], s_.fraction[0][sample], s_.fraction[1][sample],
+                     s_.fraction[2][sample]);
   }
 
   static HWY_INLINE float trilinear(const float* at, float x, float y, float z) {
@@ -614,7 +694,7 @@ class CellCaster {
       }
       const CellPlaces::Place at = p_.placeOf(code);
       float near = depthOf(at.slab), far = depthOf(at.slab + (code >= CellPlaces::kPair ? 2 : 1));
-      if (l_.surfaces > 0) near = far = static_cast<float>(siteOf(n + i).view.z);
+      if (exact()) near = far = static_cast<float>(siteOf(n + i).view.z);
       tile_.deep->add(at.x, at.y, near, far, before, after);
     }
   }
@@ -655,6 +735,7 @@ class CellCaster {
   Field field_;
   CellSamples& s_;
   CellOutput& out_;
+  bool on_face_ = false;  // the samples are points on cut faces
   std::size_t count_ = 0, kept_ = 0, closed_count_ = 0;
   alignas(64) float mask_slope_[3][kLit + kLanes];
 };

@@ -43,6 +43,7 @@ struct CellInput {
   bool gaps = false;                       // the cell's voxels may be NaN
   const float* color = nullptr;            // r, g, b of all samples if equal; otherwise null
   const ClipRegion::Part* part = nullptr;  // only samples in this part of the volume are drawn; null: all
+  bool on_face = false;                    // a cut face may pass through the cell
   bool one_label = false;                  // all voxels have one label; `values` is not read
   SlabSums* sums = nullptr;                // several volumes: samples are added to the sums, not to the tile
 };
@@ -68,8 +69,8 @@ struct CellSamples {
   alignas(64) float entry[kRoom], opacity[kRoom], weight[kRoom];
   // Per piece of a ray, for surfaces: ends, and values at the ends.
   alignas(64) float begin[kRoom], end[kRoom], value_begin[kRoom], value_end[kRoom];
-  // Per crossing of a surface: position, the ends of its bracket, the values there less the surface's, and the end that
-  // moved last.
+  // Per crossing of a surface: position (of a point on a cut face, too), the ends of its bracket, the values there less
+  // the surface's, and the end that moved last.
   alignas(64) float at[kRoom], bracket[2][kRoom], excess[2][kRoom], moved[kRoom];
   // Per visible sample, if colours depend on gradients: row in the plane of values and gradients.
   alignas(64) float row[kRoom];

@@ -104,6 +104,21 @@ class CellPlaces {
     return hn::IfThenElse(begins, linear(r_.at_begin, axis, w),
                           hn::IfThenElse(ends, linear(r_.at_end, axis, w), inner));
   }
+  // Stores the voxel before each position `at` on the rays of a vector of samples, from the n-th on, and the position
+  // between voxels. Both are computed from the volume's own voxels, so that they do not depend on the cell.
+  HWY_INLINE void placeAt(std::size_t n, const Where& w, V at, CellSamples& samples) const {
+    const D d;
+    const DI di;
+    VI voxel[3];
+    for (int a = 0; a < 3; ++a) {
+      const V place = pointAt(a, w, at), whole = hn::Floor(place);
+      hn::Store(hn::Sub(place, whole), d, samples.fraction[a] + n);
+      const VI from_cell = hn::Sub(hn::ConvertTo(di, whole), hn::Set(di, static_cast<std::int32_t>(in_.lo[a])));
+      // Rounding may put a position just outside the cell.
+      voxel[a] = hn::Min(hn::Max(from_cell, hn::Zero(di)), hn::Set(di, kPatchVoxels));
+    }
+    hn::Store(offsetOf(voxel), di, samples.offset + n);
+  }
   HWY_INLINE Sight sightOf(const Where& w) const {
     const D d;
     const V one = hn::Set(d, 1.0f), per_pixel = hn::Set(d, 1 / l_.focal);

@@ -181,21 +181,7 @@ class CellSurfaces {
     return hn::ConvertTo(di, hn::IfThenElseZero(there, hn::Load(d, s_.entry + n)));
   }
 
-  // Stores the voxel before each position, and the position between voxels. Both are computed from the volume's own
-  // voxels, so that they do not depend on the cell.
-  HWY_INLINE void placeAt(std::size_t n, const CellPlaces::Where& w, V at) {
-    const D d;
-    const DI di;
-    VI voxel[3];
-    for (int a = 0; a < 3; ++a) {
-      const V place = p_.pointAt(a, w, at), whole = hn::Floor(place);
-      hn::Store(hn::Sub(place, whole), d, s_.fraction[a] + n);
-      const VI from_cell = hn::Sub(hn::ConvertTo(di, whole), hn::Set(di, static_cast<std::int32_t>(in_.lo[a])));
-      // Rounding may put a position just outside the cell.
-      voxel[a] = hn::Min(hn::Max(from_cell, hn::Zero(di)), hn::Set(di, kPatchVoxels));
-    }
-    hn::Store(offsetOf(voxel), di, s_.offset + n);
-  }
+  HWY_INLINE void placeAt(std::size_t n, const CellPlaces::Where& w, V at) { p_.placeAt(n, w, at, s_); }
 
   const CellPlaces& p_;
   const RaySampling& r_;

@@ -34,4 +34,10 @@ inline glm::vec3 finishedNormal(const Appearance& look, const SampleSite& site) 
   return face != nullptr ? look.shader.normalOnCut(*face, site.view) : look.shader.normal(site.gradient, site.view);
 }
 
+/// Unit normal of a cut face at a point on it, in view space.
+inline glm::vec3 faceNormal(const Appearance& look, const SampleSite& site) {
+  const glm::vec3* const face = look.clip->cutGradient(site.index);
+  return face != nullptr ? look.shader.normalOnCut(*face, site.view) : glm::vec3(0);
+}
+
 }  // namespace kiln

@@ -94,6 +94,8 @@ MultiVolume::Volume::Volume(MixedVolume the_mixed, const MixView& view)
       table(mixed.transfer_function, appearance.unit, mixed.store->manifest().type, mixed.store->manifest().range) {
   appearance.colors = mixed.colors.get();
   colors = colorTable(appearance);
+  if (mixed.clipping.section) appearance.section = &*mixed.clipping.section;
+  faces = cutFacesOf(appearance.section, mixed.store->manifest(), levels, table);
 }
 
 MultiVolume::~MultiVolume() = default;
@@ -122,9 +124,10 @@ MultiVolume::MultiVolume(std::vector<MixedVolume> volumes, const MixView& view) 
     for (std::size_t v = 0; v < volumes_.size(); ++v) {
       const Volume& volume = *volumes_[v];
       const bool reaches = zone.slabs[v].slabs > 0;
-      zone.contexts.push_back(
-          reaches ? zoneContext(zone.slabs[v], volume.levels, tablesOf(volume.table, volume.colors), volume.appearance)
-                  : nullptr);
+      zone.contexts.push_back(reaches ? zoneContext(zone.slabs[v], volume.levels,
+                                                    tablesOf(volume.table, volume.colors, volume.faces.get()),
+                                                    volume.appearance)
+                                      : nullptr);
     }
   }
   for (std::size_t v = 0; v < volumes_.size(); ++v) addRays(v);

@@ -84,6 +84,7 @@ class MultiVolume {
     FrameLevels levels;
     SampleTable table;
     std::optional<SampleTable> colors;  // of the companion
+    std::unique_ptr<const CutFaces> faces;
   };
   struct Zone {
     std::vector<SlabZone> slabs;                         // one for each volume

@@ -29,10 +29,11 @@ PixelEngine::PixelEngine(const Manifest& volume, const FrameLevels& levels, cons
     : brick_size_(volume.brick_size),
       table_(appearance.transfer_function, appearance.unit, volume.type, volume.range),
       colors_(colorTable(appearance)),
+      faces_(cutFacesOf(appearance.section, volume, levels, table_)),
       zones_(levels, slabZones(zonedVolume(volume, levels, sampling), appearance.view, sampling.level)) {
   for (std::size_t i = 0; i < zones_.zones().size(); ++i) {
     const SlabZone& zone = zones_.zones()[i];
-    contexts_.push_back(zoneContext(zone, levels, tablesOf(table_, colors_), appearance));
+    contexts_.push_back(zoneContext(zone, levels, tablesOf(table_, colors_, faces_.get()), appearance));
     rays_.emplace_back(zones_.zones(), i, levels.projector(zone.level), levels.dims(zone.level),
                        levels.endVoxels(zone.level), sampling.quincunx);
   }

@@ -44,6 +44,7 @@ class PixelEngine final : public VolumeEngine {
   const std::int64_t brick_size_;
   SampleTable table_;
   std::optional<SampleTable> colors_;  // of the companion's values
+  std::unique_ptr<const CutFaces> faces_;
   DepthZones zones_;
   std::vector<std::unique_ptr<SlabContext>> contexts_;  // one per zone
   std::vector<RaySampling> rays_;                       // one per zone

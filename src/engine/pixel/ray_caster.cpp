@@ -86,6 +86,7 @@ class RayCaster {
     // A cut of a surface has no face.
     if (context_.table().ofSurfaces()) in.at_border = false;
     if (!part_.all()) in.part = &part_;
+    in.on_face = context_.onFace(box);
     in.sums = sums_;
     // Several volumes are composited in single slabs.
     in.in_pairs = in.in_pairs && sums_ == nullptr;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "engine/pixel/label_voxels.h"
@@ -110,12 +111,28 @@ SlabContext::SlabContext(const SlabZone& zone, const Projector& projector, const
       voxel_length_(std::cbrt(projector.voxelVolume())),
       shortest_edge_(shortestEdge(projector)) {
   lattice_.label_smoothing = labelSmoothing(zone, projector);
+  if (look_.faces != nullptr) faces_ = look_.faces->seenFaces(*look_.clip);
 }
 
 // A sample extends across faces: up to half of a sample may be inside although the middle is outside.
 bool SlabContext::cutOff(const VoxelBox& samples) const {
   return !look_.clip->part().touches(samples) ||
          look_.clip->classify(dilated(samples, 1)) == ClipRegion::Overlap::kOutside;
+}
+
+bool SlabContext::onFace(const VoxelBox& voxels) const {
+  // Positions are rounded to floats.
+  constexpr double kMargin = 0.1;
+  const glm::dvec3 lo(voxels.lo.x, voxels.lo.y, voxels.lo.z), hi(voxels.hi.x, voxels.hi.y, voxels.hi.z);
+  const glm::dvec3 middle = 0.5 * (lo + hi) - 0.5, half = 0.5 * (hi - lo) + kMargin;
+  return std::any_of(faces_.begin(), faces_.end(), [&](const glm::dvec4& face) {
+    const glm::dvec3 normal(face);
+    return std::abs(glm::dot(normal, middle) + face.w) <= glm::dot(glm::abs(normal), half);
+  });
+}
+
+bool SlabContext::coloursFace(const VoxelBox& voxels, const ValueRange& range) const {
+  return look_.faces != nullptr && look_.faces->colors() != nullptr && !range.empty() && onFace(voxels);
 }
 
 bool SlabContext::inPairs(const SampledRange& range) const {
@@ -156,12 +173,14 @@ std::vector<SlabCell> visibleCells(const SlabContext& context, const BrickBlock&
   for (const int z : order[2]) {
     for (const int y : order[1]) {
       for (const int x : order[0]) {
-        const bool near = context.interesting(block.supports.at(x, y, z));
-        if (!near && !(farther && context.interesting(supportsAround(block.supports, x, y, z)))) continue;
         const VoxelCoord lo = {block.core.lo.x + (x - 1) * kCellSize, block.core.lo.y + (y - 1) * kCellSize,
                                block.core.lo.z + (z - 1) * kCellSize};
         SlabCell cell{intersection({lo, {lo.x + kCellSize, lo.y + kCellSize, lo.z + kCellSize}}, block.core), {}};
-        if (cell.box.empty() || context.cutOff(cell.box)) continue;
+        if (cell.box.empty()) continue;
+        const ValueRange& range = block.supports.at(x, y, z);
+        const bool near = context.interesting(range) || context.coloursFace(cell.box, range);
+        if (!near && !(farther && context.interesting(supportsAround(block.supports, x, y, z)))) continue;
+        if (context.cutOff(cell.box)) continue;
         const VoxelBox support = intersection(dilated(cell.box, kPatchMargin), block.extent);
         if (!near && !context.interesting(rangeOf(block.voxels, block.type, block.extent, support))) continue;
         cell.rect = context.boundsOf(cell.box);

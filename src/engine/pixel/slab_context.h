@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "engine/pixel/cut_faces.h"
 #include "engine/pixel/load_patch.h"
 #include "engine/pixel/sample_table.h"
 #include "engine/shared/end_voxels.h"
@@ -23,6 +24,7 @@ struct Appearance {
   Interpolation interpolation = Interpolation::kLinear;
   bool surfaces = false;                // samples are crossings of surfaces
   const SampleTable* colors = nullptr;  // colours of a companion's values; null: the volume's own
+  const CutFaces* faces = nullptr;      // cut faces that show values; null: none
 };
 
 /// A zone of slabs with its level, table and appearance.
@@ -44,6 +46,10 @@ class SlabContext {
   bool interesting(const ValueRange& range) const { return table_.interesting(range); }
   /// Returns true if no sample in the voxels' cubes reaches into the clip region and the drawn part.
   bool cutOff(const VoxelBox& samples) const;
+  /// Returns true if a cut face that looks at the eye may pass through the voxels' cubes.
+  bool onFace(const VoxelBox& voxels) const;
+  /// Returns true if such a face shows values of `range`, whatever the table says of them.
+  bool coloursFace(const VoxelBox& voxels, const ValueRange& range) const;
   /// Returns true if a single sample may replace two in a cell with values in `range`.
   bool inPairs(const SampledRange& range) const;
   const Appearance& look() const { return look_; }
@@ -64,8 +70,9 @@ class SlabContext {
   Appearance look_;
   bool detailed_;
   SampleLattice lattice_;
-  double voxel_length_;   // mean edge of a voxel. unit: world
-  double shortest_edge_;  // shortest edge of a voxel. unit: world
+  std::vector<glm::dvec4> faces_;  // cut faces that look at the eye, in index space
+  double voxel_length_;            // mean edge of a voxel. unit: world
+  double shortest_edge_;           // shortest edge of a voxel. unit: world
 };
 
 /// A visible cell of a brick and the pixels it may touch.
@@ -74,8 +81,8 @@ struct SlabCell {
   PixelRect rect;
 };
 
-/// Returns the cells of the brick that the transfer function shows, front to back. cost: one range test per cell; a
-/// cubic also reads the voxels of cells next to a visible cell.
+/// Returns the cells of the brick that the transfer function or a cut face shows, front to back. cost: one range test
+/// per cell; a cubic also reads the voxels of cells next to a visible cell.
 std::vector<SlabCell> visibleCells(const SlabContext& context, const BrickBlock& block);
 
 }  // namespace kiln

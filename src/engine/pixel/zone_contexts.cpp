@@ -22,14 +22,18 @@ std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels
                              look.gradient_noise,
                              look.interpolation,
                              !look.transfer_function.surfaces.empty(),
-                             tables.colors};
+                             tables.colors,
+                             tables.faces};
   return std::make_unique<SlabContext>(zone, projector, levels.dims(zone.level), levels.endVoxels(zone.level),
                                        tables.own, of_sample);
 }
 
 bool anyPartIn(const SlabContext& context, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
                const RectTest& test) {
-  if (!context.interesting(entry.support)) return false;
+  const auto shows = [&](const ValueRange& range, const VoxelBox& samples) {
+    return context.interesting(range) || context.coloursFace(samples, range);
+  };
+  if (!shows(entry.support, core)) return false;
   const auto passes = [&](const VoxelBox& samples) {
     if (context.cutOff(samples)) return false;
     const PixelRect rect = context.boundsOf(samples);
@@ -38,7 +42,8 @@ bool anyPartIn(const SlabContext& context, const VoxelBox& core, std::int64_t br
   if (!entry.sub_ranges) return passes(core);
   const SubRanges& ranges = *entry.sub_ranges;
   return ranges.any([&](std::size_t i, const VoxelCoord& at) {
-    return context.interesting(ranges.at(i, entry.support)) && passes(subBrickOf(core, brick_size, ranges.along(), at));
+    const VoxelBox part = subBrickOf(core, brick_size, ranges.along(), at);
+    return shows(ranges.at(i, entry.support), part) && passes(part);
   });
 }
 

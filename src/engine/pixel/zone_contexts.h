@@ -17,13 +17,15 @@ namespace kiln {
 /// Parameters of a volume's slabs. requires: the manifest outlives the result.
 ZonedVolume zonedVolume(const Manifest& volume, const FrameLevels& levels, const Sampling& sampling);
 
-/// Tables of a volume: of its own values, and of the values of the companion that colours it, if there is one.
+/// Tables of a volume: of its own values, of the values of the companion that colours it, and of its cut faces, if
+/// there are any.
 struct VolumeTables {
   const SampleTable& own;
   const SampleTable* colors = nullptr;
+  const CutFaces* faces = nullptr;  // null: none that show values
 };
-inline VolumeTables tablesOf(const SampleTable& own, const std::optional<SampleTable>& colors) {
-  return {own, colors ? &*colors : nullptr};
+inline VolumeTables tablesOf(const SampleTable& own, const std::optional<SampleTable>& colors, const CutFaces* faces) {
+  return {own, colors ? &*colors : nullptr, faces};
 }
 /// Returns the table of the companion's colours; nothing without such a companion.
 std::optional<SampleTable> colorTable(const VolumeAppearance& look);

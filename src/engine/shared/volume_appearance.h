@@ -4,6 +4,7 @@
 #include "engine/shared/companion_colors.h"
 #include "engine/shared/shade.h"
 #include "scene/camera/camera.h"
+#include "scene/clipping.h"
 #include "scene/render_options.h"
 #include "scene/shading.h"
 #include "scene/transfer/transfer_function.h"
@@ -21,6 +22,7 @@ struct VolumeAppearance {
   Interpolation interpolation = Interpolation::kLinear;
   const Illumination* illumination = nullptr;  // null without shadows
   const CompanionColors* colors = nullptr;     // colours of another volume's values; null: the function's own
+  const Section* section = nullptr;            // look of cut faces, with a window for a colour map; null: as elsewhere
 
   /// requires: as above; not the manifest.
   VolumeAppearance(const Manifest& volume, const TransferFunction& function, const Shading& light, const View& from,

@@ -80,8 +80,10 @@ int edgeOf(const Light& light, const ShownExtent& extent, const ImageSize& pictu
 // Draws a view for its opacities: the request has a place for them.
 void drawOpacities(BrickCache& cache, FrameRequest request, Progress& progress, FrameStatistics& statistics) {
   request.shading.phong = false;
-  request.clipping.part.reset();
-  for (VolumeRequest& volume : request.volumes) volume.shading.phong = false, volume.clipping.part.reset();
+  // Cut faces are without light, and stop none.
+  const auto without = [](Clipping& clipping) { clipping.part.reset(), clipping.section.reset(); };
+  without(request.clipping);
+  for (VolumeRequest& volume : request.volumes) volume.shading.phong = false, without(volume.clipping);
   request.lattice = Lattice::kPixel;
   request.mode = Mode::kComposite;
   request.crop.reset();

@@ -112,6 +112,7 @@ std::unique_ptr<FramePass> makePass(const std::vector<const BrickedVolume*>& sto
   VolumeAppearance appearance(volume, request.transfer_function, request.shading, request.view, request.interpolation,
                               request.illumination.get());
   appearance.colors = request.colors.get();
+  if (request.clipping.section) appearance.section = &*request.clipping.section;
   std::unique_ptr<VolumeEngine> engine;
   if (kind == EngineKind::kVoxel)
     engine = std::make_unique<VoxelEngine>(volume, *levels, appearance,

@@ -14,7 +14,9 @@
 #include <span>
 
 #include "base/thread/parallel.h"
+#include "image/srgb.h"
 #include "scene/clip_region.h"
+#include "scene/transfer/display_map.h"
 #include "support/reference/reference_field.h"
 #include "support/reference/reference_labels.h"
 #include "support/volumes/empty_blocks.h"
@@ -129,6 +131,7 @@ struct Scene {
 /// The interval [begin, end] of the ray inside the volume's box; empty if begin >= end.
 struct Segment {
   double begin, end;
+  bool through_face = false;  // begins at a face of the clipping
 };
 
 Segment clipped(const Scene& scene, const Ray& ray) {
@@ -149,7 +152,10 @@ Segment clipped(const Scene& scene, const Ray& ray) {
   for (const Face& face : scene.faces) {
     const double at_origin = face.at(origin), slope = glm::dot(face.normal, direction);
     if (slope == 0 && at_origin < 0) return {0, 0};
-    if (slope > 0) segment.begin = std::max(segment.begin, -at_origin / slope);
+    if (slope > 0 && -at_origin / slope > segment.begin) {
+      segment.begin = -at_origin / slope;
+      segment.through_face = true;
+    }
     if (slope < 0) segment.end = std::min(segment.end, -at_origin / slope);
   }
   return segment;
@@ -205,6 +211,29 @@ double depthAlong(const Scene& scene, const Ray& ray) {
     return true;
   });
   return depth;
+}
+
+/// Returns the colour and the opacity of the cut face at the beginning of a segment; an opacity of 0 without a face.
+Classified faceAt(const Scene& scene, const Ray& ray, const Segment& segment) {
+  const std::optional<Section>& section = scene.settings.clipping.section;
+  if (!section || !segment.through_face || !(segment.begin < segment.end)) return {glm::dvec3(0), 0};
+  const glm::dvec3 world = ray.origin + segment.begin * ray.direction;
+  const auto index = glm::dvec3(scene.index_from_world * glm::dvec4(world, 1));
+  if (section->color_map.empty()) {
+    const auto at = [&](int axis) {
+      return std::clamp(static_cast<std::int64_t>(std::floor(index[axis] + 0.5)), std::int64_t{0},
+                        scene.dims[axis] - 1);
+    };
+    const Classified look =
+        scene.labels ? scene.transfer_function.at(scene.field.voxel(at(0), at(1), at(2))) : scene.at(index).look;
+    return {look.color, look.opacity > 0 ? section->opacity : 0};
+  }
+  const double value = scene.field.at(index);
+  if (std::isnan(value)) return {glm::dvec3(0), 0};
+  const double share = std::clamp((value - section->window->x) / section->window->y + 0.5, 0.0, 1.0);
+  glm::dvec3 color = displayMap(section->color_map).at(share);
+  for (int channel = 0; channel < 3; ++channel) color[channel] = linearFromSrgb(color[channel]);
+  return {color, section->opacity};
 }
 
 /// The scenes of a picture: one for each volume.
@@ -313,9 +342,11 @@ glm::dvec3 shaded(Scenes scenes, const Scene& scene, const Shading& shading, con
 /// Returns the premultiplied RGBA of a ray over a clear background.
 glm::dvec4 lightAlong(Scenes scenes, const Shading& shading, const Ray& ray) {
   const Scene& scene = *scenes.front();
-  glm::dvec3 light(0);
-  double transmittance = 1;
+  const Classified face = faceAt(scene, ray, clipped(scene, ray));
+  glm::dvec3 light = face.opacity * face.color;
+  double transmittance = 1 - face.opacity;
   bool closed = false;
+  if (transmittance == 0) return {light, 1};
   march(scene, ray, [&](const glm::dvec3& index, double length) {
     const ReferenceLabels::There sample = scene.at(index);
     if (!(sample.look.opacity > 0)) return true;
@@ -351,6 +382,11 @@ glm::dvec4 lightAlong(Scenes scenes, const std::vector<ReferenceVolume>& volumes
       const double from = std::max(at, segments[v].begin), to = std::min(at + step, segments[v].end);
       if (!(from < to)) continue;
       const Scene& scene = *scenes[v];
+      if (from == segments[v].begin) {
+        const Classified face = faceAt(scene, ray, segments[v]);
+        const double of_face = extinctionOf(face.opacity, 1);
+        depth += of_face, sent += of_face * face.color;
+      }
       const glm::dvec3 world = ray.origin + 0.5 * (from + to) * ray.direction;
       const auto index = glm::dvec3(scene.index_from_world * glm::dvec4(world, 1));
       if (scene.empty_blocks && scene.empty_blocks->stepsToSkip(index, glm::dvec3(1)) > 0) continue;

@@ -10,13 +10,13 @@
 #include "foreign_store.h"
 #include "frame/plane_slice.h"
 #include "frame/slice.h"
-#include "frame/slice_palette.h"
 #include "frame/slice_sheet.h"
 #include "image/file/image_file.h"
 #include "job/frame_list.h"
 #include "job/option_kinds.h"
 #include "output_files.h"
 #include "say.h"
+#include "scene/transfer/display_map.h"
 #include "scene_arguments.h"
 #include "source_arguments.h"
 #include "store/brick_index.h"
@@ -205,7 +205,7 @@ void addSlice(CLI::App& app, Context& context) {
       ->needs(plane)
       ->capture_default_str();
   command->add_option("--window", a->window, "values shown: the middle 99 % if not given")->type_name("CENTRE,WIDTH");
-  command->add_option("--colormap", a->colormap, fmt::format("colours: {}", fmt::join(sliceColorMaps(), ", ")))
+  command->add_option("--colormap", a->colormap, fmt::format("colours: {}", fmt::join(displayMapNames(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
   addMemory(*command, a->memory, "the picture, a brick and the index")->capture_default_str();

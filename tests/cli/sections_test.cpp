@@ -1,0 +1,96 @@
+// Cut faces that show values, as users see them: equal options and jobs, resumed headers, notes and refusals.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "base/file/file.h"
+#include "image/file/image_file.h"
+#include "support/system/tool_test.h"
+
+namespace kiln::test {
+namespace {
+
+class SectionsCli : public ToolTest {
+ protected:
+  SectionsCli() : ToolTest("sections_") {}
+  void SetUp() override { done({"convert", "phantom:head:40x40x40", in("h.kiln"), "--brick-size", "16"}); }
+  ZeroPages<float> drawn(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "render");
+    arguments.insert(arguments.end(), {"-o", in("d.exr"), "--size", "40x36", "--exr-type", "float"});
+    done(arguments);
+    return readImage(in("d.exr")).rgba;
+  }
+  ZeroPages<float> cut(std::vector<std::string> options) const {
+    options.insert(options.begin(), {in("h.kiln"), "--tf", "ct-skin", "--clip", "1,0,0,0"});
+    return drawn(options);
+  }
+};
+
+// Known because an option and the job's key are equivalent, and because the header holds the window that was chosen.
+TEST_F(SectionsCli, OptionsAreTheJobsKeys) {
+  const ZeroPages<float> plain = cut({}), colored = cut({"--section", "tf"}), grey = cut({"--section", "1100,800"});
+  const ZeroPages<float> fire = cut({"--section", "fire"});
+  EXPECT_NE(plain, colored);
+  EXPECT_NE(colored, grey);
+  EXPECT_NE(grey, fire);
+  EXPECT_EQ(cut({"--section", "off"}), plain);
+  writeText(in("again.json"), readImageText(in("d.exr")).at("kiln:job"));
+  EXPECT_EQ(drawn({in("again.json")}), plain);
+  cut({"--section", "fire"});
+  const std::string header = readImageText(in("d.exr")).at("kiln:job");
+  EXPECT_NE(header.find("\"window\""), std::string::npos);
+  writeText(in("again.json"), header);
+  EXPECT_EQ(drawn({in("again.json")}), fire);
+  const auto job = [&](const std::string& section) {
+    writeText(in("job.json"), fmt::format(R"({{"kiln": 2, "volume": "h.kiln", "transferFunction": "ct-skin",
+        "clip": [{{"normal": [1, 0, 0], "offset": 0}}], "section": {}}})",
+                                          section));
+    return drawn({in("job.json")});
+  };
+  EXPECT_EQ(job("true"), colored);
+  EXPECT_EQ(job("false"), plain);
+  EXPECT_EQ(job(R"({"window": [1100, 800]})"), grey);
+  EXPECT_EQ(job(R"({"colormap": "fire"})"), fire);
+  EXPECT_NE(job(R"({"window": [1100, 800], "opacity": 0.5})"), grey);
+}
+
+// The first of two volumes has the option's section; in a job each has its own.
+TEST_F(SectionsCli, SeveralVolumesHaveTheirOwn) {
+  done({"convert", "phantom:brain:30x30x30", in("b.kiln"), "--brick-size", "16"});
+  const ZeroPages<float> plain = cut({"--add", in("b.kiln")}),
+                         first = cut({"--add", in("b.kiln"), "--section", "1100,800"});
+  EXPECT_NE(plain, first);
+  const auto job = [&](const std::string& of_first, const std::string& of_second) {
+    writeText(in("job.json"), fmt::format(R"({{"kiln": 2, "clip": [{{"normal": [1, 0, 0], "offset": 0}}], "volumes": [
+        {{"volume": "h.kiln", "transferFunction": "ct-skin"{}}}, {{"volume": "b.kiln"{}}}]}})",
+                                          of_first, of_second));
+    return drawn({in("job.json")});
+  };
+  const std::string window = R"(, "section": {"window": [1100, 800]})";
+  EXPECT_EQ(job("", ""), plain);
+  EXPECT_EQ(job(window, ""), first);
+  EXPECT_NE(job(window, R"(, "section": true)"), first);
+  writeText(in("again.json"), readImageText(in("d.exr")).at("kiln:job"));
+  const ZeroPages<float> both = readImage(in("d.exr")).rgba;
+  EXPECT_EQ(drawn({in("again.json")}), both);
+}
+
+TEST_F(SectionsCli, WrongUsesAreRefused) {
+  const auto refusedWith = [&](const std::vector<std::string>& more, const char* text) {
+    std::vector<std::string> arguments = {"render", in("h.kiln"), "-o", in("r.png"), "--size", "40x36"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    refused(arguments, 2, text);
+  };
+  refusedWith({"--section", "tf"}, "--section: nothing is cut");
+  refusedWith({"--section", "tf", "--clip", "1,0,0,0", "--lattice", "voxel"},
+              "--section: needs --lattice pixel, or several volumes");
+  refusedWith({"--section", "tf", "--clip", "1,0,0,0", "--mode", "mip"}, "--section: needs");
+  refusedWith({"--section", "tf", "--clip", "1,0,0,0", "--tf", "iso:1300"}, "--section: surfaces (iso:VALUE)");
+  refusedWith({"--section", "teal", "--clip", "1,0,0,0"}, "--section: expected");
+  writeText(in("l.nrrd"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 8 8 8\nencoding: raw\n\n" + std::string(512, 2));
+  done({"convert", in("l.nrrd"), in("l.kiln"), "--labels"});
+  refused({"render", in("l.kiln"), "-o", in("r.png"), "--clip", "1,0,0,-3", "--section", "gray"}, 2,
+          "--section: labels have no window");
+}
+
+}  // namespace
+}  // namespace kiln::test
