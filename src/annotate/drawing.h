@@ -9,8 +9,8 @@
 
 #include "annotate/outline.h"
 #include "grid/geometry.h"
-#include "grid/value_range.h"
 #include "image/pixel_rect.h"
+#include "job/frame_scene.h"
 #include "job/render_job.h"
 #include "scene/camera/camera.h"
 
@@ -23,11 +23,10 @@ struct AnnotatedPicture {
   PixelRect pixels;         // the drawn pixels of the whole picture
   double target_depth = 1;  // of the camera's target. unit: world
   Background background;
-  TransferFunction function;
-  bool projected = false;  // the picture shows values, not light
-  bool has_depth = false;  // pictures have the plane "Z"
-  ValueRange values;       // of the first volume
-  VolumeGeometry box;      // around all volumes
+  std::vector<ShownFunction> shown;  // the functions of a legend
+  bool projected = false;            // the picture shows values, not light
+  bool has_depth = false;            // pictures have the plane "Z"
+  VolumeGeometry box;                // around all volumes
   Clipping clipping;
 };
 

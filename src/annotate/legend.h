@@ -1,6 +1,8 @@
-// The legend of a transfer function: a bar of colours with numbers, or a square for each surface or label.
+// The legends of transfer functions, one below the other: a bar of colours with numbers, or squares for surfaces,
+// labels and regions.
 #pragma once
 
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <string>
 #include <vector>
@@ -18,17 +20,30 @@ struct ColorBar {
   double valueOfRow(int row) const { return hi - (row + 0.5 - at.y0) / at.height() * (hi - lo); }
   double heightOf(double value) const { return at.y0 + (hi - value) / (hi - lo) * at.height(); }
 };
-/// requires: a function of points.
-ColorBar colorBarOf(const AnnotatedPicture& picture, const Style& style);
 
-/// An entry of a legend of surfaces or labels.
+/// An entry of a legend of surfaces, labels or regions.
 struct LegendEntry {
   glm::dvec3 color;  // linear light; negative: an entry without a colour
   std::string text;
 };
-/// Returns the visible surfaces, the greatest value first, or the visible labels; empty for a function of points. A
-/// list longer than kMostEntries ends in an entry that counts the rest.
-std::vector<LegendEntry> legendEntries(const TransferFunction& function);
+
+/// A bar, or squares, in their place.
+struct LegendPart {
+  const ShownFunction* shown = nullptr;  // null: the entry counts parts that found no room
+  std::string title;                     // above; empty: none
+  std::vector<LegendEntry> entries;      // empty: a bar
+  ColorBar bar;
+  PixelRect first_square;  // of the entries
+};
+
+/// Returns the parts of the legend from top to bottom: of each function its bar, its surfaces, its labels, and regions
+/// that have colours of their own. Where the picture is low, bars are shorter and lists end earlier. requires: the
+/// picture outlives the result.
+std::vector<LegendPart> legendParts(const AnnotatedPicture& picture, const Style& style);
+
+/// Returns the visible surfaces, the greatest value first, the visible labels that the volume has, or the colours of
+/// regions; empty for other functions. A list longer than `most` ends in an entry that counts the rest.
+std::vector<LegendEntry> legendEntries(const ShownFunction& shown, std::size_t most);
 inline constexpr std::size_t kMostEntries = 14;
 
 }  // namespace kiln

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <numbers>
 #include <string_view>
 #include <vector>
 
@@ -16,10 +18,11 @@ namespace kiln {
 namespace {
 
 // unit: the font's size.
-constexpr double kLine = 0.14, kHead = 0.6, kHeadWidth = 0.42, kLetterGap = 0.6;
+constexpr double kLine = 0.14, kHead = 0.6, kHeadWidth = 0.42, kLetterGap = 0.6, kAside = 1.1;
 constexpr double kDim = 0.5;
-// A letter behind the middle of the marker would be below the letter in front.
-constexpr double kLeastBehind = 0.4;
+// Length below which a direction's letter would lie over the middle of the marker. Towards the eye the letter stands
+// aside, away from the eye a patient's letter is left out: its place is the place of the letter in front.
+constexpr double kShort = 0.4;
 
 // Colours of x, y and z: linear light, of equal lightness to the eye.
 constexpr std::array<glm::dvec3, 3> kAxisColors = {{{0.82, 0.10, 0.08}, {0.12, 0.50, 0.10}, {0.10, 0.25, 0.90}}};
@@ -28,6 +31,25 @@ constexpr std::array<glm::dvec3, 3> kAxisColors = {{{0.82, 0.10, 0.08}, {0.12, 0
 void letterAt(std::string_view letter, const glm::dvec2& middle, double opacity, Drawing& drawing) {
   const double size = drawing.style().em;
   drawing.text(letter, {middle.x, middle.y + 0.5 * kCapHeight * size}, size, Drawing::Align::kCentre, opacity);
+}
+
+// Returns the unit vector that is farthest from all directions that are not short.
+glm::dvec2 besideAll(const std::vector<Direction>& directions) {
+  constexpr int kTurns = 16;
+  glm::dvec2 best(0);
+  double least = 2;  // the cosine of the nearest direction
+  for (int i = 0; i < kTurns; ++i) {
+    // The upper right is tried first.
+    const double angle = 2 * std::numbers::pi * (i + 2) / kTurns;
+    const glm::dvec2 candidate(std::cos(angle), -std::sin(angle));
+    double nearest = -1;
+    for (const Direction& direction : directions) {
+      const glm::dvec2 seen(direction.seen);
+      if (glm::length(seen) >= kShort) nearest = std::max(nearest, glm::dot(candidate, glm::normalize(seen)));
+    }
+    if (nearest < least - 1e-9) least = nearest, best = candidate;
+  }
+  return best;
 }
 
 }  // namespace
@@ -57,7 +79,8 @@ void addAxes(const AnnotatedPicture& picture, Drawing& drawing) {
   const Style& style = drawing.style();
   const bool patient = picture.box.frame != PatientFrame::kUnknown;
   const glm::dvec2 middle = middleOfDirections(picture, style);
-  for (const Direction& direction : directionsOf(picture)) {
+  const std::vector<Direction> directions = directionsOf(picture);
+  for (const Direction& direction : directions) {
     const glm::dvec2 seen(direction.seen);
     const double length = glm::length(seen);
     const bool behind = direction.seen.z > 1e-9;
@@ -68,10 +91,10 @@ void addAxes(const AnnotatedPicture& picture, Drawing& drawing) {
     else
       drawing.fill(arrow(middle, tip, kLine * style.em, kHead * style.em, kHeadWidth * style.em),
                    kAxisColors[static_cast<std::size_t>(direction.axis)], 1);
-    if (patient && behind && length < kLeastBehind) continue;
-    // A direction towards the eye has its letter beside the tip.
-    const glm::dvec2 beside = length > 0.05 ? seen / length : glm::dvec2(0.7, -0.7);
-    letterAt(direction.name, tip + kLetterGap * style.em * beside, patient ? opacity : 1, drawing);
+    if (patient && behind && length < kShort) continue;
+    const glm::dvec2 place = length < kShort ? middle + kAside * style.em * besideAll(directions)
+                                             : tip + kLetterGap * style.em * (seen / length);
+    letterAt(direction.name, place, patient ? opacity : 1, drawing);
   }
 }
 

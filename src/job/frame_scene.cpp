@@ -19,7 +19,9 @@
 #include "scene/annotation_text.h"
 #include "scene/camera/camera_path.h"
 #include "scene/camera/framing.h"
+#include "scene/scene_limits.h"
 #include "scene/transfer/display_map.h"
+#include "scene/transfer/label_styles.h"
 #include "scene/transfer/presets.h"
 #include "scene/transfer/transfer_function_fade.h"
 #include "scene/volume_part.h"
@@ -35,6 +37,19 @@ void requireSurfacesInAllOrNone(const std::vector<TransferFunction>& keys) {
       throw Error(
           ErrorCode::kUsage,
           "transferFunction.keyframes: expected surfaces in each key or in none; write solid:VALUE for iso:VALUE");
+  }
+}
+
+// Regions of neighbouring keys are drawn together.
+void requireFewRegions(const std::vector<TransferFunction>& keys) {
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    const std::size_t together = keys[i - 1].regions.size() + keys[i].regions.size();
+    if (regionsFade(keys[i - 1], keys[i]) && together > kMostRegions)
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("transferFunction.keyframes: at most {} regions in two neighbouring keys, which fade into "
+                      "each other (found {}); merge regions, or write equal regions in both keys",
+                      kMostRegions, together));
   }
 }
 
@@ -130,6 +145,7 @@ SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manife
     for (const auto& key : keys) out.values.push_back(resolvedFor(still, key.value, manifest, color));
     if (keys.empty()) out.values.push_back(resolvedFor(still, choice, manifest, color));
     requireSurfacesInAllOrNone(out.values);
+    requireFewRegions(out.values);
     functions_.push_back(std::move(out));
   };
   if (job.volumes.empty()) add(job.animation.functions, still.transfer_function, *looks_.front(), {});
@@ -209,9 +225,29 @@ int SceneOfJob::mostSamples() const {
   return most;
 }
 
+std::vector<ShownFunction> SceneOfJob::shownIn(const FrameScene& scene) const {
+  std::vector<ShownFunction> out;
+  const bool single = job_.volumes.empty();
+  for (std::size_t i = 0; i < manifests_.size(); ++i) {
+    const std::filesystem::path& volume = single ? job_.volume : job_.volumes[i].volume;
+    ShownFunction shown{withoutTrailingSlash(volume).stem().string(),
+                        single ? scene.transfer_function : scene.volumes[i].transfer_function, manifests_[i]->range};
+    if (const auto counted = labelsOf(*manifests_[i])) {
+      shown.labels.emplace();
+      for (const LabelCount& label : *counted) shown.labels->push_back(label.label);
+    }
+    const std::string of_section = single ? "section" : shown.name + ", section";
+    const bool own = i >= colors_.size() || !colors_[i];
+    out.push_back(own ? std::move(shown) : *colors_[i]);
+    const Clipping& clipping = single ? scene.picture.clipping : scene.volumes[i].clipping;
+    if (clipping.section && clipping.section->window) out.push_back({of_section, functionOf(*clipping.section), {}});
+  }
+  return out;
+}
+
 FrameScene SceneOfJob::at(int frame) const {
   const Animation& animation = job_.animation;
-  FrameScene out{job_.picture, {}, functions_.front().at(frame), companions_, {}, geometry_};
+  FrameScene out{job_.picture, {}, functions_.front().at(frame), companions_, {}, geometry_, {}};
   if (const auto part = std::exchange(out.picture.part, std::nullopt))
     out.picture.clipping.part = boxOfPart(*part, manifest().geometry().dims, manifest().brick_size);
   out.camera = cameraOf(frame);
@@ -230,7 +266,8 @@ FrameScene SceneOfJob::at(int frame) const {
     out.picture.stereo->eye = eye;
   }
   if (!animation.clip.empty()) out.picture.clipping = withPlanes(out.picture.clipping, between(animation.clip));
-  if (auto& section = out.picture.clipping.section) section = resolved(*section, *looks_.front(), out.transfer_function);
+  if (auto& section = out.picture.clipping.section)
+    section = resolved(*section, *looks_.front(), out.transfer_function);
   for (std::size_t i = 0; i < job_.volumes.size(); ++i) {
     const VolumeOptions& volume = job_.volumes[i];
     VolumeScene scene{functions_[i].at(frame), volume.shading.value_or(out.picture.shading),
@@ -240,6 +277,7 @@ FrameScene SceneOfJob::at(int frame) const {
     if (auto& section = scene.clipping.section) section = resolved(*section, *looks_[i], scene.transfer_function);
     out.volumes.push_back(std::move(scene));
   }
+  if (out.picture.annotations.legend) out.shown = shownIn(out);
   return out;
 }
 

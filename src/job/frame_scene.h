@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -19,6 +21,14 @@ struct VolumeScene {
   Hash128 index_checksum;  // identifies the content of the volume
 };
 
+/// The function that colours a volume, for a legend.
+struct ShownFunction {
+  std::string name;  // of the file that the function's values are from
+  TransferFunction function;
+  ValueRange values;                               // of that file
+  std::optional<std::vector<double>> labels = {};  // labels with voxels, if they are known
+};
+
 struct FrameScene {
   /// Samples and background are resolved. Camera and transfer function of the picture are the still picture's; the
   /// frame uses the members below.
@@ -28,6 +38,7 @@ struct FrameScene {
   std::vector<Hash128> companions;   // index checksums of masks and volumes of colours
   std::vector<VolumeScene> volumes;  // empty for a single volume; the first volume's function is also above
   VolumeGeometry box;                // the box around all volumes, in the axes of the first
+  std::vector<ShownFunction> shown;  // with a legend: of each volume, or of the volume that colours it
 };
 
 /// Returns the function for `choice` in the picture, as `resolve`; where values are projected, "auto" is a ramp of
@@ -48,8 +59,10 @@ class SceneOfJob {
   /// framing and transfer functions are those of all frames, and a framing fits whole volumes. Without `shown_box`,
   /// Fit::kVisible is Fit::kRegion.
   SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const ShownBoxOf& shown_box = {});
-  /// Sets FrameScene::companions of all scenes.
-  void accompany(std::vector<Hash128> index_checksums) { companions_ = std::move(index_checksums); }
+  /// Sets FrameScene::companions of all scenes. `colors`: one for each volume; nothing for colours of its own.
+  void accompany(std::vector<Hash128> index_checksums, std::vector<std::optional<ShownFunction>> colors) {
+    companions_ = std::move(index_checksums), colors_ = std::move(colors);
+  }
   /// throws: Error kUsage where the camera cannot be used.
   FrameScene at(int frame) const;
   /// Returns the largest number of samples of all frames; frames whose camera cannot be used are left out.
@@ -69,6 +82,7 @@ class SceneOfJob {
   const Manifest& manifest() const { return *manifests_.front(); }
   Clipping clippingOf(std::size_t volume) const;
   FramedBox framedBox(const ShownBoxOf& shown_box) const;
+  std::vector<ShownFunction> shownIn(const FrameScene& scene) const;
   Camera cameraOf(int frame) const;
   int samplesOf(const Camera& camera) const;
 
@@ -79,6 +93,7 @@ class SceneOfJob {
   std::vector<Functions> functions_;    // one for each volume
   FramedBox framed_;                    // the box that cameras fit
   std::vector<Hash128> companions_;
+  std::vector<std::optional<ShownFunction>> colors_;  // of volumes that other volumes colour
 };
 
 }  // namespace kiln

@@ -9,7 +9,7 @@ void requireFont(const RenderJob& job) {
   if (job.picture.annotations.letters()) font();
 }
 
-Annotators annotatorsOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store) {
+Annotators annotatorsOf(const RenderJob& job, const DrawnFrame& drawn) {
   const FrameScene& scene = drawn.scene;
   Annotators out(drawn.views.size());
   if (!scene.picture.annotations.any()) return out;
@@ -17,10 +17,9 @@ Annotators annotatorsOf(const RenderJob& job, const DrawnFrame& drawn, const Bri
   picture.annotations = scene.picture.annotations;
   picture.pixels = drawnPixels(scene.picture.size, scene.picture.crop);
   picture.background = backgroundOf(scene.picture, scene.transfer_function);
-  picture.function = scene.transfer_function;
+  picture.shown = scene.shown;
   picture.projected = scene.picture.mode != Mode::kComposite;
   picture.has_depth = hidesOutline(job);
-  picture.values = store.manifest().range;
   picture.box = scene.box;
   picture.clipping = scene.picture.clipping;
   for (std::size_t i = 0; i < out.size(); ++i) {

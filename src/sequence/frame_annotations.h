@@ -16,8 +16,8 @@ void requireFont(const RenderJob& job);
 
 /// One for each view, in order; null without annotations.
 using Annotators = std::vector<std::unique_ptr<Annotator>>;
-/// Returns the annotations of a frame of the job. `store` is the first volume.
-Annotators annotatorsOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store);
+/// Returns the annotations of a frame of the job.
+Annotators annotatorsOf(const RenderJob& job, const DrawnFrame& drawn);
 
 /// The rows of a drawn view as a display shows them, with annotations. requires: all arguments outlive the object.
 class ShownView {

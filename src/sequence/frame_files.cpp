@@ -312,6 +312,9 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
   for (std::size_t i = 1; i < of_file.volumes.size(); ++i)
     checksums.append(" ").append(toHex(scene.volumes[i].index_checksum));
   for (const Hash128& companion : scene.companions) checksums.append(" ").append(toHex(companion));
+  // The titles of several legends.
+  for (std::size_t i = 0; i < scene.shown.size() && scene.shown.size() > 1; ++i)
+    checksums.append(" ").append(scene.shown[i].name);
   std::string kind = kindOf(job.output, file.path);
   if (file.content == Content::kDeep)
     kind += fmt::format(" {} {}", job.output.deep_bound.samples, job.output.deep_bound.error);
@@ -323,7 +326,7 @@ std::string contentHash(const RenderJob& job, const OutputFile& file, const Fram
 void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const BrickedVolume& store,
                 std::uint64_t writer_bytes) {
   const auto begin = std::chrono::steady_clock::now();
-  const Annotators annotators = annotatorsOf(job, drawn, store);
+  const Annotators annotators = annotatorsOf(job, drawn);
   const std::vector<OutputFile> files = filesOf(job, frame);
   const bool light = std::any_of(files.begin(), files.end(),
                                  [](const OutputFile& file) { return mediumOf(file.path) == Medium::kLight; });
@@ -344,7 +347,7 @@ std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, cons
   const DrawnView& first = drawn.views.front();
   // The ending alone enters the header.
   ImageMetadata metadata = metadataOf(job, {"picture.png", Content::kPicture, {}}, drawn, first.view, store);
-  const Annotators annotators = annotatorsOf(job, drawn, store);
+  const Annotators annotators = annotatorsOf(job, drawn);
   if (drawn.views.size() > 1) {
     metadata.views_beside = 2;
     const Image both = shownBeside(first.image, drawn.views.back().image, drawn, annotators);

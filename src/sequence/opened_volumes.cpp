@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/file/path_name.h"
 #include "companion/accompanied_volume.h"
 #include "companion/color_values.h"
 #include "companion/label_mask.h"
@@ -84,6 +85,16 @@ void OpenedVolumes::add(std::unique_ptr<BrickedVolume> volume, const Companions&
   colors_.push_back(std::move(colors));
   all_.push_back(volume.get());
   owned_.push_back(std::move(volume));
+}
+
+std::vector<std::optional<ShownFunction>> OpenedVolumes::colorFunctions(const RenderJob& job) const {
+  std::vector<std::optional<ShownFunction>> out(colors_.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (!colors_[i]) continue;
+    const std::filesystem::path& file = companionsOf(job, i).color_by->volume;
+    out[i] = ShownFunction{withoutTrailingSlash(file).stem().string(), colors_[i]->function, colors_[i]->range};
+  }
+  return out;
 }
 
 void OpenedVolumes::dress(FrameRequest& request) const {

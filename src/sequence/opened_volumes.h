@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/hash.h"
+#include "job/frame_scene.h"
 #include "job/render_job.h"
 #include "store/store_reader.h"
 
@@ -32,6 +34,8 @@ class OpenedVolumes {
   std::vector<const Manifest*> manifests() const;
   /// Index checksums of the companions, in the order of companionsOf.
   const std::vector<Hash128>& companions() const { return companions_; }
+  /// Functions of the companions that colour volumes, one for each volume; nothing for colours of its own.
+  std::vector<std::optional<ShownFunction>> colorFunctions(const RenderJob& job) const;
   /// Sentences on assumptions about frames and units of companions.
   const std::vector<std::string>& assumptions() const { return assumptions_; }
   /// Adds the colours of companions to a request for these volumes.

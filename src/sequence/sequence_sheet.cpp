@@ -92,7 +92,7 @@ Image drawSequenceSheet(const RenderJob& given, const StoreFor& store_for, Progr
     finishPicture(picture, first_row, finishOf(drawn.scene.picture, drawn.scene.transfer_function),
                   mediumOf(job.output.path));
     // A sheet holds colours alone, also in an EXR.
-    const Annotators annotators = annotatorsOf(opened.job(), drawn, opened.firstVolume());
+    const Annotators annotators = annotatorsOf(opened.job(), drawn);
     if (annotators.front()) annotators.front()->over(picture, 0, first_row, depthOf(picture));
     const auto place = static_cast<int>(i);
     sheet.put(place % layout.columns, place / layout.columns, picture, fmt::format("{}", numbers[i]));

@@ -56,7 +56,7 @@ AnnotatedPicture pictureOf(const Case& c) {
   out.pixels = {0, 0, c.size.width, c.size.height};
   out.target_depth = glm::distance(camera.eye, camera.target);
   out.background = {{0, 0, 0, 1}, {0, 0, 0, 1}};
-  out.function = functionOfTest();
+  out.shown = {{"volume", functionOfTest(), {}, {}}};
   out.annotations.color = glm::dvec3(1);
   return out;
 }
@@ -169,7 +169,7 @@ TEST_P(AnnotationsAt, TicksOfTheLegend_lieAtTheirValues) {
   picture.annotations.legend = true;
   const Image image = drawn(picture);
   const Style style(picture);
-  const ColorBar bar = colorBarOf(picture, style);
+  const ColorBar bar = legendParts(picture, style).at(0).bar;
   EXPECT_EQ(bar.lo, 100);  // below, nothing is visible
   EXPECT_EQ(bar.hi, 1500);
   const std::vector<double> expected = {200, 400, 600, 800, 1000, 1200, 1400};
@@ -193,13 +193,13 @@ TEST_P(AnnotationsAt, ColorsOfTheLegend_areTheFunctionsAtTenValues) {
   AnnotatedPicture picture = pictureOf(GetParam());
   picture.annotations.legend = true;
   const Image image = drawn(picture);
-  const ColorBar bar = colorBarOf(picture, Style(picture));
+  const ColorBar bar = legendParts(picture, Style(picture)).at(0).bar;
   const int column = (bar.at.x0 + bar.at.x1) / 2;
   for (int i = 0; i < 10; ++i) {
     const double value = 100 + 1400 * (i + 0.5) / 10;
     const double y = bar.at.y1 - (value - 100) / 1400 * bar.at.height();
     const float* const pixel = image.pixel(column, static_cast<int>(y));
-    const glm::dvec3 color = picture.function.at(value).color;
+    const glm::dvec3 color = picture.shown[0].function.at(value).color;
     // The function changes by less than this over a row of pixels.
     const double step = 1400.0 / bar.at.height() / 500;
     for (int channel = 0; channel < 3; ++channel) EXPECT_NEAR(pixel[channel], color[channel], step) << value;
@@ -380,21 +380,123 @@ TEST(Directions, PatientFrames_haveTheirLetters) {
   EXPECT_EQ(directionsOf(picture).size(), 3u);
 }
 
+// Known: an axis along the view has its letter at the middle of the marker, where it would cross the other arrows.
+TEST(Directions, LetterOfAnAxisTowardsTheEye_standsAside) {
+  AnnotatedPicture picture = pictureOf({Projection::kOrthographic, {720, 720}});
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.target = centreOf(picture.box);
+  camera.eye = camera.target + glm::dvec3(0, 0, 100);
+  camera.up = {0, 1, 0};
+  camera.height = 110;
+  picture.view = resolve(camera, {720, 720});
+  picture.annotations.axes = true;
+  const Image image = drawn(picture);
+  const Style style(picture);
+  const glm::dvec2 middle = middleOfDirections(picture, style);
+  // Letters are white, unlike arrows and rims.
+  double nearest = 1e9;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const float* const p = image.pixel(x, y);
+      if (std::min({p[0], p[1], p[2]}) > 0.95f) nearest = std::min(nearest, glm::distance(middle, {x + 0.5, y + 0.5}));
+    }
+  }
+  EXPECT_GT(nearest, 0.5 * style.em);
+  EXPECT_LT(nearest, 1.2 * style.em);
+}
+
 TEST(Legend, SurfacesAndLabels_areEntries) {
   TransferFunction surfaces;
   surfaces.surfaces = {{100, {1, 0, 0}, 1}, {200, {0, 1, 0}, 0}, {300.5, {0, 0, 1}, 0.5}};
-  const std::vector<LegendEntry> of_surfaces = legendEntries(surfaces);
+  const std::vector<LegendEntry> of_surfaces = legendEntries({"", surfaces, {}, {}}, kMostEntries);
   ASSERT_EQ(of_surfaces.size(), 2u);
   EXPECT_EQ(of_surfaces[0].text, "300.5");
   EXPECT_EQ(of_surfaces[1].color, glm::dvec3(1, 0, 0));
   TransferFunction labels;
   for (int i = 0; i < 40; ++i)
     labels.labels.push_back({double(i), i == 1 ? "liver" : "", glm::dvec3(0.5), i > 0 ? 1.0 : 0.0});
-  const std::vector<LegendEntry> of_labels = legendEntries(labels);
+  const std::vector<LegendEntry> of_labels = legendEntries({"", labels, {}, {}}, kMostEntries);
   ASSERT_EQ(of_labels.size(), kMostEntries);
   EXPECT_EQ(of_labels[0].text, "liver");
   EXPECT_EQ(of_labels[1].text, "2");
   EXPECT_EQ(of_labels.back().text, "… 26 more");
+  // Labels without voxels are left out.
+  const std::vector<LegendEntry> there =
+      legendEntries({"", labels, {}, std::vector<double>{0, 1, 7, 50}}, kMostEntries);
+  ASSERT_EQ(there.size(), 2u);
+  EXPECT_EQ(there[0].text, "liver");
+  EXPECT_EQ(there[1].text, "7");
+}
+
+TEST(Legend, RegionsOfAColour_areEntries) {
+  TransferFunction function = functionOfTest();
+  function.regions.push_back({.values = {0, 300}, .gradients = {0, 40}});
+  function.regions.push_back({.values = {200, 900}, .gradients = {20, 80.5}, .color = glm::dvec3(0.1, 0.6, 0.2)});
+  const std::vector<LegendEntry> entries = legendEntries({"", function, {}, {}}, kMostEntries);
+  ASSERT_EQ(entries.size(), 1u);
+  EXPECT_EQ(entries[0].text, "200 to 900, gradient 20 to 80.5");
+  EXPECT_EQ(entries[0].color, glm::dvec3(0.1, 0.6, 0.2));
+  AnnotatedPicture picture = pictureOf({Projection::kPerspective, {640, 480}});
+  picture.shown = {{"volume", function, {}, {}}};
+  EXPECT_EQ(legendParts(picture, Style(picture)).size(), 2u);
+  // Points whose colours no region leaves have no bar.
+  function.regions.front().color = glm::dvec3(1, 0, 0);
+  picture.shown = {{"volume", function, {}, {}}};
+  EXPECT_EQ(legendParts(picture, Style(picture)).size(), 1u);
+}
+
+// Known: squares in the labels' colours, and the colours of both functions at their bars' middle values.
+TEST_P(AnnotationsAt, LegendsOfSeveralVolumes_areStacked) {
+  AnnotatedPicture picture = pictureOf(GetParam());
+  picture.annotations.legend = picture.annotations.scale_bar = true;
+  TransferFunction labels, fire = {.points = {{0, {0, 0, 0}, 0}, {9, {1, 0.5, 0}, 1}}};
+  labels.labels = {{1, "liver", {0.6, 0.2, 0.1}, 1}, {2, "spleen", {0.1, 0.3, 0.7}, 0.5}, {3, "", {0, 1, 0}, 0}};
+  picture.shown = {{"head", functionOfTest(), {}, {}}, {"organs", labels, {}, {}}, {"pet", fire, {}, {}}};
+  const Image image = drawn(picture);
+  const Style style(picture);
+  const std::vector<LegendPart> parts = legendParts(picture, style);
+  ASSERT_EQ(parts.size(), 3u);
+  EXPECT_EQ(parts[0].title, "head");
+  EXPECT_EQ(parts[1].title, "organs");
+  EXPECT_EQ(parts[2].title, "pet");
+  EXPECT_LT(parts[0].bar.at.y1, parts[1].first_square.y0);
+  EXPECT_LT(parts[1].first_square.y1 + 1.5 * style.em, parts[2].bar.at.y0);
+  EXPECT_GE(parts[0].bar.at.y0, style.margin);
+  EXPECT_LE(parts[2].bar.at.y1, image.height - style.margin);
+  for (const int i : {0, 2}) {
+    const ColorBar& bar = parts[static_cast<std::size_t>(i)].bar;
+    const int row = (bar.at.y0 + bar.at.y1) / 2;
+    const glm::dvec3 color = parts[static_cast<std::size_t>(i)].shown->function.at(bar.valueOfRow(row)).color;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.pixel((bar.at.x0 + bar.at.x1) / 2, row)[c], color[c], 1e-6);
+  }
+  ASSERT_EQ(parts[1].entries.size(), 2u);
+  for (int i = 0; i < 2; ++i) {
+    const PixelRect& square = parts[1].first_square;
+    const int row = (square.y0 + square.y1) / 2 + static_cast<int>(std::lround(i * 1.5 * style.em));
+    const LabelStyle& label = labels.labels[static_cast<std::size_t>(i)];
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.pixel((square.x0 + square.x1) / 2, row)[c], label.color[c], 1e-6);
+  }
+}
+
+// Eight volumes with a list of labels each fit into the picture.
+TEST_P(AnnotationsAt, LegendsOfManyVolumes_fit) {
+  AnnotatedPicture picture = pictureOf(GetParam());
+  picture.annotations.legend = true;
+  TransferFunction labels;
+  for (int i = 1; i < 30; ++i) labels.labels.push_back({double(i), "label", glm::dvec3(0.5), 1});
+  picture.shown.clear();
+  for (int i = 0; i < 8; ++i) picture.shown.push_back({"volume", i % 2 == 0 ? labels : functionOfTest(), {}, {}});
+  const Style style(picture);
+  int end = 0;
+  for (const LegendPart& part : legendParts(picture, style)) {
+    const PixelRect& at = part.entries.empty() ? part.bar.at : part.first_square;
+    EXPECT_GT(at.y0, end);
+    end = at.y0 + static_cast<int>(part.entries.empty()
+                                       ? at.height()
+                                       : 1.5 * style.em * static_cast<double>(part.entries.size()) - 0.5 * style.em);
+    EXPECT_LE(end, picture.pixels.y1);
+  }
 }
 
 TEST(RoundNumbers, TextsAndTicks) {

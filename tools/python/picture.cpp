@@ -56,7 +56,7 @@ Picture::Picture(RenderJob job, int frame, DrawnFrame drawn, std::shared_ptr<con
 std::vector<std::uint8_t> Picture::srgbBytes(std::size_t view) const {
   const Image& image = drawn_.views[view].image;
   const PixelRect drawn = pixelsOf(drawn_.scene.picture);
-  const Annotators annotators = annotatorsOf(job_, drawn_, *volume_);
+  const Annotators annotators = annotatorsOf(job_, drawn_);
   ShownView shown(image, drawn_.scene, annotators[view].get(), depthOf(image));
   const auto row_bytes = static_cast<std::size_t>(image.width) * 4;
   std::vector<std::uint8_t> out(row_bytes * static_cast<std::size_t>(image.height));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <string>
 
 namespace kiln {
 namespace {
@@ -64,6 +65,15 @@ std::vector<IsoSurface> fadedSurfaces(const TransferFunction& a, const TransferF
   return out;
 }
 
+std::string nameOf(double label, const TransferFunction& a, const TransferFunction& b) {
+  for (const TransferFunction* const function : {&a, &b}) {
+    for (const LabelStyle& style : function->labels) {
+      if (style.label == label && !style.name.empty()) return style.name;
+    }
+  }
+  return {};
+}
+
 bool same(const Classified& a, const Classified& b) { return a.color == b.color && a.opacity == b.opacity; }
 
 // Fades each label separately; a label of only one function fades in or out.
@@ -73,7 +83,7 @@ std::vector<LabelStyle> fadedLabels(const TransferFunction& a, const TransferFun
     Classified at_b = b.at(label);
     at_b.opacity = inUnit(at_b.opacity, b.unit, a.unit);
     const TransferPoint mixed = mixedPoint(label, a.at(label), at_b, t);
-    out.push_back({label, "", mixed.color, mixed.opacity});
+    out.push_back({label, nameOf(label, a, b), mixed.color, mixed.opacity});
   }
   return out;
 }
@@ -88,7 +98,7 @@ void fadePlanes(const TransferFunction& a, const TransferFunction& b, double t, 
           {gradient, std::lerp(a.gradientFactor(0, gradient), b.gradientFactor(0, gradient), t)});
     return;
   }
-  if (a.regions == b.regions || a.regions.empty() || b.regions.empty() || a.table.columns + b.table.columns > 0) {
+  if (!regionsFade(a, b)) {
     const TransferFunction& nearer = t < 0.5 ? a : b;
     out.gradient_opacity = nearer.gradient_opacity;
     out.regions = nearer.regions;
@@ -105,6 +115,10 @@ void fadePlanes(const TransferFunction& a, const TransferFunction& b, double t, 
 }
 
 }  // namespace
+
+bool regionsFade(const TransferFunction& a, const TransferFunction& b) {
+  return a.regions != b.regions && !a.regions.empty() && !b.regions.empty() && a.table.columns + b.table.columns == 0;
+}
 
 TransferFunction faded(const TransferFunction& a, const TransferFunction& b, double t) {
   if (t == 0) return a;

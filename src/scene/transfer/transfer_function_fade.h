@@ -10,4 +10,7 @@ namespace kiln {
 /// result is a or b unchanged. requires: both units are above 0.
 TransferFunction faded(const TransferFunction& a, const TransferFunction& b, double t);
 
+/// Returns whether all regions of both functions are in the functions between them.
+bool regionsFade(const TransferFunction& a, const TransferFunction& b);
+
 }  // namespace kiln
