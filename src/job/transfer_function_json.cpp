@@ -76,6 +76,8 @@ TransferFunction transferFunctionFrom(const JobObject& object) {
   readOptions(transferFunctionOptions(), object, out);
   // An empty object.
   if (object.has("scattering") && !out.scattering) out.scattering.emplace();
+  if (out.scattering && !out.shaded)
+    object.complain("shading", "is none, which contradicts scattering; leave one of them out");
   const bool has_plane = object.has("regions") || object.has("table");
   if (out.labels.empty() && out.surfaces.empty() && out.points.empty() && !has_plane)
     object.refuse("points", "a list of at least one point {value, color, opacity}");

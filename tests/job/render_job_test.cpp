@@ -222,6 +222,12 @@ const WrongJob kWrongJobs[] = {
      ErrorCode::kUsage, "table.columns: contradicts a picture"},
     {R"("transferFunction": {"surfaces": [{"value": 2}], "scattering": {}})", ErrorCode::kUsage,
      "scattering: contradicts surfaces"},
+    {R"("transferFunction": {"points": [{"value": 1, "color": "red", "opacity": 1}], "shading": "none", "scattering": {}})",
+     ErrorCode::kUsage, "transferFunction.shading: is none, which contradicts scattering"},
+    {R"("section": {"window": [1, 0]})", ErrorCode::kUsage, "section.window: expected [centre, width]"},
+    {R"("section": {"colormap": "teal"})", ErrorCode::kUsage, "section.colormap"},
+    {R"("section": {"opacity": 2})", ErrorCode::kUsage, "section.opacity"},
+    {R"("section": "tf")", ErrorCode::kUsage, "section: expected"},
     {R"("transferFunction": {"points": [{"value": 1, "color": "red", "opacity": 1}], "scattering": {"anisotropy": 1}})",
      ErrorCode::kUsage, "scattering.anisotropy"},
     {R"("transferFunction": {"surfaces": [{"value": 2}, {"value": 2}]})", ErrorCode::kUsage,
@@ -378,6 +384,7 @@ void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.picture.display, b.picture.display);
   EXPECT_EQ(a.picture.annotations, b.picture.annotations);
   EXPECT_EQ(a.picture.clipping, b.picture.clipping);
+  EXPECT_EQ(a.picture.clipping.section, b.picture.clipping.section);
   EXPECT_EQ(a.picture.lattice, b.picture.lattice);
   EXPECT_EQ(a.picture.interpolation, b.picture.interpolation);
   EXPECT_EQ(a.picture.sample_distance, b.picture.sample_distance);
@@ -509,6 +516,7 @@ TEST(RenderJob, ResolvedTextIsTheSamePicture) {
   job.picture.clipping = {VoxelBox{{1, -2, 3}, {40, 50, 60}},
                           {{{1 / 3.0, 0, -1 / 7.0}, 1 / 9.0}, {{0, 0, 1}, -3}},
                           VoxelBox{{5, 0, 0}, {9, 8, 7}}};
+  job.picture.clipping.section = Section{"viridis", glm::dvec2{1 / 3.0, 1 / 7.0}, 1 / 9.0};
   const TransferFunction function{
       1 / 3.0, {{-1 / 7.0, {0.1, 1 / 3.0, 0}, 0}, {1e30, {1, 0, 0.7}, 1 / 9.0}}, {{1 / 7.0, 0}, {3, 1 / 3.0}}};
   Camera camera;

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/file/file.h"
 #include "base/file/folder.h"
+#include "image/file/image_file.h"
 #include "say.h"
 #include "store/store_reader.h"
 
@@ -77,6 +78,16 @@ void OutputFiles::requireNone(const fs::path& read) const {
 
 void OutputFiles::requireNoneOf(const std::vector<fs::path>& read) const {
   for (const fs::path& file : read) requireNotThis(file);
+}
+
+void noteBlack(const Image& image, const fs::path& path, Progress& progress) {
+  if (pictureFormatOf(path) != PictureFormat::kJpeg) return;
+  for (std::size_t i = 3; i < image.rgba.size(); i += 4) {
+    if (image.rgba.data()[i] >= 1) continue;
+    progress.note(fmt::format("{}: a JPEG has no transparency; what is transparent is black. A PNG or a TIFF keeps it",
+                              path.string()));
+    return;
+  }
 }
 
 }  // namespace kiln::tool

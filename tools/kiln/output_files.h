@@ -8,6 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "base/progress.h"
+#include "image/image.h"
+
 namespace kiln::tool {
 
 class OutputFiles {
@@ -37,5 +40,8 @@ class OutputFiles {
   std::vector<Output> outputs_;
   std::set<std::filesystem::path> folders_;  // the folders of the outputs
 };
+
+/// Notes that a JPEG has no transparency, if the path is a JPEG's and the picture lets something through.
+void noteBlack(const Image& image, const std::filesystem::path& path, Progress& progress);
 
 }  // namespace kiln::tool

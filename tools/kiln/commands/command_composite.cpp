@@ -37,6 +37,7 @@ void run(const CompositeArguments& a, Context& context) {
       {a.exr_type == "float", a.png_bits, a.exr_compression, memory_bytes - std::min(memory_bytes, made.image.bytes())},
       a.output);
   context.progress.clear();
+  noteBlack(made.image, a.output, context.progress);
   if (made.volume_share < 1)
     context.progress.warn(fmt::format("the parts hold {:.2f} % of the volume; the rest is missing from the picture",
                                       100 * made.volume_share));

@@ -33,6 +33,7 @@ void run(const GalleryArguments& a, Context& context) {
   const Gallery gallery = drawGallery(request, context.progress);
   writeImage(gallery.sheet, {}, ImageFileOptions().within(request.speed.memory_bytes, gallery.sheet), a.output);
   context.progress.clear();
+  noteBlack(gallery.sheet, a.output, context.progress);
   for (const GalleryRow& row : gallery.rows)
     say("kiln render {} --tf {} -o {}.png\n", shellText(request.store.string()), row.preset, row.preset);
   say("{}: {} x {} pixels, {} preset{} from {} sides; {} bricks read ({})\n", a.output, gallery.sheet.width,

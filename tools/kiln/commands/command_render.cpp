@@ -339,6 +339,7 @@ void drawSheet(const RenderArguments& a, const RenderJob& job, const SequenceOpt
                               .jpeg_quality = job.output.jpeg_quality};
   writeImage(sheet, {}, file.within(job.speed.memory_bytes, sheet), job.output.path);
   context.progress.clear();
+  noteBlack(sheet, job.output.path, context.progress);
   if (!a.quiet)
     say("{}: {} x {} pixels, {}\n", job.output.path.string(), sheet.width, sheet.height, countedFrames(framesOf(job)));
   if (a.strict) requireNoWarnings(context.progress.warnings());

@@ -58,9 +58,10 @@ Mode modeOf(const std::string& name) {
   throw Error(ErrorCode::kUsage, fmt::format("--mode: expected average, mip or minip (found '{}')", name));
 }
 
-void write(const Image& image, const StoreReader& store, std::uint64_t memory_bytes,
-           const std::filesystem::path& path) {
+void write(const Image& image, const StoreReader& store, std::uint64_t memory_bytes, const std::filesystem::path& path,
+           Progress& progress) {
   writeImage(image, {}, ImageFileOptions().within(memory_bytes - store.index().bytes(), image), path);
+  noteBlack(image, path, progress);
 }
 
 // The numbers of the slices: those of --index, else the middle one, or all of a numbered output.
@@ -90,7 +91,7 @@ void drawSlices(const SliceArguments& a, const StoreReader& store, SliceRequest 
     request.index = slice;
     const std::filesystem::path path = pathOfFrame(a.output, slice);
     const Image image = renderSlice(store, request, context.progress);
-    write(image, store, request.memory_bytes, path);
+    write(image, store, request.memory_bytes, path, context.progress);
     context.progress.clear();
     say("{}: {} x {} pixels\n", path.string(), image.width, image.height);
   }
@@ -116,7 +117,7 @@ void drawPlane(const SliceArguments& a, const StoreReader& store, const SliceReq
   request.mode = modeOf(a.mode);
   setPlane(*a.plane, request);
   const Image image = renderPlaneSlice(store, request, context.progress);
-  write(image, store, request.memory_bytes, a.output);
+  write(image, store, request.memory_bytes, a.output, context.progress);
   context.progress.clear();
   const VolumeGeometry& level = store.level(a.level).geometry;
   const PlanePixels pixels = pixelsOfPlane(level, request);
@@ -134,7 +135,7 @@ void drawSheet(const SliceArguments& a, const StoreReader& store, const SliceReq
     request.at = VoxelCoord{std::llround(at.x), std::llround(at.y), std::llround(at.z)};
   }
   const SliceSheet sheet = renderSliceSheet(store, request, context.progress);
-  write(sheet.image, store, request.memory_bytes, a.output);
+  write(sheet.image, store, request.memory_bytes, a.output, context.progress);
   context.progress.clear();
   say("{}: {} x {} pixels, slices of level {} through voxel {},{},{} with the value {:.9g}\n", a.output,
       sheet.image.width, sheet.image.height, sheet.level, sheet.at.x, sheet.at.y, sheet.at.z, sheet.value);
