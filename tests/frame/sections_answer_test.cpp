@@ -360,7 +360,7 @@ TEST(Sections, HideBricksBehindThem) {
   draw(store, request, 1ull << 30, &faces);
   EXPECT_EQ(all.bricks_contributing, all.bricks_read);
   EXPECT_EQ(8 * faces.bricks_contributing, all.bricks_contributing);
-  EXPECT_LT(faces.bricks_read, all.bricks_read / 3);
+  EXPECT_LT(faces.bricks_read, all.bricks_read / 2);
   EXPECT_EQ(faces.bricks_read + faces.bricks_hidden, all.bricks_read);
   // Bricks of air are read for their values.
   request.transfer_function = sectionOfAir();
