@@ -20,7 +20,7 @@ class SectionsCli : public ToolTest {
     return readImage(in("d.exr")).rgba;
   }
   ZeroPages<float> cut(std::vector<std::string> options) const {
-    options.insert(options.begin(), {in("h.kiln"), "--tf", "ct-skin", "--clip", "1,0,0,0"});
+    options.insert(options.begin(), {in("h.kiln"), "--tf", "ct-skin", "--clip", "0,1,0,0"});
     return drawn(options);
   }
 };
@@ -42,7 +42,7 @@ TEST_F(SectionsCli, OptionsAreTheJobsKeys) {
   EXPECT_EQ(drawn({in("again.json")}), fire);
   const auto job = [&](const std::string& section) {
     writeText(in("job.json"), fmt::format(R"({{"kiln": 2, "volume": "h.kiln", "transferFunction": "ct-skin",
-        "clip": [{{"normal": [1, 0, 0], "offset": 0}}], "section": {}}})",
+        "clip": [{{"normal": [0, 1, 0], "offset": 0}}], "section": {}}})",
                                           section));
     return drawn({in("job.json")});
   };
@@ -60,7 +60,7 @@ TEST_F(SectionsCli, SeveralVolumesHaveTheirOwn) {
                          first = cut({"--add", in("b.kiln"), "--section", "1100,800"});
   EXPECT_NE(plain, first);
   const auto job = [&](const std::string& of_first, const std::string& of_second) {
-    writeText(in("job.json"), fmt::format(R"({{"kiln": 2, "clip": [{{"normal": [1, 0, 0], "offset": 0}}], "volumes": [
+    writeText(in("job.json"), fmt::format(R"({{"kiln": 2, "clip": [{{"normal": [0, 1, 0], "offset": 0}}], "volumes": [
         {{"volume": "h.kiln", "transferFunction": "ct-skin"{}}}, {{"volume": "b.kiln"{}}}]}})",
                                           of_first, of_second));
     return drawn({in("job.json")});
@@ -81,11 +81,11 @@ TEST_F(SectionsCli, WrongUsesAreRefused) {
     refused(arguments, 2, text);
   };
   refusedWith({"--section", "tf"}, "--section: nothing is cut");
-  refusedWith({"--section", "tf", "--clip", "1,0,0,0", "--lattice", "voxel"},
+  refusedWith({"--section", "tf", "--clip", "0,1,0,0", "--lattice", "voxel"},
               "--section: needs --lattice pixel, or several volumes");
-  refusedWith({"--section", "tf", "--clip", "1,0,0,0", "--mode", "mip"}, "--section: needs");
-  refusedWith({"--section", "tf", "--clip", "1,0,0,0", "--tf", "iso:1300"}, "--section: surfaces (iso:VALUE)");
-  refusedWith({"--section", "teal", "--clip", "1,0,0,0"}, "--section: expected");
+  refusedWith({"--section", "tf", "--clip", "0,1,0,0", "--mode", "mip"}, "--section: needs");
+  refusedWith({"--section", "tf", "--clip", "0,1,0,0", "--tf", "iso:1300"}, "--section: surfaces (iso:VALUE)");
+  refusedWith({"--section", "teal", "--clip", "0,1,0,0"}, "--section: expected");
   writeText(in("l.nrrd"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 8 8 8\nencoding: raw\n\n" + std::string(512, 2));
   done({"convert", in("l.nrrd"), in("l.kiln"), "--labels"});
   refused({"render", in("l.kiln"), "-o", in("r.png"), "--clip", "1,0,0,-3", "--section", "gray"}, 2,
