@@ -69,6 +69,16 @@ TransferFunction resolvedFor(const PictureOptions& picture, const TransferFuncti
   return resolve(displayRamp(manifest, color), picture.window, manifest);
 }
 
+ShownFunction shownFunction(const std::filesystem::path& file, const TransferFunction& function,
+                            const Manifest& manifest) {
+  ShownFunction out{withoutTrailingSlash(file).stem().string(), function, manifest.range};
+  if (const auto counted = labelsOf(manifest)) {
+    out.labels.emplace();
+    for (const LabelCount& label : *counted) out.labels->push_back(label.label);
+  }
+  return out;
+}
+
 namespace {
 
 // Colours of channels whose store declares none, as napari gives them: two, three, or more in turn.
@@ -230,12 +240,8 @@ std::vector<ShownFunction> SceneOfJob::shownIn(const FrameScene& scene) const {
   const bool single = job_.volumes.empty();
   for (std::size_t i = 0; i < manifests_.size(); ++i) {
     const std::filesystem::path& volume = single ? job_.volume : job_.volumes[i].volume;
-    ShownFunction shown{withoutTrailingSlash(volume).stem().string(),
-                        single ? scene.transfer_function : scene.volumes[i].transfer_function, manifests_[i]->range};
-    if (const auto counted = labelsOf(*manifests_[i])) {
-      shown.labels.emplace();
-      for (const LabelCount& label : *counted) shown.labels->push_back(label.label);
-    }
+    ShownFunction shown =
+        shownFunction(volume, single ? scene.transfer_function : scene.volumes[i].transfer_function, *manifests_[i]);
     const std::string of_section = single ? "section" : shown.name + ", section";
     const bool own = i >= colors_.size() || !colors_[i];
     out.push_back(own ? std::move(shown) : *colors_[i]);

@@ -1,6 +1,7 @@
 // The scene of a job at one frame, with every choice for its volumes made.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -28,6 +29,9 @@ struct ShownFunction {
   ValueRange values;                               // of that file
   std::optional<std::vector<double>> labels = {};  // labels with voxels, if they are known
 };
+
+ShownFunction shownFunction(const std::filesystem::path& file, const TransferFunction& function,
+                            const Manifest& manifest);
 
 struct FrameScene {
   /// Samples and background are resolved. Camera and transfer function of the picture are the still picture's; the

@@ -182,7 +182,7 @@ OpenedJob::OpenedJob(const RenderJob& job, OpenedVolumes volumes, Progress& prog
       cache_(volumes_.all(), cacheBytes(memory_, job_.speed.memory_bytes, firstVolume().path()), readersOfCache(),
              skipperOf(job_, progress), for_ranks_.supplier()) {
   requireFont(job_);
-  scenes_.accompany(volumes_.companions(), volumes_.colorFunctions(job_));
+  scenes_.accompany(volumes_.companions(), volumes_.colorFunctions());
   boundSparePages(sparePagesBytes(memory_, job_.speed.memory_bytes));
 }
 

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/file/path_name.h"
 #include "companion/accompanied_volume.h"
 #include "companion/color_values.h"
 #include "companion/label_mask.h"
@@ -74,27 +73,20 @@ void OpenedVolumes::add(std::unique_ptr<BrickedVolume> volume, const Companions&
     companions.push_back(
         std::make_unique<LabelMask>(opened(chosen.mask->volume, drawn, job), chosen.mask->labels, drawn));
   std::shared_ptr<const CompanionColors> colors;
+  std::optional<ShownFunction> shown;
   if (chosen.color_by) {
     std::unique_ptr<BrickedVolume> values = opened(chosen.color_by->volume, drawn, job);
     const Manifest& manifest = values->manifest();
     colors = std::make_shared<const CompanionColors>(CompanionColors{
         resolve(chosen.color_by->transfer_function, std::nullopt, manifest), manifest.type, manifest.range});
+    shown = shownFunction(chosen.color_by->volume, colors->function, manifest);
     companions.push_back(std::make_unique<ColorValues>(std::move(values), drawn));
   }
   if (!companions.empty()) volume = std::make_unique<AccompaniedVolume>(std::move(volume), std::move(companions));
   colors_.push_back(std::move(colors));
+  color_functions_.push_back(std::move(shown));
   all_.push_back(volume.get());
   owned_.push_back(std::move(volume));
-}
-
-std::vector<std::optional<ShownFunction>> OpenedVolumes::colorFunctions(const RenderJob& job) const {
-  std::vector<std::optional<ShownFunction>> out(colors_.size());
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    if (!colors_[i]) continue;
-    const std::filesystem::path& file = companionsOf(job, i).color_by->volume;
-    out[i] = ShownFunction{withoutTrailingSlash(file).stem().string(), colors_[i]->function, colors_[i]->range};
-  }
-  return out;
 }
 
 void OpenedVolumes::dress(FrameRequest& request) const {

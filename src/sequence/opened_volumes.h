@@ -35,7 +35,7 @@ class OpenedVolumes {
   /// Index checksums of the companions, in the order of companionsOf.
   const std::vector<Hash128>& companions() const { return companions_; }
   /// Functions of the companions that colour volumes, one for each volume; nothing for colours of its own.
-  std::vector<std::optional<ShownFunction>> colorFunctions(const RenderJob& job) const;
+  const std::vector<std::optional<ShownFunction>>& colorFunctions() const { return color_functions_; }
   /// Sentences on assumptions about frames and units of companions.
   const std::vector<std::string>& assumptions() const { return assumptions_; }
   /// Adds the colours of companions to a request for these volumes.
@@ -51,6 +51,7 @@ class OpenedVolumes {
   std::vector<const BrickedVolume*> all_;
   std::vector<const StoreReader*> stores_;
   std::vector<std::shared_ptr<const CompanionColors>> colors_;  // one per volume; null: its own colours
+  std::vector<std::optional<ShownFunction>> color_functions_;
   std::vector<Hash128> companions_;
   std::vector<std::string> assumptions_;
   std::uint64_t held_bytes_ = 0;

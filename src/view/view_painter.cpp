@@ -110,7 +110,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
     return shown_.back().box;
   };
   out->scenes = std::make_unique<SceneOfJob>(out->job, volumes_.manifests(), remembered);
-  out->scenes->accompany(volumes_.companions(), volumes_.colorFunctions(out->job));
+  out->scenes->accompany(volumes_.companions(), volumes_.colorFunctions());
   out->frame = framesOf(out->job).front();
   out->scene = out->scenes->at(out->frame);
   nlohmann::ordered_json stated = statedJson(out->job);

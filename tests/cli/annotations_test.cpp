@@ -174,6 +174,39 @@ TEST_F(AnnotationsCli, SheetsProjectionsAndPanoramasAreAnnotated) {
   EXPECT_GT(inkOf(read("around.exr", kLayer)), 50);
 }
 
+// Known: the colours of two labels that the volume has; a third label of the table has no voxel and no swatch.
+TEST_F(AnnotationsCli, LegendsShowTheColoursOfAnotherVolume) {
+  writeText(in("l.nrrd"),
+            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspace: left-posterior-superior\n"
+            "space directions: (72,0,0) (0,72,0) (0,0,63)\nspace origin: (-108,-108,1639)\n"
+            "space units: \"mm\" \"mm\" \"mm\"\nencoding: raw\n\n" +
+                std::string(32, 1) + std::string(32, 2));
+  done({"convert", in("l.nrrd"), in("l.kiln"), "--labels"});
+  writeText(in("names.txt"), "1 255 0 0 1 1 1 \"low\"\n2 0 0 255 1 1 1 \"high\"\n5 0 255 0 1 1 1 \"absent\"\n");
+  const auto swatches = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> all = {"--legend", "--tf", "ct-bone"};
+    all.insert(all.end(), options.begin(), options.end());
+    drawn("c.exr", all, false);
+    const Image layer = read("c.exr", kLayer);
+    std::set<int> out;
+    for (int y = 0; y < layer.height; ++y) {
+      for (int x = layer.width / 2; x < layer.width; ++x) {
+        for (int c = 0; c < 3; ++c) {
+          const auto at = [&](int channel) {
+            return layer.planes[static_cast<std::size_t>(channel)]
+                .values[static_cast<std::size_t>(y * layer.width + x)];
+          };
+          if (at(c) > 0.99f && at((c + 1) % 3) < 0.01f && at((c + 2) % 3) < 0.01f) out.insert(c);
+        }
+      }
+    }
+    return out;
+  };
+  EXPECT_EQ(swatches({}), std::set<int>());
+  EXPECT_EQ(swatches({"--color-by", in("l.kiln") + ":" + in("names.txt")}), (std::set<int>{0, 2}));
+  EXPECT_EQ(swatches({"--labels", in("l.kiln"), "--add-tf", in("names.txt")}), (std::set<int>{0, 2}));
+}
+
 TEST_F(AnnotationsCli, WrongCombinationsAreRefused) {
   refused({"-o", in("a.exr"), "--part", "1/2", "--box"}, "--part: a partial image is not finished");
   refused({"-o", in("a.png"), "--projection", "equirectangular", "--axes"}, "a panorama has no scale bar");

@@ -51,6 +51,19 @@ TEST_F(PicturesCli, TiffAndJpegShowThePicture) {
   }
 }
 
+// A composite is transparent beside the head; over a background it is not.
+TEST_F(PicturesCli, BlackOfATransparentJpegIsNoted) {
+  for (const std::string background : {"transparent", "white"}) {
+    for (const std::string part : {"1", "2"})
+      done({"render", in("h.kiln"), "-o", in(part + ".exr"), "--size", "40x40", "--part", part + "/2", "--background",
+            background});
+    const ToolResult jpeg = done({"composite", in("1.exr"), in("2.exr"), "-o", in("c.jpg")});
+    EXPECT_EQ(jpeg.err.find("a JPEG has no transparency") != std::string::npos, background == "transparent");
+    EXPECT_EQ(done({"composite", in("1.exr"), in("2.exr"), "-o", in("c.png")}).err.find("transparency"),
+              std::string::npos);
+  }
+}
+
 TEST_F(PicturesCli, ResumeKeepsTiffAndJpeg) {
   for (const std::string name : {"a.tif", "a.jpg"}) {
     done(render(in(name)));
