@@ -148,6 +148,26 @@ TEST_F(SequenceCli, OptionsAreTheJobsKeys) {
         R"("visibility": {"method": "quadtree", "epsilon": 65536})");
 }
 
+// Between two keys the regions of both are drawn: at most as many as a function may have.
+TEST_F(SequenceCli, FadesOfTooManyRegions_areRefused) {
+  const auto keys = [](int first, int second) {
+    const auto function = [](int regions, int from) {
+      std::string list;
+      for (int i = 0; i < regions; ++i)
+        list +=
+            fmt::format(R"({}{{"values": [{}, {}], "gradients": [0, 5]}})", i > 0 ? ", " : "", from + i, from + i + 1);
+      return fmt::format(R"({{"points": [{{"value": 0, "color": "red", "opacity": 0.5}}], "regions": [{}]}})", list);
+    };
+    return fmt::format(R"({{"kiln": 2, "volume": "h.kiln", "output": "r_#.png", "image": {{"width": 20, "height": 20}},
+        "frames": "2", "transferFunction": {{"keyframes": [{{"frame": 1, "function": {}}}, {{"frame": 3, "function": {}}}]}}}})",
+                       function(first, 0), function(second, 100));
+  };
+  writeText(in("few.json"), keys(40, 24));
+  done({"render", in("few.json")});
+  writeText(in("many.json"), keys(40, 25));
+  refused({"render", in("many.json")}, 2, "at most 64 regions in two neighbouring keys");
+}
+
 TEST_F(SequenceCli, WhatIsNotThisJobsIsNotTouched) {
   writeTurn(3);
   done({"render", in("job.json")});

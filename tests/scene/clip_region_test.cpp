@@ -83,6 +83,22 @@ TEST(ClipRegion, APlateHasTheShareOfItsThickness) {
   }
 }
 
+// A segment of 2 voxels that enters at voxel 3.5, at several places of its own, and one that leaves there.
+TEST(ClipRegion, NothingOfASegmentLiesInFrontOfAFace) {
+  const ClipRegion region({VoxelBox{{4, 0, 0}, {16, 4, 4}}, {}}, volumeOf({16, 4, 4}));
+  const glm::dvec3 along(2, 0, 0), back(-2, 0, 0);
+  const auto at = [](double x) { return glm::dvec3(x, 1, 1); };
+  EXPECT_DOUBLE_EQ(region.shareOf(at(3), along), 0.25);
+  EXPECT_EQ(region.shareBehindFace(at(3), along, false), 0);
+  EXPECT_DOUBLE_EQ(region.shareBehindFace(at(3.75), along, false), 0.625);
+  EXPECT_EQ(region.shareBehindFace(at(3.75), along, true), 0);
+  for (const bool alone : {false, true}) {
+    EXPECT_DOUBLE_EQ(region.shareBehindFace(at(5), along, alone), 1);
+    EXPECT_DOUBLE_EQ(region.shareBehindFace(at(3.75), back, alone), 0.625);
+    EXPECT_EQ(region.shareBehindFace(at(2), along, alone), 0);
+  }
+}
+
 TEST(ClipRegion, APlaneDividesTheWorldWhateverTheAffineAndTheLevel) {
   VolumeGeometry volume = volumeOf({32, 32, 32});
   volume.world_from_index = obliqueAffine();
