@@ -9,6 +9,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_access.hpp>
 #include <glm/matrix.hpp>
 #include <optional>
 
@@ -203,6 +204,31 @@ TEST_F(SectionsOfARamp, AreNotSeenFromInside) {
   request.clipping.planes = {planeThrough(centre_ - 3.0 * glm::dvec3(-0.6, 0.9, -0.2), {-0.6, 0.9, -0.2})};
   request.clipping.section = grayWindow(65, 215);
   EXPECT_FALSE(showsSomething(draw(store_, request)));
+}
+
+// Planes in the border of the volume cut nothing: they show no values, although rays enter the volume through them.
+TEST_F(SectionsOfARamp, AreNotInTheBorderOfTheVolume) {
+  const glm::dmat4 index_from_world = glm::inverse(volume_.geometry.world_from_index);
+  const Extent3& n = volume_.geometry.dims;
+  const glm::dvec3 lo(-0.5), hi = glm::dvec3(n.x, n.y, n.z) - 0.5;
+  std::vector<ClipPlane> border;
+  for (int axis = 0; axis < 3; ++axis) {
+    const glm::dvec3 inward(glm::row(index_from_world, axis));
+    border.push_back(planeThrough(volume_.geometry.worldOf(lo), inward));
+    border.push_back(planeThrough(volume_.geometry.worldOf(hi), -inward));
+  }
+  for (const Projection projection : kSectionProjections) {
+    FrameRequest request = sectionRequest(volume_, {0.5, -0.8, 0.4}, projection, 60);
+    request.transfer_function = sectionOfAir();
+    request.clipping.section = grayWindow(65, 215);
+    request.clipping.planes = border;
+    EXPECT_FALSE(showsSomething(draw(store_, request)));
+    request.clipping.planes = {planeThrough(centre_, {-0.6, 0.9, -0.2})};
+    const Image alone = draw(store_, request);
+    EXPECT_TRUE(showsSomething(alone));
+    request.clipping.planes.insert(request.clipping.planes.end(), border.begin(), border.end());
+    EXPECT_EQ(draw(store_, request).rgba, alone.rgba);
+  }
 }
 
 // Every ray enters through a face of a box inside the volume, the region's or the world's.

@@ -39,8 +39,8 @@ class CutFaces {
   float shift() const { return shift_; }
 
  private:
-  std::vector<glm::dvec4> planes_;  // in view space
-  std::vector<bool> seen_;          // of each plane: it looks at the eye
+  std::vector<glm::dvec4> planes_;  // those that cut the volume, in view space
+  std::vector<bool> seen_;          // of each half-space of the region: it cuts the volume and looks at the eye
   bool perspective_;
   double per_pixel_, near_depth_;
   glm::dvec2 centre_px_;
