@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that are missing: install_packages.sh [build|mpi|python|test|browser|bench|demo|peers|chroot|packages ...], `build` if nothing is named.
+# Installs the Debian packages that are missing: install_packages.sh [build|mpi|python|test|browser|bench|demo|pictures|peers|chroot|packages ...], `build` if nothing is named.
 # Where all are there it changes nothing and needs no root. Debian 12 and its successors.
 set -euo pipefail
 
@@ -10,13 +10,15 @@ build=(g++ cmake ninja-build pkg-config
        libglm-dev libfmt-dev libcli11-dev nlohmann-json3-dev)
 mpi=(libopenmpi-dev openmpi-bin)
 python=(pybind11-dev python3-dev python3-numpy)
-# Tests hold Kiln's files and its schema against other programs.
-test=(libgtest-dev openimageio-tools ffmpeg lowdown libopenjp2-tools "${python[@]}" python3-pytest
+demo=(invesalius-examples tar)
+# Volumes of scripts/pictures.sh: a head, brains and an atlas.
+pictures=("${demo[@]}" mricron-data python3-numpy)
+# Tests hold Kiln's files and its schema against other programs, and draw the manual's pictures.
+test=(libgtest-dev openimageio-tools ffmpeg lowdown libopenjp2-tools "${python[@]}" "${pictures[@]}" python3-pytest
       python3-jsonschema python3-zarr python3-h5py python3-mrcfile python3-nibabel python3-tifffile)
 # Tests of the page of kiln view (tests/browser/viewer.mjs).
 browser=(chromium nodejs npm)
 bench=(libbenchmark-dev)
-demo=(invesalius-examples tar)
 # Other renderers, to compare with.
 peers=(libvolpack1-dev libopenvdb-tools python3-vtk9 python3-numpy xvfb xauth libgl1-mesa-dri)
 # A bare Debian, for scripts/check_builds.sh and check_packages.sh.
@@ -35,10 +37,11 @@ for group in "$@"; do
     browser) wanted+=("${browser[@]}") ;;
     bench) wanted+=("${bench[@]}") ;;
     demo) wanted+=("${demo[@]}") ;;
+    pictures) wanted+=("${pictures[@]}") ;;
     peers) wanted+=("${peers[@]}") ;;
     chroot) wanted+=("${chroot[@]}") ;;
     packages) wanted+=("${packages[@]}") ;;
-    *) echo "install_packages.sh: '$group' is not one of build mpi python test browser bench demo peers chroot packages" >&2; exit 2 ;;
+    *) echo "install_packages.sh: '$group' is not one of build mpi python test browser bench demo pictures peers chroot packages" >&2; exit 2 ;;
   esac
 done
 

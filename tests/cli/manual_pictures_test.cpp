@@ -1,0 +1,70 @@
+// Known: the commands of the manual's page of pictures draw the pictures that the page shows.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "base/file/file.h"
+#include "image/file/image_file.h"
+#include "support/system/run_script.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+const fs::path kManual = fs::path(KILN_SOURCE_DIR) / "tools/kiln/manual";
+// Pixels of the small pictures. Text keeps a least size, and covers more of a picture of an eighth of the page's edge.
+constexpr int kWidth = 200, kHeight = 150;
+// Pixels of what is compared: edges and noise of small and large pictures differ.
+constexpr int kComparedWidth = 40, kComparedHeight = 30;
+// Of a picture as it should be. Two pictures of the page differ by 0.1 and more.
+constexpr double kMostDifference = 0.03;
+
+std::vector<std::string> picturesOfPage() {
+  const std::string page = readTextFile(kManual / "pictures.md");
+  const std::regex picture("\\(pictures/([a-z_]+)\\.jpg\\)");
+  std::vector<std::string> names;
+  for (std::sregex_iterator it(page.begin(), page.end(), picture), end; it != end; ++it) names.push_back((*it)[1]);
+  return names;
+}
+
+// Root of the mean square of the differences of red, green and blue.
+double differenceOf(const Image& a, const Image& b) {
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  if (a.rgba.size() != b.rgba.size()) return 1;
+  double sum = 0;
+  for (std::size_t i = 0; i < a.rgba.size(); ++i) {
+    if (i % 4 != 3) sum += std::pow(static_cast<double>(a.rgba[i]) - static_cast<double>(b.rgba[i]), 2);
+  }
+  return std::sqrt(sum / (0.75 * static_cast<double>(a.rgba.size())));
+}
+
+TEST(ManualPictures, Commands_drawThePicturesOfThePage) {
+  const fs::path directory = freshDirectory("manual_pictures");
+  fs::create_directories(directory / "work");
+  const fs::path head = fs::path(KILN_SOURCE_DIR) / "out/head/matrix.dat";
+  if (fs::exists(head)) fs::copy(head, directory / "work/matrix.dat");
+  runScript(directory, fmt::format("{}/scripts/pictures.sh {} . {}x{}", KILN_SOURCE_DIR, KILN_TOOL, kWidth, kHeight));
+  const std::vector<std::string> names = picturesOfPage();
+  EXPECT_EQ(names.size(), 10u);
+  for (const std::string& name : names) {
+    runScript(
+        directory,
+        fmt::format("for file in {0}.jpg {1}/pictures/{0}.jpg; do\n"
+                    "  oiiotool $file --resize:filter=box {2}x{3} -d uint16 -o $(basename $(dirname $file))_{0}.png\n"
+                    "done",
+                    name, kManual.string(), kComparedWidth, kComparedHeight));
+    const Image drawn = readImage(directory / "work" / ("._" + name + ".png"));
+    const Image shown = readImage(directory / "work" / ("pictures_" + name + ".png"));
+    EXPECT_LT(differenceOf(drawn, shown), kMostDifference) << name;
+  }
+}
+
+}  // namespace
+}  // namespace kiln::test
