@@ -54,7 +54,7 @@ float sectionPlaneAt(const Image& image, const char* name, int x, int y) {
 // The plane through a point of the world that looks along `normal` at what is shown.
 ClipPlane planeThrough(const glm::dvec3& point, const glm::dvec3& normal) { return {normal, -glm::dot(normal, point)}; }
 
-// Where a ray meets a plane, going to what is shown.
+// The point where a ray meets a plane on its way to what is shown.
 struct FacePoint {
   glm::dvec3 index, world;
   double margin;  // distance from the border of the volume, inside positive. unit: voxels
@@ -418,6 +418,40 @@ TEST(Sections, ShowNothingBesideAMask) {
   }
   EXPECT_GT(shown, 300);
   EXPECT_GT(hidden, 300);
+}
+
+// The plane runs away from the eye through several levels. Each pixel of it is covered, once, at its own depth.
+TEST(Sections, HaveNoHolesBetweenLevels) {
+  const DenseVolume volume = cheese({{160, 160, 60}, VoxelType::u8}, 3, {0, 255});
+  const auto store = makeStore(volume, "levels", 16);
+  Camera camera = cameraFrom(volume.geometry, {0, -1, 0.3}, Projection::kPerspective);
+  camera.eye = {81.3, 4, 37.7};
+  camera.target = {80, 80, 28};
+  camera.up = {0, 0, 1};
+  camera.fov_deg = 100;
+  FrameRequest request = sectionRequest(volume, {0, -1, 0.3}, Projection::kPerspective, 70);
+  request.view = resolve(camera, {70, 70});
+  request.level.reset();
+  request.transfer_function = sectionOfAir();
+  request.clipping.planes = {planeThrough({80, 80, 30.3}, {0.02, 0.01, -1})};
+  request.clipping.section = grayWindow(0, 255);
+  request.clipping.section->opacity = 0.5;
+  FrameStatistics statistics;
+  const Image image = draw(store, request, 1ull << 30, &statistics);
+  for (const std::size_t level : {0, 1, 2}) EXPECT_GT(statistics.levels[level].voxels_visited, 0u) << level;
+  int seen = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const auto at =
+          faceOf(volume.geometry, request.clipping.planes.front(), rayThrough(request.view, {x + 0.5, y + 0.5}));
+      const double depth = at ? (request.view.view_from_world * glm::dvec4(at->world, 1)).z : 0;
+      if (!at || at->margin < 0.1 || depth < 1) continue;
+      ++seen;
+      EXPECT_EQ(image.pixel(x, y)[3], 0.5f) << x << " " << y;
+      EXPECT_NEAR(sectionPlaneAt(image, "depth.mean", x, y), depth, 1e-3 * depth) << x << " " << y;
+    }
+  }
+  EXPECT_GT(seen, 1000);
 }
 
 // Rays that enter through the volume's own faces meet no cut face, and faces cast no shadow.
