@@ -86,8 +86,8 @@ InputOptions::InputOptions(const ForeignArguments& source, const RenderJob& job)
 
 fs::path requiredClass(const fs::path& store, bool labels) {
   if (labels && readManifest(store).volume_class != VolumeClass::kLabels)
-    throw Error(ErrorCode::kUsage, store, "--labels",
-                "holds amounts; convert its source with kiln convert --labels, or give it to --add");
+    throw Error(ErrorCode::kUsage, store, "labels",
+                "holds amounts; convert its source with kiln convert --labels, or draw it with --add");
   return store;
 }
 
