@@ -41,6 +41,12 @@ void shareHeaps() {
 #endif
 }
 
+void returnLargeBuffers() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 128 << 10);  // glibc's first value, which grows with each freed buffer if it is not set
+#endif
+}
+
 void returnFreedMemory() {
 #ifdef __GLIBC__
   malloc_trim(0);

@@ -21,6 +21,10 @@ void keepFreedMemory();
 /// whose threads seldom allocate.
 void shareHeaps();
 
+/// From now on each freed buffer of 128 KiB and more goes back to the system at once. Otherwise heaps keep places of
+/// freed bricks that no other brick fits: some 10 MiB outside a budget of 24 MiB. Bricks take no measurable time more.
+void returnLargeBuffers();
+
 /// Returns freed memory to the system, before other work whose buffers are counted anew.
 void returnFreedMemory();
 

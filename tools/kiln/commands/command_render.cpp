@@ -358,6 +358,7 @@ void run(const RenderArguments& a, Context& context) {
   if (a.repeat < 1) throw Error(ErrorCode::kUsage, "--repeat: expected at least 1");
   applyProgress(a.quiet && a.progress == "auto" ? "none" : a.progress, context.progress);
   shareHeaps();
+  returnLargeBuffers();
   StandardOutput standard_output;
   const RenderJob job = jobOf(a, standard_output, context);
   if (!context.ranks->first() && (a.dry_run || a.repeat > 1 || a.sheet > 0)) return;
