@@ -61,8 +61,9 @@ assert len(jobs) >= 5 and not any(check.is_valid(job) for job in wrong)
 for format in 1, 2: check.validate({"kiln": format, "volume": "a", "image": {"background": "#12345a"}})
 )";
   std::string documents = readTextFile(fs::path(KILN_SOURCE_DIR) / "README.md");
-  for (const auto& page : fs::directory_iterator(fs::path(KILN_SOURCE_DIR) / "tools/kiln/manual"))
-    documents += readTextFile(page.path());
+  for (const auto& page : fs::directory_iterator(fs::path(KILN_SOURCE_DIR) / "tools/kiln/manual")) {
+    if (page.path().extension() == ".md") documents += readTextFile(page.path());
+  }
   writeText(directory / "documents.md", documents);
   if (!runPython("jsonschema", directory, check,
                  {(directory / "schema.json").string(), (directory / "documents.md").string()}))
