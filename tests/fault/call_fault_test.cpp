@@ -297,7 +297,28 @@ std::vector<Scenario> writers() {
                  },
                  true,
                  {}});
+  out.push_back({"tiff", render("p.tif"), store, true, {}});
+  out.push_back({"jpeg", render("p.jpg", {"--background", "white"}), store, true, {}});
   out.push_back({"exr", render("p.exr", {"--aov", "depth,normal"}), store, true, {}});
+  out.push_back({"companions",
+                 render("p.png", {"--camera", "@/eye.gltf", "--mask", "@/m.kiln:1-3", "--tf", "@/f.json"}),
+                 [](const fs::path& f) {
+                   putStore(f);
+                   std::string labels(20 * 18 * 9, '\2');
+                   put(f / "m.raw", labels);
+                   run(f, {"convert", "@/m.raw", "@/m.kiln", "--dims", "20,18,9", "--type", "u8", "--labels"});
+                   put(f / "eye.gltf", R"({"asset": {"version": "2.0"},
+                         "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 1}}],
+                         "nodes": [{"camera": 0, "translation": [10, 9, 40]}]})");
+                   put(f / "f.json",
+                       R"({"kiln": 2,
+                         "points": [{"value": 0, "color": "red", "opacity": 0},
+                                    {"value": 65535, "color": "blue", "opacity": 1}],
+                         "table": {"values": [0, 65535], "gradients": [0, 9000], "columns": 2,
+                                   "opacity": [0, 0.5, 0.5, 1]}})");
+                 },
+                 true,
+                 {}});
   out.push_back({"deep", render("p.exr", {"--deep"}), store, true, {}});
   out.push_back({"foreign",
                  {"render", "@/a.nrrd", "-o", "@/p.png", "--size", "24x20", "--threads", "1"},
@@ -337,6 +358,11 @@ std::vector<Scenario> writers() {
                  true,
                  {}});
   out.push_back({"slice", {"slice", "@/s.kiln", "-o", "@/s.png"}, store, true, {}});
+  out.push_back({"slice_plane",
+                 {"slice", "@/s.kiln", "-o", "@/s.jpg", "--plane", "1,2,1,-30", "--thickness", "3", "--pixel", "0.5"},
+                 store,
+                 true,
+                 {}});
   out.push_back({"split", {"split", "@/s.kiln", "-o", "@/part_#.kiln", "--parts", "2"}, store, true, {}});
   out.push_back({"composite",
                  {"composite", "@/1.exr", "@/2.exr", "-o", "@/p.exr"},
