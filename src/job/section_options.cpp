@@ -73,7 +73,7 @@ OptionForm sectionForm() {
       fmt::format("tf, CENTRE,WIDTH, CENTRE,WIDTH:COLORMAP, COLORMAP or off, the width above 0, COLORMAP one of {}",
                   fmt::join(displayMapNames(), ", "));
   form.parse = [](const std::string& text) -> nlohmann::json {
-    if (text == kOfFunction) return true;
+    if (text == kOfFunction || text == "on") return true;  // "on" is a job's true
     if (text == kNone) return false;
     const std::size_t colon = text.find(':');
     const bool windowed = text.find(',') != std::string::npos;

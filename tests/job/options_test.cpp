@@ -64,6 +64,7 @@ const Pair kPairs[] = {
      {"pet.kiln:0:0,9:0.5:#f80"},
      R"("colorBy": {"volume": "pet.kiln", "transferFunction": "0:0,9:0.5:#f80"})"},
     {"--section", {"tf"}, R"("section": true)"},
+    {"--section", {"on"}, R"("section": true)"},
     {"--section", {"off"}, R"("section": false)"},
     {"--section", {"40,400"}, R"("section": {"window": [40, 400]})"},
     {"--section", {"40,400:viridis"}, R"("section": {"window": [40, 400], "colormap": "viridis"})"},

@@ -173,3 +173,12 @@ def test_import_is_quick():
     )
     print("import takes", seconds.stdout)
     assert float(seconds.stdout) < 3
+
+
+def test_a_plane_is_a_text_a_tuple_or_a_list(head):
+    volume = kiln.open(head)
+    forms = ["1,0,0,0", (1, 0, 0, 0), [1, 0, 0, 0], ["1,0,0,0"], [(1, 0, 0, 0)], numpy.array([1, 0, 0, 0])]
+    pictures = [numpy.asarray(volume.render(clip=form, section=True, size=(48, 36))) for form in forms]
+    assert pictures[0].any() and all(numpy.array_equal(pictures[0], picture) for picture in pictures)
+    several = numpy.asarray(volume.render(clip=[(1, 0, 0, 0), "0,1,0,0"], size=(48, 36)))
+    assert not numpy.array_equal(several, pictures[0])

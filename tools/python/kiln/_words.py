@@ -59,6 +59,13 @@ def _is_json(value: Any) -> bool:
     )
 
 
+def _is_one(row: Option, value: Any) -> bool:
+    """Returns whether a list holds the numbers of one value, such as [1, 0, 0, 0] of a clip plane."""
+    if row.arguments != "several":
+        return row.arguments == "one"
+    return "," in row.values and len(value) > 0 and not any(isinstance(item, (str, list, tuple)) for item in value)
+
+
 def flag_texts(words: dict[str, Any]) -> dict[str, list[str]]:
     """Returns words as texts of flags."""
     known = _by_word()
@@ -72,7 +79,7 @@ def flag_texts(words: dict[str, Any]) -> dict[str, list[str]]:
         elif row.arguments == "none":
             if value:
                 flags[row.flag] = [""]
-        elif row.arguments != "one" and isinstance(value, (list, set)):
+        elif isinstance(value, (list, set)) and not _is_one(row, value):
             flags[row.flag] = [text_of(item) for item in value]
         else:
             flags[row.flag] = [text_of(value)]
