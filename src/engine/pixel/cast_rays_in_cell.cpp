@@ -278,7 +278,7 @@ class CellCaster {
     for (std::size_t n = 0; n < count_; n += hn::Lanes(d)) {
       const V value = field_.values(n), entry = placeOf(d, l_, value);
       const VI index = hn::Iota(di, static_cast<int>(n));
-      M shows = hn::RebindMask(d, hn::Lt(index, hn::Set(di, static_cast<int>(count_))));
+      M shows = lanesBefore(n, count_);
       if (kGaps) shows = hn::And(shows, hn::Eq(value, value));
       V tau = hn::Zero(d);
       if (l_.integral != nullptr) {
@@ -448,9 +448,7 @@ class CellCaster {
     std::size_t seen = 0;
     for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
       const V weight = hn::Load(d, s_.weight + n);
-      const VI index = hn::Iota(di, static_cast<int>(n));
-      const M there = hn::RebindMask(d, hn::Lt(index, hn::Set(di, static_cast<int>(kept_))));
-      const M kept = hn::And(there, hn::Gt(weight, hn::Zero(d)));
+      const M kept = hn::And(lanesBefore(n, kept_), hn::Gt(weight, hn::Zero(d)));
       const Packing packed(kept);
       const auto move = [&](auto tag, auto* of) { hn::StoreU(packed(hn::Load(tag, of + n)), tag, of + seen); };
       move(di, s_.index), move(di, s_.kept_code), move(d, s_.entry), move(d, s_.opacity);

@@ -66,18 +66,12 @@ class CellFaces {
       const V at = hn::Load(d, s_.at + n);
       const CellPlaces::Where w = p_.whereIs(code);
       V enter = hn::Set(d, -CellPlaces::kFar), leave = hn::Set(d, CellPlaces::kFar);
-      for (int a = 0; a < 3; ++a) {
-        const V place = CellPlaces::linear(r_.place, a, w), step = CellPlaces::linear(r_.step, a, w);
-        p_.cut(place, step, r_.faceAt(a, in_.corner[a]), r_.faceAt(a, in_.end[a]), enter, leave);
-        if (in_.part != nullptr)
-          p_.cut(place, step, r_.faceAt(a, in_.part->lo[a]), r_.faceAt(a, in_.part->hi[a]), enter, leave);
-      }
-      const VI index = hn::Iota(di, static_cast<int>(n));
-      const M there = hn::RebindMask(d, hn::Lt(index, hn::Set(di, static_cast<int>(count))));
-      const Packing packed(hn::And(there, hn::And(hn::Le(enter, at), hn::Lt(at, leave))));
+      p_.cutToCell(w, enter, leave);
+      const M inside = hn::And(lanesBefore(n, count), hn::And(hn::Le(enter, at), hn::Lt(at, leave)));
+      const Packing packed(inside);
       hn::StoreU(packed(code), di, s_.kept_code + kept);
       hn::StoreU(packed(at), d, s_.at + kept);
-      kept += hn::CountTrue(d, hn::And(there, hn::And(hn::Le(enter, at), hn::Lt(at, leave))));
+      kept += hn::CountTrue(d, inside);
     }
     for (std::size_t n = 0; n < kept; n += hn::Lanes(d)) {
       p_.placeAt(n, p_.whereIs(hn::Load(di, s_.kept_code + n)), hn::Load(d, s_.at + n), s_);

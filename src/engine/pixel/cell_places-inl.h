@@ -29,6 +29,12 @@ HWY_INLINE VI offsetOf(const VI (&voxel)[3]) {
   return hn::Add(hn::Add(row, voxel[0]), first);
 }
 
+// Mask of the lanes of a vector from the n-th of `count` elements on that hold elements.
+HWY_INLINE M lanesBefore(std::size_t n, std::size_t count) {
+  const DI di;
+  return hn::RebindMask(D(), hn::Lt(hn::Iota(di, static_cast<int>(n)), hn::Set(di, static_cast<int>(count))));
+}
+
 // Code of a sample: bits 0 to 5 and 6 to 11 are the pixel's x and y from the corner of the cell's rectangle, bits from
 // 12 on the slab, bit 30 marks a pair (one sample for two slabs).
 class CellPlaces {
@@ -133,6 +139,15 @@ class CellPlaces {
     const V z = fused(slabs, hn::Set(d, l_.thickness), hn::Set(d, l_.near));
     if (!l_.perspective) return {sight.u, sight.v, z};
     return {hn::Mul(sight.u, z), hn::Mul(sight.v, z), z};
+  }
+  // Clips the rays' intervals to the cell, and to the drawn part.
+  HWY_INLINE void cutToCell(const Where& w, V& enter, V& leave) const {
+    for (int a = 0; a < 3; ++a) {
+      const V place = linear(r_.place, a, w), step = linear(r_.step, a, w);
+      cut(place, step, r_.faceAt(a, in_.corner[a]), r_.faceAt(a, in_.end[a]), enter, leave);
+      if (in_.part != nullptr)
+        cut(place, step, r_.faceAt(a, in_.part->lo[a]), r_.faceAt(a, in_.part->hi[a]), enter, leave);
+    }
   }
   // Length of the ray that a sample stands for. The first and the last sample of a ray in the volume also stand for the
   // remainder up to the volume's faces. The tests for first and last equal those of CellRays. unit: slabs.

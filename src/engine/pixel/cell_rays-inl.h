@@ -123,8 +123,7 @@ class CellRays {
     }
     const V first = slab(enter), end = hn::Sub(slab(leave), middle);
     const int count = std::min(static_cast<int>(hn::Lanes(d)), (in_.rect.x1 - x + stride - 1) / stride);
-    M through =
-        hn::And(hn::Lt(hn::Sub(first, middle), end), hn::RebindMask(d, hn::Lt(hn::Iota(di, 0), hn::Set(di, count))));
+    M through = hn::And(hn::Lt(hn::Sub(first, middle), end), lanesBefore(0, static_cast<std::size_t>(count)));
     if (hn::AllFalse(d, through)) return;
     const float* const pixels = tile_.rgba + 4 * tile_.placeOf(x, y);
     for (int i = 0; i < count; ++i) s_.alpha[i] = pixels[4 * stride * i + 3];
@@ -155,7 +154,7 @@ class CellRays {
     std::size_t left = 0;
     for (std::size_t n = 0; n < ray_count_; n += hn::Lanes(d)) {
       VI code = hn::Load(di, s_.ray_code + n);
-      const V end = hn::IfThenElse(raysFrom(n), hn::Load(d, s_.ray_end + n), hn::Set(d, -kFar));
+      const V end = hn::IfThenElse(lanesBefore(n, ray_count_), hn::Load(d, s_.ray_end + n), hn::Set(d, -kFar));
       const CellPlaces::Where w = p_.whereIs(code);
       V place[3], step[3], t = w.t;
       for (int a = 0; a < 3; ++a) {
@@ -215,17 +214,12 @@ class CellRays {
     for (std::size_t n = 0; n < ray_count_; n += hn::Lanes(d)) {
       const std::size_t count = std::min(ray_count_ - n, hn::Lanes(d));
       for (std::size_t i = 0; i < count; ++i) s_.alpha[i] = p_.pixelOf(s_.ray_code[n + i] & CellPlaces::kPixel)[3];
-      const M open = hn::And(hn::Ne(hn::Load(d, s_.alpha), hn::Set(d, 1.0f)), raysFrom(n));
+      const M open = hn::And(hn::Ne(hn::Load(d, s_.alpha), hn::Set(d, 1.0f)), lanesBefore(n, ray_count_));
       left = keepRays(hn::Load(DI(), s_.ray_code + n), hn::Load(d, s_.ray_end + n), open, left);
     }
     ray_count_ = left;
   }
 
-  // Mask of the lanes of a vector that hold rays.
-  HWY_INLINE M raysFrom(std::size_t n) const {
-    const DI di;
-    return hn::RebindMask(D(), hn::Lt(hn::Iota(di, static_cast<int>(n)), hn::Set(di, static_cast<int>(ray_count_))));
-  }
   // Appends the rays of a vector in `kept` behind the first `count`. Returns the new count.
   HWY_INLINE std::size_t keepRays(VI code, V end, M kept, std::size_t count) {
     const D d;

@@ -72,12 +72,7 @@ class CellSurfaces {
       V enter = hn::Sub(w.t, half), leave = hn::Add(w.t, half);
       const M first = hn::Eq(w.t, hn::Set(d, -r_.middle));
       enter = hn::Sub(enter, hn::IfThenElseZero(first, hn::Set(d, r_.overlap)));
-      for (int a = 0; a < 3; ++a) {
-        const V place = CellPlaces::linear(r_.place, a, w), step = CellPlaces::linear(r_.step, a, w);
-        p_.cut(place, step, r_.faceAt(a, in_.corner[a]), r_.faceAt(a, in_.end[a]), enter, leave);
-        if (in_.part != nullptr)
-          p_.cut(place, step, r_.faceAt(a, in_.part->lo[a]), r_.faceAt(a, in_.part->hi[a]), enter, leave);
-      }
+      p_.cutToCell(w, enter, leave);
       const M some = hn::Lt(enter, leave);
       enter = hn::IfThenElse(some, enter, w.t), leave = hn::IfThenElse(some, leave, w.t);
       hn::Store(enter, d, s_.begin + n);
@@ -107,9 +102,7 @@ class CellSurfaces {
       }
       // NaN lies on no side.
       crossed = hn::And(crossed, hn::And(hn::Eq(first, first), hn::Eq(last, last)));
-      const M there =
-          hn::RebindMask(d, hn::Lt(hn::Iota(di, static_cast<int>(n)), hn::Set(di, static_cast<int>(count))));
-      crossed = hn::And(crossed, hn::And(there, hn::Lt(begin, end)));
+      crossed = hn::And(crossed, hn::And(lanesBefore(n, count), hn::Lt(begin, end)));
       if (hn::AllFalse(d, crossed)) continue;
       const Packing packed(crossed);
       hn::StoreU(packed(hn::Load(di, s_.code + n)), di, s_.code + kept);
@@ -177,8 +170,7 @@ class CellSurfaces {
   HWY_INLINE VI surfaceOf(std::size_t n, std::size_t count) const {
     const D d;
     const DI di;
-    const M there = hn::RebindMask(d, hn::Lt(hn::Iota(di, static_cast<int>(n)), hn::Set(di, static_cast<int>(count))));
-    return hn::ConvertTo(di, hn::IfThenElseZero(there, hn::Load(d, s_.entry + n)));
+    return hn::ConvertTo(di, hn::IfThenElseZero(lanesBefore(n, count), hn::Load(d, s_.entry + n)));
   }
 
   HWY_INLINE void placeAt(std::size_t n, const CellPlaces::Where& w, V at) { p_.placeAt(n, w, at, s_); }
