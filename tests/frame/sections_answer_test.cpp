@@ -35,22 +35,6 @@ TransferFunction sectionOfAir() { return {0, {{-1e9, glm::dvec3(1), 0}}}; }
 
 Section grayWindow(double lo, double hi) { return {"gray", glm::dvec2{0.5 * (lo + hi), hi - lo}}; }
 
-FrameRequest sectionRequest(const DenseVolume& volume, const glm::dvec3& from, Projection projection, int pixels) {
-  FrameRequest out;
-  out.view = resolve(cameraFrom(volume.geometry, from, projection), {pixels, pixels});
-  out.level = 0;
-  out.aovs = {true, true};
-  out.filters_rays = false;
-  return out;
-}
-
-float sectionPlaneAt(const Image& image, const char* name, int x, int y) {
-  for (const Plane& plane : image.planes)
-    if (plane.name == name) return plane.values[static_cast<std::size_t>(y * image.width + x)];
-  ADD_FAILURE() << "no plane " << name;
-  return 0;
-}
-
 // The plane through a point of the world that looks along `normal` at what is shown.
 ClipPlane planeThrough(const glm::dvec3& point, const glm::dvec3& normal) { return {normal, -glm::dot(normal, point)}; }
 
@@ -70,6 +54,15 @@ std::optional<FacePoint> faceOf(const VolumeGeometry& volume, const ClipPlane& p
                    to_hi = glm::dvec3(volume.dims.x, volume.dims.y, volume.dims.z) - 0.5 - out.index;
   out.margin = std::min({to_lo.x, to_lo.y, to_lo.z, to_hi.x, to_hi.y, to_hi.z});
   return out;
+}
+
+// Calls f(x, y, at) for each pixel, with its point on the request's first plane.
+template <class F>
+void forEachPixel(const FrameRequest& request, const VolumeGeometry& volume, const F& f) {
+  for (int y = 0; y < request.view.size.height; ++y) {
+    for (int x = 0; x < request.view.size.width; ++x)
+      f(x, y, faceOf(volume, request.clipping.planes.front(), rayThrough(request.view, {x + 0.5, y + 0.5})));
+  }
 }
 
 double valueOfRamp(const DenseVolume& volume, const glm::dvec3& index) {
@@ -100,29 +93,24 @@ class SectionsOfARamp : public ::testing::Test {
   void check(FrameRequest request, const ColorOf& color_of) {
     const Image image = draw(store_, request);
     int seen = 0;
-    for (int y = 0; y < image.height; ++y) {
-      for (int x = 0; x < image.width; ++x) {
-        const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
-        const auto at = faceOf(volume_.geometry, request.clipping.planes.front(), ray);
-        const std::string where = std::to_string(x) + " " + std::to_string(y);
-        if (at && std::abs(at->margin) < 0.01) continue;
-        const std::optional<glm::dvec3> color =
-            at && at->margin > 0 ? color_of(valueOfRamp(volume_, at->index)) : std::optional<glm::dvec3>();
-        if (!color) {
-          EXPECT_EQ(image.pixel(x, y)[3], 0) << where;
-          continue;
-        }
-        ++seen;
-        EXPECT_EQ(image.pixel(x, y)[3], 1) << where;
-        expectColor(image.pixel(x, y), *color, where);
-        const double depth = (request.view.view_from_world * glm::dvec4(at->world, 1)).z;
-        EXPECT_NEAR(sectionPlaneAt(image, "Z", x, y), depth, 0.002) << where;
-        EXPECT_NEAR(sectionPlaneAt(image, "depth.mean", x, y), depth, 0.002) << where;
-        const glm::dvec3 normal(sectionPlaneAt(image, "N.X", x, y), sectionPlaneAt(image, "N.Y", x, y),
-                                sectionPlaneAt(image, "N.Z", x, y));
-        EXPECT_LT(glm::length(normal + glm::normalize(request.clipping.planes.front().normal)), 1e-4) << where;
+    forEachPixel(request, volume_.geometry, [&](int x, int y, const std::optional<FacePoint>& at) {
+      const std::string where = std::to_string(x) + " " + std::to_string(y);
+      if (at && std::abs(at->margin) < 0.01) return;
+      const std::optional<glm::dvec3> color =
+          at && at->margin > 0 ? color_of(valueOfRamp(volume_, at->index)) : std::optional<glm::dvec3>();
+      if (!color) {
+        EXPECT_EQ(image.pixel(x, y)[3], 0) << where;
+        return;
       }
-    }
+      ++seen;
+      EXPECT_EQ(image.pixel(x, y)[3], 1) << where;
+      expectColor(image.pixel(x, y), *color, where);
+      const double depth = (request.view.view_from_world * glm::dvec4(at->world, 1)).z;
+      EXPECT_NEAR(planeAt(image, "Z", x, y), depth, 0.002) << where;
+      EXPECT_NEAR(planeAt(image, "depth.mean", x, y), depth, 0.002) << where;
+      const glm::dvec3 normal = normalAt(image, x, y);
+      EXPECT_LT(glm::length(normal + glm::normalize(request.clipping.planes.front().normal)), 1e-4) << where;
+    });
     EXPECT_GT(seen, image.width * image.height / 12);
   }
 
@@ -135,7 +123,7 @@ TEST_F(SectionsOfARamp, ShowTheWindowOfValues) {
   for (const Projection projection : kSectionProjections) {
     for (const char* const map : {"gray", "viridis", "cool-to-warm"}) {
       SCOPED_TRACE(map);
-      FrameRequest request = sectionRequest(volume_, {0.5, -0.8, 0.4}, projection, 90);
+      FrameRequest request = answerRequest(volume_.geometry, {0.5, -0.8, 0.4}, projection, 90);
       request.transfer_function = sectionOfAir();
       request.clipping.planes = {planeThrough(centre_, {-0.6, 0.9, -0.2})};
       request.clipping.section = Section{map, glm::dvec2{140, 150}};
@@ -151,31 +139,27 @@ TEST_F(SectionsOfARamp, ShowTheWindowOfValues) {
 // Red grows with the value; values below 110 are air.
 TEST_F(SectionsOfARamp, ShowTheFunctionsColoursAndNoAir) {
   for (const Projection projection : kSectionProjections) {
-    FrameRequest request = sectionRequest(volume_, {0.5, -0.8, 0.4}, projection, 90);
+    FrameRequest request = answerRequest(volume_.geometry, {0.5, -0.8, 0.4}, projection, 90);
     request.transfer_function = {
         0, {{0, {0, 0.5, 0}, 0}, {110, {0.5, 0.5, 0}, 0}, {110.001, {0.5, 0.5, 0}, 0.9}, {220, {1, 0.5, 0}, 1}}};
     request.clipping.planes = {planeThrough(centre_, {-0.6, 0.9, -0.2})};
     request.clipping.section = Section{};
     const Image image = draw(store_, request);
     int seen = 0, air = 0;
-    for (int y = 0; y < image.height; ++y) {
-      for (int x = 0; x < image.width; ++x) {
-        const auto at =
-            faceOf(volume_.geometry, request.clipping.planes.front(), rayThrough(request.view, {x + 0.5, y + 0.5}));
-        if (!at || at->margin < 0.01) continue;
-        const double value = valueOfRamp(volume_, at->index);
-        if (value > 112) {
-          ++seen;
-          EXPECT_EQ(image.pixel(x, y)[3], 1);
-          expectColor(image.pixel(x, y), {0.5 + 0.5 * std::min((value - 110.001) / 109.999, 1.0), 0.5, 0}, "");
-        } else if (value < 108) {
-          // The ray goes on to what is behind the air, which begins at 110.
-          const double depth = (request.view.view_from_world * glm::dvec4(at->world, 1)).z;
-          EXPECT_GT(sectionPlaneAt(image, "Z", x, y), depth + 0.1);
-          ++air;
-        }
+    forEachPixel(request, volume_.geometry, [&](int x, int y, const std::optional<FacePoint>& at) {
+      if (!at || at->margin < 0.01) return;
+      const double value = valueOfRamp(volume_, at->index);
+      if (value > 112) {
+        ++seen;
+        EXPECT_EQ(image.pixel(x, y)[3], 1);
+        expectColor(image.pixel(x, y), {0.5 + 0.5 * std::min((value - 110.001) / 109.999, 1.0), 0.5, 0}, "");
+      } else if (value < 108) {
+        // The ray goes on to what is behind the air, which begins at 110.
+        const double depth = (request.view.view_from_world * glm::dvec4(at->world, 1)).z;
+        EXPECT_GT(planeAt(image, "Z", x, y), depth + 0.1);
+        ++air;
       }
-    }
+    });
     EXPECT_GT(seen, 300);
     EXPECT_GT(air, 100);
   }
@@ -183,7 +167,7 @@ TEST_F(SectionsOfARamp, ShowTheFunctionsColoursAndNoAir) {
 
 // A face of an opacity of 0.25 over air.
 TEST_F(SectionsOfARamp, HaveAnOpacity) {
-  FrameRequest request = sectionRequest(volume_, {0.5, -0.8, 0.4}, Projection::kOrthographic, 60);
+  FrameRequest request = answerRequest(volume_.geometry, {0.5, -0.8, 0.4}, Projection::kOrthographic, 60);
   request.transfer_function = sectionOfAir();
   request.clipping.planes = {planeThrough(centre_, {-0.6, 0.9, -0.2})};
   request.clipping.section = grayWindow(65, 215);
@@ -195,7 +179,7 @@ TEST_F(SectionsOfARamp, HaveAnOpacity) {
 
 // An eye inside the shown part sees no face of the plane behind it.
 TEST_F(SectionsOfARamp, AreNotSeenFromInside) {
-  FrameRequest request = sectionRequest(volume_, {0.5, -0.8, 0.4}, Projection::kPerspective, 40);
+  FrameRequest request = answerRequest(volume_.geometry, {0.5, -0.8, 0.4}, Projection::kPerspective, 40);
   Camera camera = cameraFrom(volume_.geometry, {0.5, -0.8, 0.4}, Projection::kPerspective);
   camera.eye = centre_;
   camera.target = centre_ + glm::dvec3(-0.6, 0.9, -0.2);
@@ -218,7 +202,7 @@ TEST_F(SectionsOfARamp, AreNotInTheBorderOfTheVolume) {
     border.push_back(planeThrough(volume_.geometry.worldOf(hi), -inward));
   }
   for (const Projection projection : kSectionProjections) {
-    FrameRequest request = sectionRequest(volume_, {0.5, -0.8, 0.4}, projection, 60);
+    FrameRequest request = answerRequest(volume_.geometry, {0.5, -0.8, 0.4}, projection, 60);
     request.transfer_function = sectionOfAir();
     request.clipping.section = grayWindow(65, 215);
     request.clipping.planes = border;
@@ -233,7 +217,7 @@ TEST_F(SectionsOfARamp, AreNotInTheBorderOfTheVolume) {
 
 // Every ray enters through a face of a box inside the volume, the region's or the world's.
 TEST_F(SectionsOfARamp, AreFacesOfRegions) {
-  FrameRequest request = sectionRequest(volume_, {0.5, -0.8, 0.4}, Projection::kPerspective, 60);
+  FrameRequest request = answerRequest(volume_.geometry, {0.5, -0.8, 0.4}, Projection::kPerspective, 60);
   request.transfer_function = sectionOfAir();
   request.clipping.region = VoxelBox{{8, 9, 10}, {31, 30, 41}};
   const Image nothing = draw(store_, request);
@@ -261,36 +245,32 @@ TEST(Sections, OfLabelsHaveTheNearestLabelsColours) {
   const auto store = makeStore(volume, "labels", 16, true);
   const glm::dvec3 colors[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (const Projection projection : kSectionProjections) {
-    FrameRequest request = sectionRequest(volume, {0.2, -0.9, 0.3}, projection, 80);
+    FrameRequest request = answerRequest(volume.geometry, {0.2, -0.9, 0.3}, projection, 80);
     for (int label = 1; label <= 3; ++label)
       request.transfer_function.labels.push_back({static_cast<double>(label), "", colors[label], 0.5});
     request.clipping.planes = {planeThrough({14.2, 14.6, 14.9}, {0.2, 0.8, -0.3})};
     request.clipping.section = Section{};
     const Image image = draw(store, request);
     int seen = 0, other = 0;
-    for (int y = 0; y < image.height; ++y) {
-      for (int x = 0; x < image.width; ++x) {
-        const auto at =
-            faceOf(volume.geometry, request.clipping.planes.front(), rayThrough(request.view, {x + 0.5, y + 0.5}));
-        if (!at || at->margin < 0.01) continue;
-        const glm::dvec3 nearest = glm::floor(at->index + 0.5),
-                         beside = glm::abs(at->index + 0.5 - glm::round(at->index + 0.5));
-        if (std::min({beside.x, beside.y, beside.z}) < 0.001) continue;
-        const auto label =
-            static_cast<int>(volume.valueAt(static_cast<std::int64_t>(nearest.x), static_cast<std::int64_t>(nearest.y),
-                                            static_cast<std::int64_t>(nearest.z)));
-        const double depth = (request.view.view_from_world * glm::dvec4(at->world, 1)).z;
-        if (label == 0) {
-          ++other;
-          EXPECT_GT(sectionPlaneAt(image, "Z", x, y), depth + 1e-3);
-          continue;
-        }
-        ++seen;
-        for (int c = 0; c < 3; ++c)
-          EXPECT_EQ(image.pixel(x, y)[c], static_cast<float>(colors[label][c])) << x << " " << y;
-        EXPECT_NEAR(sectionPlaneAt(image, "Z", x, y), depth, 1e-3);
+    forEachPixel(request, volume.geometry, [&](int x, int y, const std::optional<FacePoint>& at) {
+      if (!at || at->margin < 0.01) return;
+      const glm::dvec3 nearest = glm::floor(at->index + 0.5),
+                       beside = glm::abs(at->index + 0.5 - glm::round(at->index + 0.5));
+      if (std::min({beside.x, beside.y, beside.z}) < 0.001) return;
+      const auto label =
+          static_cast<int>(volume.valueAt(static_cast<std::int64_t>(nearest.x), static_cast<std::int64_t>(nearest.y),
+                                          static_cast<std::int64_t>(nearest.z)));
+      const double depth = (request.view.view_from_world * glm::dvec4(at->world, 1)).z;
+      if (label == 0) {
+        ++other;
+        EXPECT_GT(planeAt(image, "Z", x, y), depth + 1e-3);
+        return;
       }
-    }
+      ++seen;
+      for (int c = 0; c < 3; ++c)
+        EXPECT_EQ(image.pixel(x, y)[c], static_cast<float>(colors[label][c])) << x << " " << y;
+      EXPECT_NEAR(planeAt(image, "Z", x, y), depth, 1e-3);
+    });
     EXPECT_GT(seen, 300);
     EXPECT_GT(other, 100);
   }
@@ -322,7 +302,7 @@ TEST(Sections, AreLikeTheReference) {
   const glm::dvec3 centre(volume.geometry.world_from_index * glm::dvec4(24, 21, 22, 1));
   for (const SectionCase& each : sectionCases(volume.range())) {
     for (const Projection projection : kSectionProjections) {
-      FrameRequest request = sectionRequest(volume, {0.5, -0.9, 0.4}, projection, 80);
+      FrameRequest request = answerRequest(volume.geometry, {0.5, -0.9, 0.4}, projection, 80);
       request.aovs = {};
       request.samples = 16;
       request.opacity_threshold = 0.9999;
@@ -348,7 +328,7 @@ TEST(Sections, OfSeveralVolumesAreLikeTheReference) {
       cheese({{30, 30, 30}, VoxelType::u8, spacingAffine(glm::dvec3(1.1), glm::dvec3(9, 8, 5))}, 8, {0, 255});
   const std::vector<std::filesystem::path> stores = {makeStore(first, "first", 16), makeStore(second, "second", 16)};
   const std::vector<SectionCase> of_first = sectionCases(first.range()), of_second = sectionCases(second.range());
-  FrameRequest request = sectionRequest(first, {0.5, -0.9, 0.4}, Projection::kPerspective, 80);
+  FrameRequest request = answerRequest(first.geometry, {0.5, -0.9, 0.4}, Projection::kPerspective, 80);
   request.aovs = {};
   request.samples = 16;
   Clipping clipping;
@@ -373,7 +353,7 @@ TEST(Sections, OfSeveralVolumesAreLikeTheReference) {
 TEST(Sections, HideBricksBehindThem) {
   const DenseVolume volume = cheese({{64, 64, 64}, VoxelType::u8}, 3, {0, 255});
   const auto store = makeStore(volume, "bricks", 8);
-  FrameRequest request = sectionRequest(volume, {0, 0, 1}, Projection::kOrthographic, 100);
+  FrameRequest request = answerRequest(volume.geometry, {0, 0, 1}, Projection::kOrthographic, 100);
   request.aovs = {};
   request.crop = PixelRect{20, 20, 80, 80};  // pixels at the volume's border stay open
   const ThreadLimit one(1);
@@ -399,23 +379,19 @@ TEST(Sections, ShowNothingBesideAMask) {
   const DenseVolume volume = ramp({{32, 32, 32}, VoxelType::u8}, 10, 4);
   const DenseVolume mask = fill({{32, 32, 32}, VoxelType::u8}, [](auto i, auto, auto) { return i < 16 ? 1 : 0; });
   const auto store = makeStore(volume, "volume", 16), of_mask = makeStore(mask, "mask", 16, true);
-  FrameRequest request = sectionRequest(volume, {0, 0, 1}, Projection::kOrthographic, 64);
+  FrameRequest request = answerRequest(volume.geometry, {0, 0, 1}, Projection::kOrthographic, 64);
   request.transfer_function = sectionOfAir();
   request.clipping.planes = {planeThrough({0, 0, 20.3}, {0, 0, -1})};
   request.clipping.section = grayWindow(0, 200);
   const Image image = draw(*masked(store, of_mask, {1}), request);
   int shown = 0, hidden = 0;
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const auto at =
-          faceOf(volume.geometry, request.clipping.planes.front(), rayThrough(request.view, {x + 0.5, y + 0.5}));
-      if (!at || at->margin < 0.01) continue;
-      const bool inside = at->index.x<14.9, outside = at->index.x> 16.1;
-      shown += inside ? 1 : 0, hidden += outside ? 1 : 0;
-      EXPECT_TRUE(!inside || image.pixel(x, y)[3] == 1);
-      EXPECT_TRUE(!outside || image.pixel(x, y)[3] == 0);
-    }
-  }
+  forEachPixel(request, volume.geometry, [&](int x, int y, const std::optional<FacePoint>& at) {
+    if (!at || at->margin < 0.01) return;
+    const bool inside = at->index.x<14.9, outside = at->index.x> 16.1;
+    shown += inside ? 1 : 0, hidden += outside ? 1 : 0;
+    EXPECT_TRUE(!inside || image.pixel(x, y)[3] == 1);
+    EXPECT_TRUE(!outside || image.pixel(x, y)[3] == 0);
+  });
   EXPECT_GT(shown, 300);
   EXPECT_GT(hidden, 300);
 }
@@ -429,7 +405,7 @@ TEST(Sections, HaveNoHolesBetweenLevels) {
   camera.target = {80, 80, 28};
   camera.up = {0, 0, 1};
   camera.fov_deg = 100;
-  FrameRequest request = sectionRequest(volume, {0, -1, 0.3}, Projection::kPerspective, 70);
+  FrameRequest request = answerRequest(volume.geometry, {0, -1, 0.3}, Projection::kPerspective, 70);
   request.view = resolve(camera, {70, 70});
   request.level.reset();
   request.transfer_function = sectionOfAir();
@@ -440,17 +416,13 @@ TEST(Sections, HaveNoHolesBetweenLevels) {
   const Image image = draw(store, request, 1ull << 30, &statistics);
   for (const std::size_t level : {0, 1, 2}) EXPECT_GT(statistics.levels[level].voxels_visited, 0u) << level;
   int seen = 0;
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const auto at =
-          faceOf(volume.geometry, request.clipping.planes.front(), rayThrough(request.view, {x + 0.5, y + 0.5}));
-      const double depth = at ? (request.view.view_from_world * glm::dvec4(at->world, 1)).z : 0;
-      if (!at || at->margin < 0.1 || depth < 1) continue;
-      ++seen;
-      EXPECT_EQ(image.pixel(x, y)[3], 0.5f) << x << " " << y;
-      EXPECT_NEAR(sectionPlaneAt(image, "depth.mean", x, y), depth, 1e-3 * depth) << x << " " << y;
-    }
-  }
+  forEachPixel(request, volume.geometry, [&](int x, int y, const std::optional<FacePoint>& at) {
+    const double depth = at ? (request.view.view_from_world * glm::dvec4(at->world, 1)).z : 0;
+    if (!at || at->margin < 0.1 || depth < 1) return;
+    ++seen;
+    EXPECT_EQ(image.pixel(x, y)[3], 0.5f) << x << " " << y;
+    EXPECT_NEAR(planeAt(image, "depth.mean", x, y), depth, 1e-3 * depth) << x << " " << y;
+  });
   EXPECT_GT(seen, 1000);
 }
 
@@ -458,7 +430,7 @@ TEST(Sections, HaveNoHolesBetweenLevels) {
 TEST(Sections, ChangeNoPixelBesideThem) {
   const DenseVolume volume = cheese({{40, 40, 40}, VoxelType::u8}, 3, {0, 255});
   const auto store = makeStore(volume, "volume", 16);
-  FrameRequest request = sectionRequest(volume, {0.4, -0.9, 0.5}, Projection::kPerspective, 70);
+  FrameRequest request = answerRequest(volume.geometry, {0.4, -0.9, 0.5}, Projection::kPerspective, 70);
   request.transfer_function = {0, {{100, {0.9, 0.5, 0.3}, 0}, {140, {0.9, 0.7, 0.5}, 0.9}}};
   request.shading.lights.front() = {LightKind::kDirectional, {-0.2, -0.6, 1}};
   request.shading.lights.front().shadow.strength = 1;
@@ -468,18 +440,14 @@ TEST(Sections, ChangeNoPixelBesideThem) {
   request.clipping.section = grayWindow(0, 255);
   const Image after = draw(store, request);
   int on = 0, beside = 0;
-  for (int y = 0; y < before.height; ++y) {
-    for (int x = 0; x < before.width; ++x) {
-      const auto at =
-          faceOf(volume.geometry, request.clipping.planes.front(), rayThrough(request.view, {x + 0.5, y + 0.5}));
-      if (at && at->margin > -0.1) {
-        ++on;
-        continue;
-      }
-      ++beside;
-      for (int c = 0; c < 4; ++c) EXPECT_EQ(before.pixel(x, y)[c], after.pixel(x, y)[c]) << x << " " << y;
+  forEachPixel(request, volume.geometry, [&](int x, int y, const std::optional<FacePoint>& at) {
+    if (at && at->margin > -0.1) {
+      ++on;
+      return;
     }
-  }
+    ++beside;
+    for (int c = 0; c < 4; ++c) EXPECT_EQ(before.pixel(x, y)[c], after.pixel(x, y)[c]) << x << " " << y;
+  });
   EXPECT_GT(on, 200);
   EXPECT_GT(beside, 1000);
 }
@@ -488,21 +456,17 @@ TEST(Sections, ChangeNoPixelBesideThem) {
 TEST(Sections, StandInFrontOfSurfaces) {
   const DenseVolume volume = ramp({{32, 32, 32}, VoxelType::u8}, 10, 4);
   const auto store = makeStore(volume, "volume", 16);
-  FrameRequest request = sectionRequest(volume, {0.1, 0.2, 1}, Projection::kPerspective, 64);
+  FrameRequest request = answerRequest(volume.geometry, {0.1, 0.2, 1}, Projection::kPerspective, 64);
   request.transfer_function.surfaces = {{70.0}};
   request.clipping.planes = {planeThrough({0, 0, 20.3}, {0, 0, -1})};
   request.clipping.section = grayWindow(0, 200);
   const Image image = draw(store, request);
   int seen = 0;
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const auto at =
-          faceOf(volume.geometry, request.clipping.planes.front(), rayThrough(request.view, {x + 0.5, y + 0.5}));
-      if (!at || at->margin < 0.6) continue;
-      ++seen;
-      expectColor(image.pixel(x, y), glm::dvec3(linearFromSrgb((10 + 4 * at->index.x) / 200)), "");
-    }
-  }
+  forEachPixel(request, volume.geometry, [&](int x, int y, const std::optional<FacePoint>& at) {
+    if (!at || at->margin < 0.6) return;
+    ++seen;
+    expectColor(image.pixel(x, y), glm::dvec3(linearFromSrgb((10 + 4 * at->index.x) / 200)), "");
+  });
   EXPECT_GT(seen, 500);
 }
 

@@ -4,7 +4,7 @@
 
 #include "base/thread/parallel.h"
 #include "support/reference/drawing.h"
-#include "support/reference/scalar_kernels.h"
+#include "support/reference/drawn_alike.h"
 #include "support/system/sanitized.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/random_scene.h"
@@ -50,59 +50,29 @@ FrameRequest randomRequestOfSection(std::uint64_t seed, const DenseVolume& volum
 
 class SectionEquality : public ::testing::TestWithParam<int> {
  protected:
-  void SetUp() override {
-    if (GetParam() == 0) volume_ = cheese({{45, 61, 50}, VoxelType::i16}, 1, usualRange(VoxelType::i16));
-    if (GetParam() == 1) volume_ = noise({{40, 51, 37}, VoxelType::u8, anisotropicAffine()}, 7, {0, 255});
-    if (GetParam() == 2)
-      volume_ = cheese({{40, 57, 35}, VoxelType::f32, obliqueAffine()}, 2, usualRange(VoxelType::f32));
-  }
-  DenseVolume volume_;
+  const DenseVolume volume_ = drawnAlikeVolume(GetParam());
 };
 
 TEST_P(SectionEquality, HoldsForBricksMethodsThreadsTilesMemoryAndCrops) {
-  std::vector<std::filesystem::path> stores;
-  for (const std::int64_t size : {8, 16, 64}) stores.push_back(makeStore(volume_, "of_" + std::to_string(size), size));
+  const std::vector<std::filesystem::path> stores = storesOfThreeBricks(volume_);
   int with_faces = 0;
   for (int i = 0; i < kSectionScenes; ++i) {
     const std::uint64_t seed = 150 + static_cast<std::uint64_t>(i);
     SCOPED_TRACE("seed " + std::to_string(seed));
     FrameRequest request = randomRequestOfSection(seed, volume_);
+    const Image truth = expectDrawnAlike(stores, request, seed);
     request.level = 0;
     request.visibility.method = VisibilityMethod::kNone;
-    const Image truth = draw(stores[2], request);
-    FrameRequest without = request;
-    without.clipping.section.reset();
-    with_faces += equalBits(truth, draw(stores[2], without)) ? 0 : 1;
-    for (const auto& store : stores) {
-      for (const VisibilityMethod method : {VisibilityMethod::kMask, VisibilityMethod::kRangeTree}) {
-        request.visibility.method = method;
-        EXPECT_TRUE(equalBits(truth, draw(store, request))) << store;
-      }
-    }
-    const ThreadLimit one(1);
-    request.tile_px = 64 << seed % 3;
-    EXPECT_TRUE(equalBits(truth, draw(stores[1], request, 1 << 22))) << "tiles of " << request.tile_px;
-    request.crop = PixelRect{13, 7, 75, 81};
-    EXPECT_TRUE(equalBits(partOf(truth, *request.crop), draw(stores[0], request))) << "crop";
+    request.clipping.section.reset();
+    with_faces += equalBits(truth, draw(stores[2], request)) ? 0 : 1;
   }
   EXPECT_GT(with_faces, kSectionScenes / 3);
 }
 
 TEST_P(SectionEquality, HoldsForInstructionSetsAndLevels) {
-  const auto store = makeStore(volume_, "sets", 16);
-  for (const Interpolation interpolation : {Interpolation::kLinear, Interpolation::kCatmullRom}) {
-    for (const std::optional<int> level : {std::optional(0), std::optional(1), std::optional<int>()}) {
-      FrameRequest request = randomRequestOfSection(160, volume_);
-      request.view = resolve(cameraFrom(volume_.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSectionsSize);
-      request.interpolation = interpolation;
-      request.level = level;
-      const Image best = draw(store, request);
-      EXPECT_TRUE(showsSomething(best));
-      onEveryInstructionSet([&](std::int64_t target) {
-        EXPECT_TRUE(equalBits(best, draw(store, request))) << "instruction set " << target;
-      });
-    }
-  }
+  FrameRequest request = randomRequestOfSection(160, volume_);
+  request.view = resolve(cameraFrom(volume_.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSectionsSize);
+  expectAlikeOnInstructionSets(makeStore(volume_, "sets", 16), request);
 }
 
 // Two volumes, each with a section of its own, in bricks of several sizes.

@@ -33,28 +33,8 @@ TransferFunction surfacesAt(std::vector<IsoSurface> surfaces) {
   return out;
 }
 
-float surfacePlaneAt(const Image& image, const char* name, int x, int y) {
-  for (const Plane& plane : image.planes)
-    if (plane.name == name) return plane.values[static_cast<std::size_t>(y * image.width + x)];
-  ADD_FAILURE() << "no plane " << name;
-  return 0;
-}
-
-glm::dvec3 surfaceNormalAt(const Image& image, int x, int y) {
-  return {surfacePlaneAt(image, "N.X", x, y), surfacePlaneAt(image, "N.Y", x, y), surfacePlaneAt(image, "N.Z", x, y)};
-}
-
 double degreesBetween(const glm::dvec3& a, const glm::dvec3& b) {
   return glm::degrees(2 * std::asin(std::min(1.0, 0.5 * glm::length(a - b))));
-}
-
-FrameRequest surfaceRequest(const DenseVolume& volume, const glm::dvec3& from, Projection projection, int pixels) {
-  FrameRequest out;
-  out.view = resolve(cameraFrom(volume.geometry, from, projection), {pixels, pixels});
-  out.level = 0;
-  out.aovs = {true, true};
-  out.filters_rays = false;
-  return out;
 }
 
 // Distance along the pixel's ray of a depth in the picture. unit: world.
@@ -96,12 +76,12 @@ Largest departureFrom(const Ball& ball, const FrameRequest& request, const Image
         EXPECT_EQ(image.pixel(x, y)[3], beside > 0 ? 1.0f : 0.0f) << x << " " << y;
       }
       if (beside < 0.02) continue;
-      const double along = alongOf(request.view, ray, surfacePlaneAt(image, "Z", x, y));
+      const double along = alongOf(request.view, ray, planeAt(image, "Z", x, y));
       EXPECT_NEAR(along, ball.front(ray), beside < 1 ? 2 : 0.05);
-      EXPECT_FLOAT_EQ(surfacePlaneAt(image, "Z", x, y), surfacePlaneAt(image, "depth.mean", x, y));
+      EXPECT_FLOAT_EQ(planeAt(image, "Z", x, y), planeAt(image, "depth.mean", x, y));
       const glm::dvec3 radius = ray.origin + along * ray.direction - ball.centre;
       out.depth = std::max(out.depth, std::abs(glm::length(radius) - ball.radius));
-      out.angle = std::max(out.angle, degreesBetween(surfaceNormalAt(image, x, y), glm::normalize(radius)));
+      out.angle = std::max(out.angle, degreesBetween(normalAt(image, x, y), glm::normalize(radius)));
       ++out.pixels;
     }
   }
@@ -116,7 +96,7 @@ TEST(Surfaces, OfABallAreItsSurface) {
   const auto store = makeStore(volume, "ball", 32);
   for (const Projection projection : kSurfaceProjections) {
     for (const int size : {75, 140, 210}) {
-      FrameRequest request = surfaceRequest(volume, {0.4, -0.8, 0.3}, projection, size);
+      FrameRequest request = answerRequest(volume.geometry, {0.4, -0.8, 0.3}, projection, size);
       request.transfer_function = surfacesAt({{0}});
       const Largest off = departureFrom(ball, request, draw(store, request));
       std::printf("%d pixels: depth %.4f voxels, normal %.3f degrees\n", size, off.depth, off.angle);
@@ -139,7 +119,7 @@ TEST(Surfaces, OfCubicsAreTheSurfaceOfTheInterpolation) {
   const auto store = makeStore(volume, "ball", 16);
   for (const Projection projection : kSurfaceProjections) {
     for (const Interpolation interpolation : {Interpolation::kCubic, Interpolation::kCatmullRom}) {
-      FrameRequest request = surfaceRequest(volume, {0.4, -0.8, 0.3}, projection, 90);
+      FrameRequest request = answerRequest(volume.geometry, {0.4, -0.8, 0.3}, projection, 90);
       request.transfer_function = surfacesAt({{0}});
       request.interpolation = interpolation;
       const Ball ball{centre, std::sqrt(radius2 - (interpolation == Interpolation::kCubic ? 1 : 0))};
@@ -164,7 +144,7 @@ TEST(Surfaces, AreWhereBisectionFindsThem) {
     for (const Interpolation interpolation : {Interpolation::kLinear, Interpolation::kCatmullRom}) {
       const SurfaceHits truth(volume, interpolation, 0.05);
       for (const Projection projection : kSurfaceProjections) {
-        FrameRequest request = surfaceRequest(volume, {0.4, -0.8, 0.3}, projection, kSize);
+        FrameRequest request = answerRequest(volume.geometry, {0.4, -0.8, 0.3}, projection, kSize);
         request.transfer_function = surfacesAt({{value}});
         request.interpolation = interpolation;
         const Image image = draw(store, request);
@@ -174,7 +154,7 @@ TEST(Surfaces, AreWhereBisectionFindsThem) {
           for (int x = 0; x < kSize; x += kEvery) {
             const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
             const std::vector<SurfaceHit> all = truth.along(ray, value);
-            const float depth = surfacePlaneAt(image, "Z", x, y);
+            const float depth = planeAt(image, "Z", x, y);
             if (all.empty()) {
               EXPECT_EQ(depth, kNoHit);
               continue;
@@ -191,7 +171,7 @@ TEST(Surfaces, AreWhereBisectionFindsThem) {
             }
             if (depth == kNoHit) continue;
             off.depth = std::max(off.depth, departure(*nearest));
-            off.angle = std::max(off.angle, degreesBetween(surfaceNormalAt(image, x, y), nearest->normal));
+            off.angle = std::max(off.angle, degreesBetween(normalAt(image, x, y), nearest->normal));
           }
         }
         std::printf("%d of 1600 rays, %d touch: depth %.5f voxels, normal %.4f degrees\n", hits, touched, off.depth,
@@ -221,7 +201,7 @@ TEST(Surfaces, AreCrossedAnEvenNumberOfTimes) {
     // A voxel is between a quarter of a pixel and six pixels wide.
     for (const int size : {20, 64, 333}) {
       for (const double distance : {0.25, 0.5, 1.0}) {
-        FrameRequest request = surfaceRequest(volume, {0.4, -0.8, 0.3}, projection, size);
+        FrameRequest request = answerRequest(volume.geometry, {0.4, -0.8, 0.3}, projection, size);
         request.aovs = {};
         request.opacity_threshold = 1;
         request.sample_distance = distance;
@@ -247,7 +227,7 @@ TEST(Surfaces, HaveColorsAndOpacitiesOfTheirOwn) {
   const DenseVolume volume = ramp({{16, 16, 16}, VoxelType::u8}, 0, 10);
   const auto store = makeStore(volume, "ramp", 16);
   for (const bool rising : {true, false}) {
-    FrameRequest request = surfaceRequest(volume, {rising ? -1 : 1, 0, 0}, Projection::kOrthographic, 20);
+    FrameRequest request = answerRequest(volume.geometry, {rising ? -1 : 1, 0, 0}, Projection::kOrthographic, 20);
     request.shading.phong = false;
     // Two surfaces in one slab keep their order.
     request.transfer_function = surfacesAt({{71, {1, 0, 0}, 0.25}, {72, {0, 1, 0}, 1}, {200, {0, 0, 1}, 1}});
@@ -258,7 +238,7 @@ TEST(Surfaces, HaveColorsAndOpacitiesOfTheirOwn) {
     EXPECT_EQ(middle[2], 0);
     EXPECT_EQ(middle[3], 1);
     const Ray ray = rayThrough(request.view, {10.5, 10.5});
-    const glm::dvec3 at = ray.origin + alongOf(request.view, ray, surfacePlaneAt(image, "Z", 10, 10)) * ray.direction;
+    const glm::dvec3 at = ray.origin + alongOf(request.view, ray, planeAt(image, "Z", 10, 10)) * ray.direction;
     EXPECT_NEAR(at.x, 7.2, 1e-4);
   }
 }
@@ -269,7 +249,7 @@ TEST(Surfaces, AreOpenedByACut) {
     return ball.radius - glm::length(glm::dvec3(i, j, k) - ball.centre);
   });
   const auto store = makeStore(volume, "ball", 16);
-  FrameRequest request = surfaceRequest(volume, {0, -1, 0}, Projection::kPerspective, 80);
+  FrameRequest request = answerRequest(volume.geometry, {0, -1, 0}, Projection::kPerspective, 80);
   // Cuts off the half in front.
   request.clipping.planes = {{{0, 1, 0}, -ball.centre.y}};
   request.transfer_function = surfacesAt({{0}});
@@ -283,9 +263,9 @@ TEST(Surfaces, AreOpenedByACut) {
       if (!through) continue;
       ++seen;
       const double back = ball.front(ray) + 2 * ball.halfChord(ray);
-      EXPECT_NEAR(alongOf(request.view, ray, surfacePlaneAt(image, "Z", x, y)), back, 0.1);
+      EXPECT_NEAR(alongOf(request.view, ray, planeAt(image, "Z", x, y)), back, 0.1);
       const glm::dvec3 inward = glm::normalize(ball.centre - (ray.origin + back * ray.direction));
-      EXPECT_LT(degreesBetween(surfaceNormalAt(image, x, y), inward), 3);
+      EXPECT_LT(degreesBetween(normalAt(image, x, y), inward), 3);
     }
   }
   EXPECT_GT(seen, 500);
@@ -306,7 +286,7 @@ TEST(Surfaces, HaveNoHolesWhereLevelsMeet) {
   for (const float opacity : {1.0f, 0.5f}) {
     int levels = 0, seen = 0, twice = 0;
     for (const int size : {60, 83, 120}) {
-      FrameRequest request = surfaceRequest(volume, {0, -1, 0}, Projection::kPerspective, size);
+      FrameRequest request = answerRequest(volume.geometry, {0, -1, 0}, Projection::kPerspective, size);
       request.view = resolve(camera, {size, size});
       request.level.reset();
       request.opacity_threshold = 1;
@@ -344,7 +324,7 @@ TEST(Surfaces, CastShadows) {
     return std::max(8.3 - static_cast<double>(k), ball.radius - glm::length(glm::dvec3(i, j, k) - ball.centre));
   });
   const auto store = makeStore(volume, "above", 32);
-  FrameRequest request = surfaceRequest(volume, {0.6, -1, 0.7}, Projection::kPerspective, 120);
+  FrameRequest request = answerRequest(volume.geometry, {0.6, -1, 0.7}, Projection::kPerspective, 120);
   request.transfer_function = surfacesAt({{0, glm::dvec3(1)}});
   request.shading.specular = 0;
   request.shading.lights = {Light{}};
@@ -357,7 +337,7 @@ TEST(Surfaces, CastShadows) {
     for (int x = 0; x < lit.width; ++x) {
       if (lit.pixel(x, y)[3] != 1) continue;
       const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
-      const glm::dvec3 at = ray.origin + alongOf(request.view, ray, surfacePlaneAt(lit, "Z", x, y)) * ray.direction;
+      const glm::dvec3 at = ray.origin + alongOf(request.view, ray, planeAt(lit, "Z", x, y)) * ray.direction;
       const bool on_floor = at.z < 9;
       const double from_axis = glm::length(glm::dvec2(at - ball.centre));
       if (on_floor && from_axis < ball.radius - 2) {
@@ -376,7 +356,7 @@ TEST(Surfaces, CastShadows) {
 TEST(Surfaces, AreRefusedByOtherEngines) {
   const DenseVolume volume = ramp({{16, 16, 16}, VoxelType::u8}, 0, 10);
   const auto store = makeStore(volume, "ramp", 16);
-  FrameRequest request = surfaceRequest(volume, {1, 0, 0}, Projection::kOrthographic, 20);
+  FrameRequest request = answerRequest(volume.geometry, {1, 0, 0}, Projection::kOrthographic, 20);
   request.transfer_function = surfacesAt({{71}});
   request.aovs = {};
   request.lattice = Lattice::kVoxel;

@@ -2,9 +2,10 @@
 // instruction sets: a crossing belongs to one cell of 8³ voxels, and positions on a ray do not depend on the cell.
 #include <gtest/gtest.h>
 
-#include "base/thread/parallel.h"
+#include <string>
+
 #include "support/reference/drawing.h"
-#include "support/reference/scalar_kernels.h"
+#include "support/reference/drawn_alike.h"
 #include "support/system/sanitized.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/random_scene.h"
@@ -38,58 +39,26 @@ FrameRequest randomRequest(std::uint64_t seed, const DenseVolume& volume) {
 
 class SurfaceEquality : public ::testing::TestWithParam<int> {
  protected:
-  void SetUp() override {
-    if (GetParam() == 0) volume_ = cheese({{45, 61, 50}, VoxelType::i16}, 1, usualRange(VoxelType::i16));
-    if (GetParam() == 1) volume_ = noise({{40, 51, 37}, VoxelType::u8, anisotropicAffine()}, 7, {0, 255});
-    if (GetParam() == 2)
-      volume_ = cheese({{40, 57, 35}, VoxelType::f32, obliqueAffine()}, 2, usualRange(VoxelType::f32));
-  }
-  DenseVolume volume_;
+  const DenseVolume volume_ = drawnAlikeVolume(GetParam());
 };
 
 TEST_P(SurfaceEquality, HoldsForBricksMethodsThreadsTilesMemoryAndCrops) {
-  std::vector<std::filesystem::path> stores;
-  for (const std::int64_t size : {8, 16, 64}) stores.push_back(makeStore(volume_, "of_" + std::to_string(size), size));
+  const std::vector<std::filesystem::path> stores = storesOfThreeBricks(volume_);
   int with_something = 0;
   for (int i = 0; i < kSurfaceScenes; ++i) {
     const std::uint64_t seed = 50 + static_cast<std::uint64_t>(i);
-    FrameRequest request = randomRequest(seed, volume_);
-    request.level = 0;
-    request.visibility.method = VisibilityMethod::kNone;
-    const Image truth = draw(stores[2], request);
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Image truth = expectDrawnAlike(stores, randomRequest(seed, volume_), seed);
     with_something += showsSomething(truth) ? 1 : 0;
-    for (const auto& store : stores) {
-      for (const VisibilityMethod method : {VisibilityMethod::kMask, VisibilityMethod::kRangeTree}) {
-        request.visibility.method = method;
-        EXPECT_TRUE(equalBits(truth, draw(store, request))) << store << " seed " << seed;
-      }
-    }
-    const ThreadLimit one(1);
-    request.tile_px = 64 << seed % 3;
-    EXPECT_TRUE(equalBits(truth, draw(stores[1], request, 1 << 22)))
-        << "tiles of " << request.tile_px << ", seed " << seed;
-    request.crop = PixelRect{13, 7, 75, 81};
-    EXPECT_TRUE(equalBits(partOf(truth, *request.crop), draw(stores[0], request))) << "crop, seed " << seed;
   }
   EXPECT_GT(with_something, kSurfaceScenes / 2);
 }
 
 TEST_P(SurfaceEquality, HoldsForInstructionSetsAndLevels) {
-  const auto store = makeStore(volume_, "sets", 16);
-  for (const Interpolation interpolation : {Interpolation::kLinear, Interpolation::kCatmullRom}) {
-    for (const std::optional<int> level : {std::optional(0), std::optional(1), std::optional<int>()}) {
-      FrameRequest request = randomRequest(60, volume_);
-      request.clipping = {};
-      request.view = resolve(cameraFrom(volume_.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSurfacesSize);
-      request.interpolation = interpolation;
-      request.level = level;
-      const Image best = draw(store, request);
-      EXPECT_TRUE(showsSomething(best));
-      onEveryInstructionSet([&](std::int64_t target) {
-        EXPECT_TRUE(equalBits(best, draw(store, request))) << "instruction set " << target;
-      });
-    }
-  }
+  FrameRequest request = randomRequest(60, volume_);
+  request.clipping = {};
+  request.view = resolve(cameraFrom(volume_.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSurfacesSize);
+  expectAlikeOnInstructionSets(makeStore(volume_, "sets", 16), request);
 }
 
 INSTANTIATE_TEST_SUITE_P(Volumes, SurfaceEquality, ::testing::Values(0, 1, 2));

@@ -1,5 +1,7 @@
 #include "support/reference/drawing.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -59,6 +61,17 @@ bool showsSomething(const Image& image) {
   return false;
 }
 
+float planeAt(const Image& image, const char* name, int x, int y) {
+  for (const Plane& plane : image.planes)
+    if (plane.name == name) return plane.values[static_cast<std::size_t>(y * image.width + x)];
+  ADD_FAILURE() << "no plane " << name;
+  return 0;
+}
+
+glm::dvec3 normalAt(const Image& image, int x, int y) {
+  return {planeAt(image, "N.X", x, y), planeAt(image, "N.Y", x, y), planeAt(image, "N.Z", x, y)};
+}
+
 Image partOf(const Image& whole, const PixelRect& rect) {
   Image out(rect.width(), rect.height());
   for (const Plane& plane : whole.planes) out.planes.push_back({plane.name, ZeroPages<float>(rect.count())});
@@ -96,6 +109,15 @@ Camera cameraFrom(const VolumeGeometry& volume, const glm::dvec3& from, Projecti
   camera.height = 2.05 * radius;
   camera.fov_deg = 2 * std::asin(1.025 / 3.0) * 180 / std::numbers::pi;
   return camera;
+}
+
+FrameRequest answerRequest(const VolumeGeometry& volume, const glm::dvec3& from, Projection projection, int pixels) {
+  FrameRequest out;
+  out.view = resolve(cameraFrom(volume, from, projection), {pixels, pixels});
+  out.level = 0;
+  out.aovs = {true, true};
+  out.filters_rays = false;
+  return out;
 }
 
 glm::dvec3 randomDirection(std::uint64_t seed, std::uint64_t n) {

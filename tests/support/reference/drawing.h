@@ -30,6 +30,11 @@ bool equalBits(const Image& a, const Image& b);
 /// Returns true if any pixel is not clear.
 bool showsSomething(const Image& image);
 
+/// Value of a plane at a pixel. An absent plane fails the test.
+float planeAt(const Image& image, const char* name, int x, int y);
+/// Normal of a pixel, from its planes.
+glm::dvec3 normalAt(const Image& image, int x, int y);
+
 /// requires: `rect` inside of the image.
 Image partOf(const Image& whole, const PixelRect& rect);
 /// The image without planes.
@@ -37,6 +42,9 @@ Image colorsOf(Image image);
 
 /// Returns a camera that sees the volume's whole box, with the eye in direction `from` (world, any length).
 Camera cameraFrom(const VolumeGeometry& volume, const glm::dvec3& from, Projection projection);
+
+/// A request for a square picture of the finest level, with depths and normals, unfiltered, from such a camera.
+FrameRequest answerRequest(const VolumeGeometry& volume, const glm::dvec3& from, Projection projection, int pixels);
 
 /// The seed's n-th direction, uniform on the sphere.
 glm::dvec3 randomDirection(std::uint64_t seed, std::uint64_t n);
