@@ -23,7 +23,7 @@ if [ ! -e "$out/matrix.dat" ]; then
   rm -rf "$out/package"
 fi
 
-# Where the patient lies. Drawn as a raw volume with +z up, the head is upright and its face looks along +y, the head rest
+# Orientation. Drawn as a raw volume with +z up, the head is upright and its face looks along +y, the head rest
 # behind it: +y is anterior, +z superior. Left and right cannot be seen in a head; they follow from how InVesalius stores
 # DICOM's axial slices, with the rows reversed and the columns as they were: +x is the patient's left. The voxels are thus
 # in left-anterior-superior order, which LPS says with a negative second direction. The origin puts the world's zero in

@@ -18,5 +18,6 @@ export templates=/usr/share/mricron/templates
 
 kiln() { "$program" "$@"; }
 cd "$folder"
+# Without SIZE the option is replaced by itself.
 source <(awk '/^```/ { inside = !inside && $0 == "```sh picture"; next } inside' "$root/tools/kiln/manual/pictures.md" |
-  sed -E "s/--size [0-9]+x[0-9]+/--size ${size:-\0}/" | sed -E 's/--size --size/--size/')
+  sed -E "s/--size [0-9x]+/${size:+--size }${size:-&}/")
