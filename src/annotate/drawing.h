@@ -10,7 +10,7 @@
 #include "annotate/outline.h"
 #include "grid/geometry.h"
 #include "image/pixel_rect.h"
-#include "job/frame_scene.h"
+#include "job/frame/frame_scene.h"
 #include "job/render_job.h"
 #include "scene/camera/camera.h"
 
@@ -21,7 +21,7 @@ struct AnnotatedPicture {
   Annotations annotations;  // placeholders are filled in
   View view;
   PixelRect pixels;         // the drawn pixels of the whole picture
-  double target_depth = 1;  // of the camera's target. unit: world
+  double target_depth = 1;  // depth of the camera's target. unit: world
   Background background;
   std::vector<ShownFunction> shown;  // the functions of a legend
   bool projected = false;            // the picture shows values, not light

@@ -33,7 +33,7 @@ struct LegendPart {
   std::string title;                     // above; empty: none
   std::vector<LegendEntry> entries;      // empty: a bar
   ColorBar bar;
-  PixelRect first_square;  // of the entries
+  PixelRect first_square;  // square of the first entry
 };
 
 /// Returns the parts of the legend from top to bottom: of each function its bar, its surfaces, its labels, and regions

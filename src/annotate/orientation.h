@@ -15,7 +15,7 @@ inline constexpr double kArmLength = 2;
 
 struct Direction {
   std::string_view name;
-  int axis;         // of the world
+  int axis;         // axis of the world
   glm::dvec3 seen;  // in view space: x right, y down, z away from the eye. Unit length
 };
 /// Returns the directions with names, the farthest from the eye first.

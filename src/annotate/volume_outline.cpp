@@ -12,7 +12,7 @@
 namespace kiln {
 namespace {
 
-constexpr double kSameShare = 8e-9;  // of the box's diagonal
+constexpr double kSameShare = 8e-9;  // unit: the box's diagonal
 
 // unit: the font's size.
 constexpr double kDash = 0.5, kDashGap = 0.45;

@@ -1,6 +1,6 @@
 // Values of another volume, whose colours a volume is drawn in: a PET on a CT.
-// Method. The values are interpolated linearly at the voxels of the drawn volume; labels are those of the nearest
-// voxel. Engines interpolate them between the drawn volume's voxels, as that volume's own values.
+// Method. The values are interpolated linearly at the voxels of the drawn volume; labels are copied from the nearest
+// voxel. Engines interpolate both between voxels, as they interpolate the drawn volume.
 // Invariant. Positions outside the other volume have no value (NaN). A voxel's value depends on its position and its
 // level alone.
 #pragma once
@@ -36,7 +36,7 @@ class ColorValues final : public Companion {
   const std::uint64_t most_read_;  // the largest BrickedVolume::readBytes of the values. unit: bytes
   const CompanionPlace place_;
   const bool nearest_;        // labels
-  const std::int64_t apron_;  // of the drawn volume
+  const std::int64_t apron_;  // apron of the drawn volume
   mutable KeptBricks<BrickBlock> kept_;
 };
 

@@ -22,10 +22,11 @@ class Companion {
   /// requires: key and extent of the block are set. thread: safe. throws: as BrickedVolume::read of the companion.
   virtual bool addTo(BrickBlock& block) const = 0;
 
-  /// Memory that `addTo` adds to a block of so many voxels, at most, and that it needs meanwhile. unit: bytes.
+  /// Returns the largest memory that `addTo` adds to a block. unit: bytes.
   virtual std::uint64_t addedBytes(const VoxelBox& extent) const = 0;
+  /// Returns the scratch memory of a call of `addTo`. unit: bytes.
   virtual std::uint64_t workBytes(int level, const VoxelBox& extent) const = 0;
-  /// Memory that the companion holds: its index, and bricks that stay in memory. unit: bytes.
+  /// Returns the memory of the index and of bricks that stay in memory. unit: bytes.
   virtual std::uint64_t heldBytes() const = 0;
 };
 

@@ -1,4 +1,4 @@
-// Where the voxels of a drawn volume lie in a companion.
+// Positions of a drawn volume's voxels in a companion.
 // A level of the drawn volume reads the coarsest level of the companion whose voxels are at most as large.
 #pragma once
 
@@ -29,7 +29,7 @@ class CompanionPlace {
  public:
   /// The map from a level of the drawn volume into the level of the companion that the level reads.
   struct Map {
-    int level = 0;  // of the companion
+    int level = 0;  // level of the companion
     Extent3 drawn;  // voxels of the drawn volume's level
     Extent3 dims;   // voxels of the companion's level
     glm::dvec3 origin, along[3];

@@ -7,7 +7,7 @@
 #include "base/progress.h"
 #include "frame/render_frame.h"
 #include "frame/statistics.h"
-#include "job/frame_scene.h"
+#include "job/frame/frame_scene.h"
 
 namespace kiln {
 

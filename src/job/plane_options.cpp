@@ -16,7 +16,7 @@ namespace kiln {
 namespace {
 
 constexpr NumberRange kFactor{0, 1};
-constexpr double kGreatest = 1e300;  // of values and gradients
+constexpr double kGreatest = 1e300;  // limit of values and gradients
 constexpr std::string_view kShareRange = "fraction";
 
 // Two limits, the first below the second.

@@ -23,7 +23,7 @@ namespace kiln {
 /// Range of Annotations::size.
 inline constexpr double kLeastAnnotationSize = 0.25, kMostAnnotationSize = 4;
 
-/// What is drawn over a finished picture (annotate/README.md).
+/// Annotations drawn over a finished picture (annotate/README.md).
 struct Annotations {
   bool scale_bar = false;
   bool box = false;
@@ -31,8 +31,8 @@ struct Annotations {
   bool axes = false;
   std::string legend_title;         // above the legend
   std::string text;                 // lines with placeholders (scene/annotation_text.h)
-  std::optional<glm::dvec3> color;  // of text and lines, in linear light; absent: chosen by the background
-  double size = 1;                  // of text and lines, relative to the picture
+  std::optional<glm::dvec3> color;  // color of text and lines, in linear light; absent: chosen by the background
+  double size = 1;                  // height of text and width of lines, relative to the picture
 
   bool any() const { return box || letters(); }
   /// Returns whether letters are drawn.
@@ -43,12 +43,12 @@ struct Annotations {
 /// Everything that changes the picture's pixels.
 struct PictureOptions {
   ImageSize size;
-  std::optional<PixelRect> crop;         // the pixels of the whole picture to draw; absent: all
-  std::optional<int> samples;            // sub-pixels of a pixel: 1, 2, 4 or 16; absent: chosen by job/auto_samples.h
+  std::optional<PixelRect> crop;  // the pixels of the whole picture to draw; absent: all
+  std::optional<int> samples;     // sub-pixels of a pixel: 1, 2, 4 or 16; absent: chosen by job/frame/auto_samples.h
   std::optional<Background> background;  // absent: chosen by backgroundOf
   Mode mode{};
-  double attenuation = kAttenuation;       // of Mode::kAttenuatedMip. unit: per voxel
-  std::vector<glm::dvec3> channel_colors;  // of several projected volumes with "auto", in their order
+  double attenuation = kAttenuation;       // strength of attenuated MIP. unit: per voxel
+  std::vector<glm::dvec3> channel_colors;  // color of each projected volume, in order of the volumes, with "auto"
   Aovs aovs;
   CameraSpec camera;
   Fit fit = Fit::kVisible;       // the box that a camera without an eye fits into the picture
@@ -175,7 +175,7 @@ struct RenderJob {
   /// All of several volumes; `volume` is then the first's. The picture's transfer function, window and region and the
   /// animation's functions then say nothing.
   std::vector<VolumeOptions> volumes;
-  Companions companions;  // of `volume`, if it is the only one
+  Companions companions;  // masks and colors of `volume`, if alone
   PictureOptions picture;
   Animation animation;
   std::vector<int> frames;  // in the order of drawing; empty: all frames of the animation

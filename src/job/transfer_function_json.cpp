@@ -14,7 +14,7 @@
 namespace kiln {
 namespace {
 
-// Whether numbers of colours are sRGB. A document without a number of its format has format 1.
+// True if numbers of colours are sRGB. A document without a number of its format has format 1.
 bool hasSrgbNumbers(const JobObject& function) {
   if (const auto place = function.choice("colorSpace", kColorSpaceNames)) return *place == 1;
   return function.format().value_or(1) >= 2;

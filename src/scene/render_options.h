@@ -59,7 +59,7 @@ inline constexpr double kSampleDistance = 0.5, kLeastSampleDistance = 0.25, kMos
 enum class Mode { kComposite, kMip, kMinip, kAverage, kAttenuatedMip };
 inline constexpr std::array<std::string_view, 5> kModeNames = {"composite", "mip", "minip", "average",
                                                                "attenuated-mip"};
-/// Attenuation of Mode::kAttenuatedMip by the greatest value, by default. unit: per voxel of level 0.
+/// Attenuation of attenuated MIP by the greatest value, by default. unit: per voxel of level 0.
 inline constexpr double kAttenuation = 0.05;
 
 /// The light behind the volume: linear, premultiplied, in equal steps from the middle of the top pixel row to the

@@ -6,7 +6,7 @@
 
 #include "base/thread/parallel.h"
 #include "frame/empty_frame.h"
-#include "job/frame_scene.h"
+#include "job/frame/frame_scene.h"
 #include "job/job_facts.h"
 #include "sequence/frame_requests.h"
 #include "sequence/opened_job.h"

@@ -18,7 +18,7 @@ Annotators annotatorsOf(const RenderJob& job, const DrawnFrame& drawn) {
   picture.pixels = drawnPixels(scene.picture.size, scene.picture.crop);
   picture.background = backgroundOf(scene.picture, scene.transfer_function);
   picture.shown = scene.shown;
-  picture.projected = scene.picture.mode != Mode::kComposite;
+  picture.projected = !engineOf(scene.picture).capabilities().composites;
   picture.has_depth = hidesOutline(job);
   picture.box = scene.box;
   picture.clipping = scene.picture.clipping;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "frame/pass/frame_request.h"
-#include "job/frame_scene.h"
+#include "job/frame/frame_scene.h"
 #include "job/render_job.h"
 
 namespace kiln {

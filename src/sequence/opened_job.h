@@ -13,7 +13,7 @@
 #include "frame/render_frame.h"
 #include "frame/statistics.h"
 #include "image/image.h"
-#include "job/frame_scene.h"
+#include "job/frame/frame_scene.h"
 #include "job/render_job.h"
 #include "ranks/shared_reads.h"
 #include "sequence/opened_volumes.h"

@@ -11,8 +11,8 @@
 #include "companion/label_mask.h"
 #include "frame/pass/frame_request.h"
 #include "grid/shared_world.h"
+#include "job/frame/series_look.h"
 #include "job/job_facts.h"
-#include "job/series_look.h"
 #include "job/transfer_function_choice.h"
 
 namespace kiln {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/hash.h"
-#include "job/frame_scene.h"
+#include "job/frame/frame_scene.h"
 #include "job/render_job.h"
 #include "store/store_reader.h"
 

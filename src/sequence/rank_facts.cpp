@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "job/frame/frame_scene.h"
 #include "job/frame_list.h"
-#include "job/frame_scene.h"
 #include "job/job_facts.h"
 #include "job/job_names.h"
 #include "sequence/frame_files.h"

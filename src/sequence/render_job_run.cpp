@@ -6,7 +6,7 @@
 #include "base/thread/trace.h"
 #include "frame/empty_frame.h"
 #include "frame/pass/frame_progress.h"
-#include "job/frame_scene.h"
+#include "job/frame/frame_scene.h"
 #include "job/job_facts.h"
 #include "sequence/frame_files.h"
 #include "sequence/opened_job.h"

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "cluster/ranks.h"
-#include "job/series_look.h"
+#include "job/frame/series_look.h"
 #include "sequence/sequence_frames.h"
 
 namespace kiln {

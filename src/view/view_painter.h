@@ -12,7 +12,7 @@
 #include "base/progress.h"
 #include "cache/brick_cache.h"
 #include "frame/frame_memory.h"
-#include "job/frame_scene.h"
+#include "job/frame/frame_scene.h"
 #include "sequence/opened_job.h"
 #include "sequence/opened_volumes.h"
 

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "convert/convert.h"
-#include "engine/pixel/load_patch.h"
 #include "engine/pixel/pixel_engine.h"
 #include "engine/pixel/ray_caster.h"
+#include "engine/pixel/voxels/load_patch.h"
 #include "engine/voxel/gather_voxels.h"
 #include "engine/voxel/tile_walk.h"
 #include "engine/voxel/voxel_engine.h"

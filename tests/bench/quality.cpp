@@ -16,7 +16,7 @@
 #include "frame/render_frame.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
-#include "job/auto_samples.h"
+#include "job/frame/auto_samples.h"
 #include "job/job_names.h"
 #include "support/reference/contact_sheet.h"
 #include "support/reference/quality_scenes.h"

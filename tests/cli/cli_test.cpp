@@ -19,13 +19,13 @@
 #include "image/compare.h"
 #include "image/file/image_file.h"
 #include "store/store_reader.h"
+#include "support/files/foreign_files.h"
+#include "support/files/vdb_files.h"
 #include "support/system/run_tool.h"
 #include "support/system/text_of.h"
-#include "support/volumes/foreign_files.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/random_scene.h"
 #include "support/volumes/test_store.h"
-#include "support/volumes/vdb_files.h"
 
 namespace kiln::test {
 namespace {
@@ -302,10 +302,10 @@ TEST_F(Cli, StatisticsHaveTheKeysOfTheContract) {
   }
   EXPECT_EQ(stats["bricks"]["total"], 4);
   EXPECT_EQ(stats["memory"]["budget_bytes"], 2ull << 30);
-  EXPECT_EQ(stats["memory"]["budget_bytes"],
-            sumOf(stats["memory"], {"cache_bytes", "framebuffer_bytes", "visibility_bytes", "index_bytes",
-                                    "slabs_bytes", "shadows_bytes", "functions_bytes", "trace_bytes", "files_bytes",
-                                    "threads_bytes"}));
+  EXPECT_EQ(
+      stats["memory"]["budget_bytes"],
+      sumOf(stats["memory"], {"cache_bytes", "framebuffer_bytes", "visibility_bytes", "index_bytes", "slabs_bytes",
+                              "shadows_bytes", "functions_bytes", "trace_bytes", "files_bytes", "threads_bytes"}));
   EXPECT_LE(stats["memory"]["peak_cache_bytes"], stats["memory"]["cache_bytes"]);
 }
 

@@ -10,12 +10,12 @@
 
 #include "base/file/file.h"
 #include "image/file/image_file.h"
+#include "support/files/foreign_files.h"
+#include "support/files/tiff_files.h"
 #include "support/reference/drawing.h"
 #include "support/system/text_of.h"
 #include "support/system/tool_test.h"
-#include "support/volumes/foreign_files.h"
 #include "support/volumes/procedural.h"
-#include "support/volumes/tiff_files.h"
 
 namespace kiln::test {
 namespace {

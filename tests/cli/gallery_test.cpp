@@ -1,6 +1,6 @@
 // The sheet of thumbnails. Known: each thumbnail is the picture that the options beside it draw, over the sheet's
 // paper.
-#include "sequence/gallery.h"
+#include "sequence/sheet/gallery.h"
 
 #include <gtest/gtest.h>
 

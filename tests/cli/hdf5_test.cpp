@@ -3,9 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "support/files/hdf5_files.h"
+#include "support/files/zarr_files.h"
 #include "support/system/tool_test.h"
-#include "support/volumes/hdf5_files.h"
-#include "support/volumes/zarr_files.h"
 
 namespace kiln::test {
 namespace {

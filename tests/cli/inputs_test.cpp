@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "base/file/file.h"
+#include "support/files/dicom_files.h"
+#include "support/files/foreign_files.h"
+#include "support/files/tiff_files.h"
+#include "support/files/vdb_files.h"
 #include "support/system/tool_test.h"
-#include "support/volumes/dicom_files.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/tiff_files.h"
-#include "support/volumes/vdb_files.h"
 
 namespace kiln::test {
 namespace {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "image/file/image_file.h"
+#include "support/files/zarr_files.h"
 #include "support/system/tool_test.h"
-#include "support/volumes/zarr_files.h"
 
 namespace kiln::test {
 namespace {

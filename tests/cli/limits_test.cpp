@@ -7,10 +7,10 @@
 #include <set>
 
 #include "base/file/file.h"
+#include "support/files/foreign_files.h"
+#include "support/files/tiff_files.h"
 #include "support/system/sanitized.h"
 #include "support/system/tool_test.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/tiff_files.h"
 
 namespace kiln::test {
 namespace {

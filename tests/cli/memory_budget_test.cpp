@@ -11,21 +11,21 @@
 #include <vector>
 
 #include "base/file/file.h"
+#include "support/files/amira_files.h"
+#include "support/files/dicom_files.h"
+#include "support/files/foreign_files.h"
+#include "support/files/hdf5_files.h"
+#include "support/files/mrc_mgh_files.h"
+#include "support/files/nifti_files.h"
+#include "support/files/npy_files.h"
+#include "support/files/packed_bytes.h"
+#include "support/files/picture_files.h"
+#include "support/files/tiff_files.h"
+#include "support/files/vti_files.h"
+#include "support/files/zarr_files.h"
 #include "support/system/run_tool.h"
 #include "support/system/sanitized.h"
-#include "support/volumes/amira_files.h"
-#include "support/volumes/dicom_files.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/hdf5_files.h"
-#include "support/volumes/mrc_mgh_files.h"
-#include "support/volumes/nifti_files.h"
-#include "support/volumes/npy_files.h"
-#include "support/volumes/packed_bytes.h"
-#include "support/volumes/picture_files.h"
 #include "support/volumes/test_store.h"
-#include "support/volumes/tiff_files.h"
-#include "support/volumes/vti_files.h"
-#include "support/volumes/zarr_files.h"
 
 namespace kiln::test {
 namespace {

@@ -9,15 +9,15 @@
 #include <limits>
 
 #include "base/file/file.h"
+#include "support/files/foreign_files.h"
+#include "support/files/nifti_files.h"
+#include "support/files/npy_files.h"
+#include "support/files/tiff_files.h"
+#include "support/files/vdb_files.h"
+#include "support/files/zarr_files.h"
 #include "support/system/text_of.h"
 #include "support/system/tool_test.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/nifti_files.h"
-#include "support/volumes/npy_files.h"
 #include "support/volumes/procedural.h"
-#include "support/volumes/tiff_files.h"
-#include "support/volumes/vdb_files.h"
-#include "support/volumes/zarr_files.h"
 
 namespace kiln::test {
 namespace {

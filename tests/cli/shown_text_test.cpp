@@ -11,8 +11,8 @@
 #include "base/text.h"
 #include "image/file/image_file.h"
 #include "store/store_reader.h"
+#include "support/files/npy_files.h"
 #include "support/system/tool_test.h"
-#include "support/volumes/npy_files.h"
 
 namespace kiln::test {
 namespace {

@@ -11,9 +11,9 @@
 #include "base/file/file.h"
 #include "base/file/file_lock.h"
 #include "store/store_reader.h"
+#include "support/files/foreign_files.h"
 #include "support/system/text_of.h"
 #include "support/system/tool_test.h"
-#include "support/volumes/foreign_files.h"
 #include "support/volumes/procedural.h"
 
 namespace kiln::test {

@@ -14,9 +14,9 @@
 #include "base/file/file.h"
 #include "image/compare.h"
 #include "image/file/image_file.h"
+#include "support/files/vdb_files.h"
 #include "support/reference/drawing.h"
 #include "support/system/tool_test.h"
-#include "support/volumes/vdb_files.h"
 
 namespace kiln::test {
 namespace {

@@ -12,10 +12,10 @@
 #include "convert/resume/source_state.h"
 #include "ingest/open_source.h"
 #include "store/store_reader.h"
+#include "support/files/foreign_files.h"
 #include "support/system/impatient_progress.h"
 #include "support/system/text_of.h"
 #include "support/volumes/conversions.h"
-#include "support/volumes/foreign_files.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
 

@@ -5,8 +5,8 @@
 #include <map>
 
 #include "ingest/open_source.h"
+#include "support/files/foreign_files.h"
 #include "support/volumes/conversions.h"
-#include "support/volumes/foreign_files.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {

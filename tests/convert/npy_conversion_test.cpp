@@ -5,8 +5,8 @@
 #include <random>
 
 #include "ingest/open_source.h"
+#include "support/files/npy_files.h"
 #include "support/volumes/conversions.h"
-#include "support/volumes/npy_files.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {

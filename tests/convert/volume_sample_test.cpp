@@ -11,7 +11,7 @@
 #include "ingest/open_source.h"
 #include "ingest/source/wrapped_source.h"
 #include "store/manifest/read_manifest.h"
-#include "support/volumes/foreign_files.h"
+#include "support/files/foreign_files.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {

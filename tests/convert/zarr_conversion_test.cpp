@@ -9,10 +9,10 @@
 #include "convert/plan.h"
 #include "ingest/open_source.h"
 #include "store/manifest/read_manifest.h"
+#include "support/files/zarr_files.h"
 #include "support/system/impatient_progress.h"
 #include "support/volumes/conversions.h"
 #include "support/volumes/test_store.h"
-#include "support/volumes/zarr_files.h"
 
 namespace kiln::test {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "image/compare.h"
 #include "image/file/image_file.h"
-#include "job/auto_samples.h"
+#include "job/frame/auto_samples.h"
 #include "store/store_reader.h"
 #include "support/reference/contact_sheet.h"
 #include "support/reference/drawing.h"

@@ -1,6 +1,6 @@
 // Ranges that a table reports as soft. Known because the functions consist of a few straight lines with a readable
 // total change.
-#include "engine/pixel/sample_table.h"
+#include "engine/pixel/voxels/sample_table.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "ingest/codec/blosc_frame.h"
-#include "support/volumes/foreign_files.h"
+#include "support/files/foreign_files.h"
 
 namespace kiln::test {
 namespace {

@@ -18,9 +18,9 @@
 #include "ingest/open_source.h"
 #include "store/brick_index.h"
 #include "store/manifest/read_manifest.h"
+#include "support/files/foreign_files.h"
 #include "support/system/faulty_file_system.h"
 #include "support/system/impatient_progress.h"
-#include "support/volumes/foreign_files.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
 

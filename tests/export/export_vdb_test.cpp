@@ -17,10 +17,10 @@
 #include "ingest/open_source.h"
 #include "ingest/source/formats.h"
 #include "store/store_writer.h"
+#include "support/files/nifti_files.h"
+#include "support/files/vdb_files.h"
 #include "support/system/expect_error.h"
 #include "support/system/faulty_file_system.h"
-#include "support/volumes/nifti_files.h"
-#include "support/volumes/vdb_files.h"
 
 namespace kiln {
 namespace {

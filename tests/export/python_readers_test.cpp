@@ -5,8 +5,8 @@
 #include "base/progress.h"
 #include "export/export_store.h"
 #include "store/store_reader.h"
+#include "support/files/foreign_files.h"
 #include "support/system/run_python.h"
-#include "support/volumes/foreign_files.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
 

@@ -12,12 +12,12 @@
 
 #include "image/compare.h"
 #include "image/file/image_file.h"
+#include "support/files/foreign_files.h"
 #include "support/reference/contact_sheet.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"
 #include "support/reference/quality_scenes.h"
 #include "support/reference/reference_renderer.h"
-#include "support/volumes/foreign_files.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "ingest/open_source.h"
-#include "support/volumes/amira_files.h"
-#include "support/volumes/foreign_files.h"
+#include "support/files/amira_files.h"
+#include "support/files/foreign_files.h"
 
 namespace kiln::test {
 namespace {

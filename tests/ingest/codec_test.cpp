@@ -11,9 +11,9 @@
 #include "base/error.h"
 #include "ingest/codec/byte_codec.h"
 #include "ingest/codec/byte_shuffle.h"
+#include "support/files/foreign_files.h"
+#include "support/files/packed_bytes.h"
 #include "support/system/sanitized.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/packed_bytes.h"
 
 namespace kiln::test {
 namespace {

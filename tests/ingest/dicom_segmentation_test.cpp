@@ -4,8 +4,8 @@
 
 #include "ingest/open_source.h"
 #include "ingest/volume_list.h"
-#include "support/volumes/dicom_files.h"
-#include "support/volumes/foreign_files.h"
+#include "support/files/dicom_files.h"
+#include "support/files/foreign_files.h"
 
 namespace kiln::test {
 namespace {

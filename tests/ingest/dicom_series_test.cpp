@@ -9,8 +9,8 @@
 
 #include "base/error.h"
 #include "ingest/open_source.h"
-#include "support/volumes/dicom_files.h"
-#include "support/volumes/foreign_files.h"
+#include "support/files/dicom_files.h"
+#include "support/files/foreign_files.h"
 
 namespace kiln::test {
 namespace {

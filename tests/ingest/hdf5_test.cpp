@@ -7,9 +7,9 @@
 
 #include "ingest/open_source.h"
 #include "ingest/volume_list.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/hdf5_files.h"
-#include "support/volumes/packed_bytes.h"
+#include "support/files/foreign_files.h"
+#include "support/files/hdf5_files.h"
+#include "support/files/packed_bytes.h"
 
 namespace kiln::test {
 namespace {

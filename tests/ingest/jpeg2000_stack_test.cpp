@@ -6,8 +6,8 @@
 
 #include "ingest/open_source.h"
 #include "ingest/volume_list.h"
+#include "support/files/picture_files.h"
 #include "support/system/sanitized.h"
-#include "support/volumes/picture_files.h"
 
 namespace kiln::test {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "ingest/open_source.h"
-#include "support/volumes/foreign_files.h"
+#include "support/files/foreign_files.h"
 
 namespace kiln::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "ingest/open_source.h"
-#include "support/volumes/foreign_files.h"
+#include "support/files/foreign_files.h"
 
 namespace kiln::test {
 namespace {

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "ingest/open_source.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/header_writer.h"
-#include "support/volumes/mrc_mgh_files.h"
+#include "support/files/foreign_files.h"
+#include "support/files/header_writer.h"
+#include "support/files/mrc_mgh_files.h"
 
 namespace kiln::test {
 namespace {

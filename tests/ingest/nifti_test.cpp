@@ -11,8 +11,8 @@
 #include "base/error.h"
 #include "ingest/open_source.h"
 #include "ingest/source/formats.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/nifti_files.h"
+#include "support/files/foreign_files.h"
+#include "support/files/nifti_files.h"
 
 namespace kiln {
 namespace {

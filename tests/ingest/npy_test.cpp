@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "ingest/open_source.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/npy_files.h"
+#include "support/files/foreign_files.h"
+#include "support/files/npy_files.h"
 
 namespace kiln::test {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstring>
 
 #include "ingest/open_source.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/packed_bytes.h"
+#include "support/files/foreign_files.h"
+#include "support/files/packed_bytes.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "ingest/open_source.h"
-#include "support/volumes/picture_files.h"
+#include "support/files/picture_files.h"
 
 namespace kiln::test {
 namespace {

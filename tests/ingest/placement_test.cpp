@@ -7,8 +7,8 @@
 #include "base/error.h"
 #include "grid/coords.h"
 #include "ingest/open_source.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/vdb_files.h"
+#include "support/files/foreign_files.h"
+#include "support/files/vdb_files.h"
 
 namespace kiln::test {
 namespace {

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "ingest/open_source.h"
+#include "support/files/foreign_files.h"
 #include "support/system/run_python.h"
-#include "support/volumes/foreign_files.h"
 
 namespace kiln::test {
 namespace {

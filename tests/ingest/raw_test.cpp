@@ -6,7 +6,7 @@
 
 #include "ingest/bytes/linear_source.h"
 #include "ingest/open_source.h"
-#include "support/volumes/foreign_files.h"
+#include "support/files/foreign_files.h"
 
 namespace kiln::test {
 namespace {

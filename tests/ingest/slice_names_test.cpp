@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "ingest/open_source.h"
-#include "support/volumes/tiff_files.h"
+#include "support/files/tiff_files.h"
 
 namespace kiln::test {
 namespace {

@@ -16,8 +16,8 @@
 #include "ingest/open_source.h"
 #include "ingest/slice_directory.h"
 #include "store/store_reader.h"
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/tiff_files.h"
+#include "support/files/foreign_files.h"
+#include "support/files/tiff_files.h"
 
 namespace kiln::test {
 namespace {

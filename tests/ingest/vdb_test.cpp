@@ -1,4 +1,4 @@
-// OpenVDB grids. Known because OpenVDB's own io::File and getValue read the file (tests/support/volumes/vdb_files.h),
+// OpenVDB grids. Known because OpenVDB's own io::File and getValue read the file (tests/support/files/vdb_files.h),
 // or because the grid is filled here with a known function of the coordinate.
 #include <gtest/gtest.h>
 
@@ -13,9 +13,9 @@
 #include "base/file/file.h"
 #include "base/memory/memory.h"
 #include "ingest/source/formats.h"
+#include "support/files/nifti_files.h"
+#include "support/files/vdb_files.h"
 #include "support/system/sanitized.h"
-#include "support/volumes/nifti_files.h"
-#include "support/volumes/vdb_files.h"
 
 namespace kiln {
 namespace {

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "ingest/open_source.h"
-#include "support/volumes/dicom_files.h"
-#include "support/volumes/picture_files.h"
-#include "support/volumes/tiff_files.h"
+#include "support/files/dicom_files.h"
+#include "support/files/picture_files.h"
+#include "support/files/tiff_files.h"
 
 namespace kiln::test {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <cstring>
 
-#include "support/volumes/foreign_files.h"
-#include "support/volumes/header_writer.h"
-#include "support/volumes/nifti_files.h"
+#include "support/files/foreign_files.h"
+#include "support/files/header_writer.h"
+#include "support/files/nifti_files.h"
 
 namespace kiln::test {
 namespace {

@@ -9,8 +9,8 @@
 #include <random>
 
 #include "ingest/open_source.h"
-#include "support/volumes/packed_bytes.h"
-#include "support/volumes/zarr_files.h"
+#include "support/files/packed_bytes.h"
+#include "support/files/zarr_files.h"
 
 namespace kiln::test {
 namespace {

@@ -1,9 +1,9 @@
 // Default number of samples a pixel, for cameras with voxels of a known size in pixels.
-#include "job/auto_samples.h"
+#include "job/frame/auto_samples.h"
 
 #include <gtest/gtest.h>
 
-#include "job/frame_scene.h"
+#include "job/frame/frame_scene.h"
 #include "scene/camera/framing.h"
 
 namespace kiln::test {

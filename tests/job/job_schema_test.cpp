@@ -1,6 +1,6 @@
 // The schema is generated from the parser's own tables. Still tested: its references resolve, and a place in a job maps
 // to its line.
-#include "job/job_schema.h"
+#include "job/command/job_schema.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The joined volume of a time series. Known because boxes, ranges and counts of all frames are given.
-#include "job/series_look.h"
+#include "job/frame/series_look.h"
 
 #include <gtest/gtest.h>
 

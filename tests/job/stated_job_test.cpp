@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "job/job_command.h"
+#include "job/command/job_command.h"
 #include "job/job_facts.h"
 
 namespace kiln {

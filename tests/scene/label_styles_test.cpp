@@ -10,7 +10,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "engine/pixel/sample_table.h"
+#include "engine/pixel/voxels/sample_table.h"
 #include "image/srgb.h"
 #include "job/transfer_function_choice.h"
 #include "job/transfer_function_json.h"

@@ -21,10 +21,10 @@
 #include "store/codec/brick_codec.h"
 #include "store/codec/brick_file.h"
 #include "store/ranges/minmax_octree.h"
+#include "support/files/foreign_files.h"
+#include "support/files/vdb_files.h"
 #include "support/system/sanitized.h"
-#include "support/volumes/foreign_files.h"
 #include "support/volumes/test_store.h"
-#include "support/volumes/vdb_files.h"
 
 namespace kiln::test {
 namespace {

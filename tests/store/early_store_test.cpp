@@ -11,13 +11,13 @@
 #include "base/hash.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"
+#include "support/files/vdb_files.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"
 #include "support/system/text_of.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/random_scene.h"
 #include "support/volumes/test_store.h"
-#include "support/volumes/vdb_files.h"
 
 namespace kiln::test {
 namespace {

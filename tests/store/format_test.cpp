@@ -16,13 +16,13 @@
 #include "grid/pyramid.h"
 #include "store/store_reader.h"
 #include "store/store_writer.h"
+#include "support/files/foreign_files.h"
+#include "support/files/vdb_files.h"
 #include "support/reference/drawing.h"
-#include "support/volumes/foreign_files.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/random_scene.h"
 #include "support/volumes/sub_bricks.h"
 #include "support/volumes/test_store.h"
-#include "support/volumes/vdb_files.h"
 
 namespace kiln::test {
 namespace {

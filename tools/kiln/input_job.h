@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "foreign_store.h"
-#include "job/given_flags.h"
+#include "job/command/given_flags.h"
 #include "job/render_job.h"
 
 namespace kiln::tool {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "job/given_flags.h"
+#include "job/command/given_flags.h"
 
 namespace kiln::tool {
 

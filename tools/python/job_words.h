@@ -8,7 +8,7 @@
 
 #include "convert/convert.h"
 #include "ingest/source_words.h"
-#include "job/given_flags.h"
+#include "job/command/given_flags.h"
 #include "python/call.h"
 
 namespace kiln::python {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "job/given_flags.h"
+#include "job/command/given_flags.h"
 #include "python/call.h"
 #include "sequence/frame_files.h"
 #include "store/bricked_volume.h"

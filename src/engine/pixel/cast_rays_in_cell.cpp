@@ -6,8 +6,8 @@
 #include <type_traits>
 
 #include "engine/pixel/finish_sample.h"
-#include "engine/pixel/mask_voxels.h"
 #include "engine/pixel/slab_layer.h"
+#include "engine/pixel/voxels/mask_voxels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/pixel/cast_rays_in_cell.cpp"

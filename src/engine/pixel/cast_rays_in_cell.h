@@ -14,10 +14,10 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-#include "engine/pixel/load_patch.h"
 #include "engine/pixel/ray_sampling.h"
 #include "engine/pixel/slab_context.h"
 #include "engine/pixel/slab_sums.h"
+#include "engine/pixel/voxels/load_patch.h"
 #include "engine/shared/tile_pixels.h"
 #include "image/pixel_rect.h"
 #include "scene/clip_region.h"

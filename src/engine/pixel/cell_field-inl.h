@@ -21,9 +21,9 @@
 #include <optional>
 
 #include "engine/pixel/cast_rays_in_cell.h"
-#include "engine/pixel/label_voxels.h"
-#include "engine/pixel/load_patch.h"
 #include "engine/pixel/visible_spaces-inl.h"
+#include "engine/pixel/voxels/label_voxels.h"
+#include "engine/pixel/voxels/load_patch.h"
 #include "engine/shared/cubic_weights.h"
 #include "engine/shared/sample_math-inl.h"
 
@@ -273,8 +273,8 @@ class CubicCellField {
   const Interpolation interpolation_;
 };
 
-// Table positions of labels (engine/pixel/label_voxels.h), each interpolated by itself. Gradients are the B-spline's,
-// of opacities that were smoothed before.
+// Table positions of labels (engine/pixel/voxels/label_voxels.h), each interpolated by itself. Gradients are the
+// B-spline's, of opacities that were smoothed before.
 class LabelCellField {
  public:
   LabelCellField(const SampleLattice& lattice, const CellInput& in, CellSamples& samples)

@@ -10,7 +10,7 @@
 
 #include <hwy/highway.h>
 
-#include "engine/pixel/sample_lattice.h"
+#include "engine/pixel/voxels/sample_lattice.h"
 #include "engine/shared/sample_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -12,7 +12,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/pixel/sample_table.h"
+#include "engine/pixel/voxels/sample_table.h"
 #include "scene/clip_region.h"
 #include "scene/clipping.h"
 #include "traverse/frame_levels.h"

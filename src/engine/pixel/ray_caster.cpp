@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "engine/pixel/cast_rays_in_cell.h"
-#include "engine/pixel/color_patch.h"
-#include "engine/pixel/label_voxels.h"
-#include "engine/pixel/load_patch.h"
-#include "engine/pixel/mask_voxels.h"
+#include "engine/pixel/voxels/color_patch.h"
+#include "engine/pixel/voxels/label_voxels.h"
+#include "engine/pixel/voxels/load_patch.h"
+#include "engine/pixel/voxels/mask_voxels.h"
 
 namespace kiln {
 namespace {

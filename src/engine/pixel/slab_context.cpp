@@ -5,7 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "engine/pixel/label_voxels.h"
+#include "engine/pixel/voxels/label_voxels.h"
 #include "engine/shared/view_box.h"
 
 namespace kiln {

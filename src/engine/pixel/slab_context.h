@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "engine/pixel/cut_faces.h"
-#include "engine/pixel/load_patch.h"
-#include "engine/pixel/sample_table.h"
+#include "engine/pixel/voxels/load_patch.h"
+#include "engine/pixel/voxels/sample_table.h"
 #include "engine/shared/end_voxels.h"
 #include "engine/shared/shade.h"
 #include "engine/shared/slab_grid.h"

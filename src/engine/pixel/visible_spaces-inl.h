@@ -18,8 +18,8 @@
 #include <cstring>
 #include <limits>
 
-#include "engine/pixel/load_patch.h"
-#include "engine/pixel/sample_lattice.h"
+#include "engine/pixel/voxels/load_patch.h"
+#include "engine/pixel/voxels/sample_lattice.h"
 #include "engine/shared/sample_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "engine/pixel/load_patch.h"
+#include "engine/pixel/voxels/load_patch.h"
 
 namespace kiln::test {
 

@@ -10,7 +10,7 @@
 #include "image/file/image_file.h"
 #include "output_files.h"
 #include "say.h"
-#include "sequence/gallery.h"
+#include "sequence/sheet/gallery.h"
 #include "store/store_reader.h"
 
 namespace kiln::tool {

@@ -1,6 +1,6 @@
 #include "commands.h"
 #include "examples.h"
-#include "job/job_schema.h"
+#include "job/command/job_schema.h"
 #include "say.h"
 
 namespace kiln::tool {

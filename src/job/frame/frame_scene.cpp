@@ -1,0 +1,290 @@
+#include "job/frame/frame_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <variant>
+
+#include "base/error.h"
+#include "base/file/path_name.h"
+#include "engine/shown_box.h"
+#include "grid/length_unit.h"
+#include "job/animation.h"
+#include "job/frame/auto_samples.h"
+#include "job/frame/series_look.h"
+#include "job/job_facts.h"
+#include "job/transfer_function_choice.h"
+#include "scene/annotation_text.h"
+#include "scene/camera/camera_path.h"
+#include "scene/camera/framing.h"
+#include "scene/scene_limits.h"
+#include "scene/transfer/display_map.h"
+#include "scene/transfer/label_styles.h"
+#include "scene/transfer/presets.h"
+#include "scene/transfer/transfer_function_fade.h"
+#include "scene/volume_part.h"
+
+namespace kiln {
+
+namespace {
+
+// Between a function of surfaces and a function of points there is no transition.
+void requireSurfacesInAllOrNone(const std::vector<TransferFunction>& keys) {
+  for (const TransferFunction& function : keys) {
+    if (function.surfaces.empty() != keys.front().surfaces.empty())
+      throw Error(
+          ErrorCode::kUsage,
+          "transferFunction.keyframes: expected surfaces in each key or in none; write solid:VALUE for iso:VALUE");
+  }
+}
+
+// Regions of neighbouring keys are drawn together.
+void requireFewRegions(const std::vector<TransferFunction>& keys) {
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    const std::size_t together = keys[i - 1].regions.size() + keys[i].regions.size();
+    if (regionsFade(keys[i - 1], keys[i]) && together > kMostRegions)
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("transferFunction.keyframes: at most {} regions in two neighbouring keys, which fade into "
+                      "each other (found {}); merge regions, or write equal regions in both keys",
+                      kMostRegions, together));
+  }
+}
+
+}  // namespace
+
+TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
+                             const Manifest& manifest, const std::optional<glm::dvec3>& color) {
+  const EngineChoice engine = engineOf(picture);
+  if (manifest.volume_class == VolumeClass::kLabels)
+    requireCapability(engine, &EngineCapabilities::labels, "--mode: a volume of labels needs", "leave --mode out");
+  const auto* const name = std::get_if<std::string>(&choice);
+  if (engine.capabilities().composites || name == nullptr || *name != "auto") {
+    TransferFunction function = resolve(choice, picture.window, manifest);
+    requireSurfaces(engine, function);
+    return function;
+  }
+  return resolve(displayRamp(manifest, color), picture.window, manifest);
+}
+
+ShownFunction shownFunction(const std::filesystem::path& file, const TransferFunction& function,
+                            const Manifest& manifest) {
+  ShownFunction out{withoutTrailingSlash(file).stem().string(), function, manifest.range};
+  if (const auto counted = labelsOf(manifest)) {
+    out.labels.emplace();
+    for (const LabelCount& label : *counted) out.labels->push_back(label.label);
+  }
+  return out;
+}
+
+namespace {
+
+// Colours of channels whose store declares none, as napari gives them: two, three, or more in turn.
+glm::dvec3 paletteColor(std::size_t channel, std::size_t channels) {
+  constexpr glm::dvec3 kRed(1, 0, 0), kGreen(0, 1, 0), kBlue(0, 0, 1), kCyan(0, 1, 1), kYellow(1, 1, 0),
+      kMagenta(1, 0, 1);
+  static const std::array<glm::dvec3, 2> kTwo = {kMagenta, kGreen};
+  static const std::array<glm::dvec3, 3> kThree = {kRed, kGreen, kBlue};
+  static const std::array<glm::dvec3, 6> kMore = {kCyan, kYellow, kMagenta, kRed, kGreen, kBlue};
+  return channels == 2 ? kTwo[channel] : channels == 3 ? kThree[channel] : kMore[channel % kMore.size()];
+}
+
+// The colour of a channel with an automatic function; nothing for the colour of its own look.
+std::optional<glm::dvec3> channelColor(const RenderJob& job, std::size_t channel, const Manifest& manifest) {
+  const std::vector<glm::dvec3>& colors = job.picture.channel_colors;
+  if (channel < colors.size()) return colors[channel];
+  if (job.volumes.size() < 2 || manifest.look.ramp) return std::nullopt;
+  return paletteColor(channel, job.volumes.size());
+}
+
+VolumeGeometry boxOfAll(const std::vector<const Manifest*>& manifests) {
+  std::vector<VolumeGeometry> volumes;
+  for (const Manifest* const manifest : manifests) volumes.push_back(manifest->geometry());
+  return boxAround(volumes);
+}
+
+// The texts of placeholders, in their order.
+PlaceholderTexts textsOfFrame(const RenderJob& job, int frame, const Manifest& manifest) {
+  const double time_s = (frame - 1) / job.output.video.rate.perSecond();
+  const Extent3& dims = manifest.geometry().dims;
+  return {fmt::format("{}", frame),
+          fmt::format("{:.2f}", time_s),
+          withoutTrailingSlash(job.volume).stem().string(),
+          shownUnit(manifest.geometry().unit),
+          fmt::format("{:g}", manifest.range.lo),
+          fmt::format("{:g}", manifest.range.hi),
+          fmt::format("{} × {} × {}", dims.x, dims.y, dims.z)};
+}
+
+Clipping withPlanes(Clipping clipping, const std::vector<ClipPlane>& planes) {
+  clipping.planes.insert(clipping.planes.end(), planes.begin(), planes.end());
+  return clipping;
+}
+
+std::vector<const Manifest*> looksOf(const RenderJob& job, const std::vector<const Manifest*>& manifests) {
+  if (!job.series) return manifests;
+  std::vector<const Manifest*> out;
+  for (const Manifest& look : job.series->volumes) out.push_back(&look);
+  for (std::size_t i = 0; i < manifests.size(); ++i) {
+    const bool labels = manifests[i]->volume_class == VolumeClass::kLabels;
+    if (labels != (out.at(i)->volume_class == VolumeClass::kLabels))
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("a time series: this frame's volume holds {}, and its first frame's {}; "
+                              "convert all with --labels, or none",
+                              labels ? "labels" : "amounts", labels ? "amounts" : "labels"));
+  }
+  return out;
+}
+
+}  // namespace
+
+SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const ShownBoxOf& shown_box)
+    : job_(job),
+      manifests_(std::move(manifests)),
+      looks_(looksOf(job, manifests_)),
+      geometry_(boxOfAll(looks_)),
+      framed_(geometry_) {
+  requireWorldBox(job.picture.clipping, geometry_);
+  for (std::size_t i = 0; i < job.volumes.size(); ++i) requireWorldBox(job.volumes[i].clipping, looks_[i]->geometry());
+  PictureOptions still = job.picture;
+  const auto add = [&](const std::vector<Key<TransferFunctionChoice>>& keys, const TransferFunctionChoice& choice,
+                       const Manifest& manifest, const std::optional<glm::dvec3>& color) {
+    Functions out{&keys, {}};
+    for (const auto& key : keys) out.values.push_back(resolvedFor(still, key.value, manifest, color));
+    if (keys.empty()) out.values.push_back(resolvedFor(still, choice, manifest, color));
+    requireSurfacesInAllOrNone(out.values);
+    requireFewRegions(out.values);
+    functions_.push_back(std::move(out));
+  };
+  if (job.volumes.empty()) add(job.animation.functions, still.transfer_function, *looks_.front(), {});
+  for (std::size_t i = 0; i < job.volumes.size(); ++i) {
+    const VolumeOptions& volume = job.volumes[i];
+    still.window = volume.window;
+    add(volume.functions, volume.transfer_function, *looks_[i], channelColor(job, i, *looks_[i]));
+  }
+  framed_ = framedBox(shown_box);
+}
+
+// Planes that move are left out: the box is the same in all frames.
+Clipping SceneOfJob::clippingOf(std::size_t volume) const {
+  const Clipping& common = job_.picture.clipping;
+  return job_.volumes.empty() ? common : withPlanes(job_.volumes[volume].clipping, common.planes);
+}
+
+FramedBox SceneOfJob::framedBox(const ShownBoxOf& shown_box) const {
+  const Fit fit = job_.picture.fit;
+  if (fit == Fit::kBox || job_.series || !isFramed(job_.animation.camera, job_.picture.camera)) return geometry_;
+  const bool visible = fit == Fit::kVisible && shown_box && engineOf(job_).capabilities().composites;
+  std::vector<VolumeGeometry> boxes;
+  for (std::size_t i = 0; i < manifests_.size(); ++i) {
+    const VolumeGeometry volume = manifests_[i]->geometry();
+    const Clipping clipping = clippingOf(i);
+    const VolumeGeometry box =
+        visible ? shown_box(i, functions_[i].values, clipping) : partOf(volume, boxOfClip(volume, clipping));
+    if (box.dims.count() > 0) boxes.push_back(box);
+  }
+  return boxes.empty() ? FramedBox(geometry_) : FramedBox(boxAround(boxes), fit);
+}
+
+TransferFunction SceneOfJob::Functions::at(int frame) const {
+  if (values.size() == 1) return values.front();
+  const auto [i, t] = mixAt(KeyTimes(*keys), frame);
+  return faded(values[i], values[i + 1], t);
+}
+
+std::uint64_t SceneOfJob::functionBytes() const {
+  // Measured: the JSON of a header's text takes most of an entry's memory.
+  constexpr std::uint64_t kOfEntry = 2048, kOfNameByte = 16, kOfNode = 256;
+  // The grid that kernels look up instead of regions.
+  constexpr std::uint64_t kOfGrid = 6u << 20;
+  std::uint64_t out = 0;
+  for (const Functions& of_volume : functions_) {
+    for (const TransferFunction& function : of_volume.values) {
+      out += kOfEntry * (function.points.size() + function.gradient_opacity.size() + function.regions.size() +
+                         function.labels.size() + function.surfaces.size());
+      out += kOfNode * function.table.opacity.size() + (function.regions.empty() ? 0 : kOfGrid);
+      for (const LabelStyle& style : function.labels) out += kOfNameByte * style.name.size();
+    }
+  }
+  return out;
+}
+
+Camera SceneOfJob::cameraOf(int frame) const {
+  return cameraAt(job_.animation.camera, job_.picture.camera, frame, framed_, job_.picture.size);
+}
+
+int SceneOfJob::samplesOf(const Camera& camera) const {
+  if (job_.picture.samples) return *job_.picture.samples;
+  return automaticSamples(job_, camera, centreOf(framed_.volume), manifests_);
+}
+
+int SceneOfJob::mostSamples() const {
+  if (job_.picture.samples) return *job_.picture.samples;
+  std::vector<int> frames = framesOf(job_);
+  if (std::holds_alternative<std::monostate>(job_.animation.camera)) frames.resize(1);
+  int most = 1;
+  for (const int frame : frames) {
+    try {
+      most = std::max(most, samplesOf(cameraOf(frame)));
+    } catch (const Error&) {
+      // Drawing the frame reports the error, with the frame's number.
+    }
+  }
+  return most;
+}
+
+std::vector<ShownFunction> SceneOfJob::shownIn(const FrameScene& scene) const {
+  std::vector<ShownFunction> out;
+  const bool single = job_.volumes.empty();
+  for (std::size_t i = 0; i < manifests_.size(); ++i) {
+    const std::filesystem::path& volume = single ? job_.volume : job_.volumes[i].volume;
+    ShownFunction shown =
+        shownFunction(volume, single ? scene.transfer_function : scene.volumes[i].transfer_function, *manifests_[i]);
+    const std::string of_section = single ? "section" : shown.name + ", section";
+    const bool own = i >= colors_.size() || !colors_[i];
+    out.push_back(own ? std::move(shown) : *colors_[i]);
+    const Clipping& clipping = single ? scene.picture.clipping : scene.volumes[i].clipping;
+    if (clipping.section && clipping.section->window) out.push_back({of_section, functionOf(*clipping.section), {}});
+  }
+  return out;
+}
+
+FrameScene SceneOfJob::at(int frame) const {
+  const Animation& animation = job_.animation;
+  FrameScene out{job_.picture, {}, functions_.front().at(frame), companions_, {}, geometry_, {}};
+  if (const auto part = std::exchange(out.picture.part, std::nullopt))
+    out.picture.clipping.part = boxOfPart(*part, manifest().geometry().dims, manifest().brick_size);
+  out.camera = cameraOf(frame);
+  out.picture.samples = samplesOf(out.camera);
+  out.picture.background = backgroundOf(out.picture, out.transfer_function);
+  const auto between = [&](const auto& keys) {
+    const auto [i, t] = mixAt(KeyTimes(keys), frame);
+    return t == 0 ? keys[i].value : mixed(keys[i].value, keys[i + 1].value, t);
+  };
+  if (!out.picture.annotations.text.empty())
+    out.picture.annotations.text = filledIn(job_.picture.annotations.text, textsOfFrame(job_, frame, manifest()));
+  if (!animation.lights.empty()) out.picture.shading.lights = between(animation.lights);
+  if (!animation.stereo.empty()) {
+    const StereoEye eye = out.picture.stereo->eye;
+    out.picture.stereo = between(animation.stereo);
+    out.picture.stereo->eye = eye;
+  }
+  if (!animation.clip.empty()) out.picture.clipping = withPlanes(out.picture.clipping, between(animation.clip));
+  if (auto& section = out.picture.clipping.section)
+    section = resolved(*section, *looks_.front(), out.transfer_function);
+  for (std::size_t i = 0; i < job_.volumes.size(); ++i) {
+    const VolumeOptions& volume = job_.volumes[i];
+    VolumeScene scene{functions_[i].at(frame), volume.shading.value_or(out.picture.shading),
+                      withPlanes(volume.clipping, out.picture.clipping.planes), manifests_[i]->world_per_own,
+                      manifests_[i]->index_checksum};
+    scene.shading.lights = out.picture.shading.lights;
+    if (auto& section = scene.clipping.section) section = resolved(*section, *looks_[i], scene.transfer_function);
+    out.volumes.push_back(std::move(scene));
+  }
+  if (out.picture.annotations.legend) out.shown = shownIn(out);
+  return out;
+}
+
+}  // namespace kiln

@@ -1,0 +1,103 @@
+// The scene of a job at one frame, with every choice for its volumes made.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "job/render_job.h"
+#include "store/manifest/manifest.h"
+
+namespace kiln {
+
+/// A volume of a scene with several volumes.
+struct VolumeScene {
+  TransferFunction transfer_function;
+  Shading shading;
+  Clipping clipping;       // includes the clipping of all volumes
+  double world_per_own;    // lengths of the picture's world per length of the volume's own world, the function's unit
+  Hash128 index_checksum;  // identifies the content of the volume
+};
+
+/// The function that colours a volume, for a legend.
+struct ShownFunction {
+  std::string name;  // name of the file that the function's values are from
+  TransferFunction function;
+  ValueRange values;                               // range of the file's values
+  std::optional<std::vector<double>> labels = {};  // labels with voxels, if they are known
+};
+
+ShownFunction shownFunction(const std::filesystem::path& file, const TransferFunction& function,
+                            const Manifest& manifest);
+
+struct FrameScene {
+  /// Samples and background are resolved. Camera and transfer function of the picture are the still picture's; the
+  /// frame uses the members below.
+  PictureOptions picture;
+  Camera camera;
+  TransferFunction transfer_function;
+  std::vector<Hash128> companions;   // index checksums of masks and volumes of colours
+  std::vector<VolumeScene> volumes;  // empty for a single volume; the first volume's function is also above
+  VolumeGeometry box;                // the box around all volumes, in the axes of the first
+  std::vector<ShownFunction> shown;  // with a legend: of each volume, or of the volume that colours it
+};
+
+/// Returns the function for `choice` in the picture, as `resolve`; where values are projected, "auto" is a ramp of
+/// grey, or of `color`.
+TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
+                             const Manifest& manifest, const std::optional<glm::dvec3>& color = {});
+
+/// Returns the box, in the picture's world, that one of the volumes fills: what its functions show inside its clipping.
+using ShownBoxOf = std::function<VolumeGeometry(std::size_t volume, const std::vector<TransferFunction>& functions,
+                                                const Clipping& clipping)>;
+
+/// The job's scenes over one volume. Files are read once.
+class SceneOfJob {
+ public:
+  /// requires: both outlive the object. throws: Error for an unreadable or unusable transfer function.
+  SceneOfJob(const RenderJob& job, const Manifest& manifest) : SceneOfJob(job, std::vector{&manifest}) {}
+  /// Takes the manifests of all volumes; a framing fits the box around all. In a time series (RenderJob::series),
+  /// framing and transfer functions are those of all frames, and a framing fits whole volumes. Without `shown_box`,
+  /// Fit::kVisible is Fit::kRegion.
+  SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const ShownBoxOf& shown_box = {});
+  /// Sets FrameScene::companions of all scenes. `colors`: one for each volume; nothing for colours of its own.
+  void accompany(std::vector<Hash128> index_checksums, std::vector<std::optional<ShownFunction>> colors) {
+    companions_ = std::move(index_checksums), colors_ = std::move(colors);
+  }
+  /// throws: Error kUsage where the camera cannot be used.
+  FrameScene at(int frame) const;
+  /// Returns the largest number of samples of all frames; frames whose camera cannot be used are left out.
+  int mostSamples() const;
+  /// Returns a volume's still function, or the functions of its keys.
+  const std::vector<TransferFunction>& functionsOf(std::size_t volume) const { return functions_[volume].values; }
+  /// Returns the memory of all functions, their copies, and their text in a picture's header. unit: bytes.
+  std::uint64_t functionBytes() const;
+
+ private:
+  // The functions of one volume.
+  struct Functions {
+    const std::vector<Key<TransferFunctionChoice>>* keys;
+    std::vector<TransferFunction> values;  // one per key, or the still function
+    TransferFunction at(int frame) const;
+  };
+  const Manifest& manifest() const { return *manifests_.front(); }
+  Clipping clippingOf(std::size_t volume) const;
+  FramedBox framedBox(const ShownBoxOf& shown_box) const;
+  std::vector<ShownFunction> shownIn(const FrameScene& scene) const;
+  Camera cameraOf(int frame) const;
+  int samplesOf(const Camera& camera) const;
+
+  const RenderJob& job_;
+  const std::vector<const Manifest*> manifests_;
+  std::vector<const Manifest*> looks_;  // the manifests that decide framing and colours: a volume's own, or its series'
+  const VolumeGeometry geometry_;       // geometry of the box around all of them
+  std::vector<Functions> functions_;    // one for each volume
+  FramedBox framed_;                    // the box that cameras fit
+  std::vector<Hash128> companions_;
+  std::vector<std::optional<ShownFunction>> colors_;  // functions of volumes that other volumes colour
+};
+
+}  // namespace kiln
