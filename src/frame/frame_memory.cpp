@@ -40,8 +40,7 @@ EngineMemory engineMemory(const RenderJob& job, const ImageSize& tile, std::int6
   const EngineChoice engine = engineOf(job);
   EngineMemory out = passMemory(engine, job.picture.aovs.normal, tile, brick_size);
   if (job.picture.shading.occlusion.strength > 0 && engine.capabilities().composites) {
-    EngineChoice of_lattice = engine;
-    of_lattice.lattice = Lattice::kPixel;
+    EngineChoice of_lattice;
     of_lattice.several_volumes = true;
     out = largestOf(out, passMemory(of_lattice, false, tile, brick_size));
   }

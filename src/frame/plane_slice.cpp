@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/thread/parallel.h"
 #include "frame/slice_palette.h"
+#include "frame/slice_statistic.h"
 #include "grid/value_range.h"
 #include "scene/half_spaces.h"
 #include "scene/transfer/display_map.h"
@@ -53,23 +54,6 @@ glm::dvec3 downOf(const glm::dvec3& normal) {
   return glm::normalize(down - glm::dot(down, normal) * normal);
 }
 
-// The sum, or the extreme value, of a pixel's samples.
-struct GatheredValue {
-  double value = 0;
-  std::uint32_t samples = 0;
-};
-
-void gather(Mode mode, double value, GatheredValue& pixel) {
-  if (std::isnan(value)) return;
-  if (mode == Mode::kAverage)
-    pixel.value += value;
-  else if (pixel.samples == 0)
-    pixel.value = value;
-  else
-    pixel.value = mode == Mode::kMip ? std::max(pixel.value, value) : std::min(pixel.value, value);
-  ++pixel.samples;
-}
-
 // Samples of a plane's pixels in the index space of a level.
 class PlaneSampler {
  public:
@@ -85,8 +69,8 @@ class PlaneSampler {
 
   // Gathers the samples whose cell belongs to the brick, of a row of pixels from `begin` to `end`.
   template <class T>
-  void addRow(const BrickBlock& block, Mode mode, std::int64_t y, std::int64_t begin, std::int64_t end,
-              GatheredValue* row) const {
+  void addRow(const BrickBlock& block, const SliceStatistic& statistic, std::int64_t y, std::int64_t begin,
+              std::int64_t end, GatheredValue* row) const {
     const T* const voxels = block.data<T>();
     for (std::int64_t x = begin; x < end; ++x) {
       for (int k = 0; k < pixels_.samples; ++k) {
@@ -100,7 +84,7 @@ class PlaneSampler {
                            static_cast<std::int64_t>(cell.z)};
         if (!block.core.contains(v)) continue;
         const T* const corner = voxels + block.offsetOf(v);
-        gather(mode, labels_ ? static_cast<double>(*corner) : trilinear(corner, block, inside - cell), row[x]);
+        statistic.add(labels_ ? static_cast<double>(*corner) : trilinear(corner, block, inside - cell), row[x]);
       }
     }
   }
@@ -153,13 +137,13 @@ PixelBox pixelsOver(const VoxelBox& core, const VolumeGeometry& level, const Pla
           bounded(std::ceil(along_x.hi) + 1, pixels.width), bounded(std::ceil(along_y.hi) + 1, pixels.height)};
 }
 
-Image coloured(const std::vector<GatheredValue>& gathered, const PlanePixels& pixels, Mode mode,
+Image coloured(const std::vector<GatheredValue>& gathered, const PlanePixels& pixels, const SliceStatistic& statistic,
                const SlicePalette& palette) {
   Image image(static_cast<int>(pixels.width), static_cast<int>(pixels.height));
   for (std::size_t i = 0; i < gathered.size(); ++i) {
     const GatheredValue& pixel = gathered[i];
     if (pixel.samples == 0) continue;
-    const glm::vec3& color = palette.of(mode == Mode::kAverage ? pixel.value / pixel.samples : pixel.value);
+    const glm::vec3& color = palette.of(statistic.valueOf(pixel));
     float* const rgba = image.rgba.data() + 4 * i;
     for (int channel = 0; channel < 3; ++channel) rgba[channel] = color[channel];
     rgba[3] = 1;
@@ -231,7 +215,8 @@ Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& requ
   store.requireLevel(request.level);
   const VolumeGeometry& level = store.level(request.level).geometry;
   const bool labels = store.manifest().volume_class == VolumeClass::kLabels;
-  if (labels && request.thickness > 0 && request.mode == Mode::kAverage)
+  const SliceStatistic& statistic = sliceStatistic(request.statistic);
+  if (labels && request.thickness > 0 && statistic.mixesValues())
     throw Error(ErrorCode::kUsage, "--thickness: labels have no average; add --mode mip or minip");
   const SlicePalette palette(request.colormap, request.window.value_or(defaultWindow(store.manifest().histogram)));
   const PlanePixels pixels = pixelsOfPlane(level, request);
@@ -251,11 +236,11 @@ Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& requ
     withVoxelType(block->type, [&]<class T>(std::type_identity<T>) {
       parallelFor(static_cast<std::size_t>(box.y_end - box.y), [&](std::size_t row) {
         const std::int64_t y = box.y + static_cast<std::int64_t>(row);
-        sampler.addRow<T>(*block, request.mode, y, box.x, box.x_end, gathered.data() + y * pixels.width);
+        sampler.addRow<T>(*block, statistic, y, box.x, box.x_end, gathered.data() + y * pixels.width);
       });
     });
   }
-  return coloured(gathered, pixels, request.mode, palette);
+  return coloured(gathered, pixels, statistic, palette);
 }
 
 Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, Progress& progress) {

@@ -12,7 +12,6 @@
 #include "frame/slice.h"
 #include "grid/geometry.h"
 #include "image/image.h"
-#include "scene/render_options.h"
 
 namespace kiln {
 
@@ -20,10 +19,10 @@ struct PlaneSliceRequest {
   /// The plane is where normal·x + offset = 0, as of clip planes. The picture shows the plane as seen along the normal.
   glm::dvec3 normal{0, 0, 1};
   double offset = 0;
-  double thickness = 0;         // of the slice, centred on the plane. unit: world
-  std::optional<double> pixel;  // edge of a pixel; the shortest edge of a voxel if absent. unit: world
-  Mode mode = Mode::kAverage;   // the value of a pixel of a thick slice: kAverage, kMip or kMinip
-  int level = 0;                // 0 is finest
+  double thickness = 0;               // of the slice, centred on the plane. unit: world
+  std::optional<double> pixel;        // edge of a pixel; the shortest edge of a voxel if absent. unit: world
+  std::string statistic = "average";  // the value of a pixel of a thick slice, a name of sliceStatistic()
+  int level = 0;                      // 0 is finest
   std::optional<Window> window;
   std::string colormap = "gray";  // one of displayMapNames()
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;

@@ -158,7 +158,7 @@ FrameRequest ViewPainter::previewOf(const ViewedJob& job, const ImageSize& size,
   picture.samples = 1;
   picture.stereo.reset();
   picture.lens = {};
-  picture.lattice = Lattice::kPixel;
+  picture.lattice = EngineChoice().lattice;
   picture.interpolation = Interpolation::kLinear;
   const EngineCapabilities& engine =
       EngineChoice{picture.mode, picture.lattice, !job.job.volumes.empty()}.capabilities();

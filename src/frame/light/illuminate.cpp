@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/capabilities.h"
 #include "frame/light/gather_ambient.h"
 #include "frame/light/shadow_views.h"
 #include "frame/pass/frame_drawing.h"
@@ -84,8 +85,9 @@ void drawOpacities(BrickCache& cache, FrameRequest request, Progress& progress, 
   const auto without = [](Clipping& clipping) { clipping.part.reset(), clipping.section.reset(); };
   without(request.clipping);
   for (VolumeRequest& volume : request.volumes) volume.shading.phong = false, without(volume.clipping);
-  request.lattice = Lattice::kPixel;
-  request.mode = Mode::kComposite;
+  const EngineChoice default_engine;
+  request.lattice = default_engine.lattice;
+  request.mode = default_engine.mode;
   request.crop.reset();
   request.samples = 1;
   request.filters_rays = false;

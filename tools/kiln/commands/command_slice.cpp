@@ -51,13 +51,6 @@ int axisOf(const std::string& name) {
   return static_cast<int>(axes.find(name));
 }
 
-Mode modeOf(const std::string& name) {
-  for (const Mode mode : {Mode::kAverage, Mode::kMip, Mode::kMinip}) {
-    if (name == nameIn(kModeNames, mode)) return mode;
-  }
-  throw Error(ErrorCode::kUsage, fmt::format("--mode: expected average, mip or minip (found '{}')", name));
-}
-
 void write(const Image& image, const StoreReader& store, std::uint64_t memory_bytes, const std::filesystem::path& path,
            Progress& progress) {
   writeImage(image, {}, ImageFileOptions().within(memory_bytes - store.index().bytes(), image), path);
@@ -114,7 +107,7 @@ void drawPlane(const SliceArguments& a, const StoreReader& store, const SliceReq
   request.level = a.level;
   request.thickness = a.thickness;
   request.pixel = a.pixel;
-  request.mode = modeOf(a.mode);
+  request.statistic = a.mode;
   setPlane(*a.plane, request);
   const Image image = renderPlaneSlice(store, request, context.progress);
   write(image, store, request.memory_bytes, a.output, context.progress);
