@@ -410,27 +410,39 @@ class CellCaster {
   // weight and, instead of their opacity, the alpha in front of them. A pixel that reaches the threshold is closed; its
   // colour is divided by alpha after all its light has been added. Equations (8) and (9).
   void blendAll() {
+    const bool overlaps = l_.surfaces > 0 && r_.overlap != 0 && !on_face_;
+    if (overlaps || tile_.aovs.any() || tile_.shadows != nullptr)
+      blendEach<false>();
+    else
+      blendEach<true>();
+    keepSeen();
+    if (tile_.shadows != nullptr) kept_ = 0;  // a light's view has no light
+  }
+
+  // kColorsOnly: the picture has neither planes nor shadows, nor surfaces where two levels overlap. 0.96 to 0.99 of the time.
+  template <bool kColorsOnly>
+  HWY_NOINLINE void blendEach() {
     std::size_t closed = 0;
     const bool any_aovs = tile_.aovs.any();
     for (std::size_t n = 0; n < kept_; ++n) {
       const std::int32_t pixel = s_.kept_code[n] & CellPlaces::kPixel;
       float& alpha = p_.pixelOf(pixel)[3];
       // The weight is 0 if the pixel is closed. Branches on opacity or closing would be unpredictable.
-      const float before = alpha, opacity = opacityIn(n, before), weight = (1 - before) * opacity,
-                  after = before + weight;
+      const float before = alpha, opacity = kColorsOnly ? s_.opacity[n] : opacityIn(n, before),
+                  weight = (1 - before) * opacity, after = before + weight;
       const bool closes = (after >= opacity_threshold_) & (before != 1.0f);
       alpha = after;
       s_.weight[n] = weight;
       s_.opacity[n] = before;
-      if (any_aovs && weight > 0) addAovs(n, pixel, before, weight, opacity, closes);
-      if (tile_.shadows != nullptr && weight > 0) addShadow(n, before, closes ? 1 : after);
+      if (!kColorsOnly && weight > 0) {
+        if (any_aovs) addAovs(n, pixel, before, weight, opacity, closes);
+        if (tile_.shadows != nullptr) addShadow(n, before, closes ? 1 : after);
+      }
       if (!closes) continue;
       s_.closed[closed++] = {pixel, after};
       alpha = 1.0f;
     }
     closed_count_ = closed;
-    keepSeen();
-    if (tile_.shadows != nullptr) kept_ = 0;  // a light's view has no light
   }
 
   // Opacity of a sample in front of which the pixel has an alpha of `before`. In the overlap of two levels a surface
