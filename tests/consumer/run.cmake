@@ -26,6 +26,27 @@ if(PYTHON)
   run(${CMAKE_COMMAND} -E env PYTHONPATH=${SCRATCH}/prefix/${PYTHON_DIR} ${PYTHON} -B -c
       "import kiln, numpy; kiln.open(numpy.ones((8, 8, 8), 'f4')).render(size=(8, 8), tf='fog').save('${SCRATCH}/python.png')")
 endif()
+# Links of installed documents lead to installed files.
+file(GLOB_RECURSE documents ${SCRATCH}/prefix/share/doc/*.md)
+list(LENGTH documents count)
+if(count LESS 20)
+  message(FATAL_ERROR "README and manual are not installed (found ${count} pages)")
+endif()
+foreach(document ${documents})
+  file(READ ${document} text)
+  # Brackets and semicolons have a meaning in lists.
+  string(REGEX REPLACE "[;<>]" " " text "${text}")
+  string(REPLACE "](" "<" text "${text}")
+  string(REGEX REPLACE "[][]" " " text "${text}")
+  string(REGEX MATCHALL "<[^)#:\n]+" links "${text}")
+  get_filename_component(folder ${document} DIRECTORY)
+  foreach(link ${links})
+    string(SUBSTRING ${link} 1 -1 link)
+    if(NOT EXISTS ${folder}/${link})
+      message(FATAL_ERROR "${document}: the link ${link} leads to no installed file")
+    endif()
+  endforeach()
+endforeach()
 # The generator that built Kiln is there; CMake's own default, make, need not be.
 run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE} -B ${SCRATCH}/build -D CMAKE_PREFIX_PATH=${SCRATCH}/prefix -D CMAKE_BUILD_TYPE=Release
     -D EXAMPLES=${SCRATCH}/examples)
