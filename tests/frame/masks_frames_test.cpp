@@ -101,6 +101,55 @@ TEST(Masks, OfLabelsEqualLabelsThatWereMaskedBefore) {
   }
 }
 
+// Amounts that were masked before: hidden voxels are NaN, and a sample beside a NaN is absent. So a volume that was
+// masked before shows at most what its mask shows; with a mask that is one voxel larger in all directions, at least
+// that.
+TEST(Masks, OfAmountsLieBetweenVolumesThatWereMaskedBefore) {
+  const VolumeShape shape{{46, 41, 39}, VoxelType::f32, anisotropicAffine()};
+  const DenseVolume volume = cheese(shape, 4, {0, 1});
+  const DenseVolume mask = bodies({shape.dims, VoxelType::u8, anisotropicAffine()});
+  const std::vector<std::int64_t> labels = {1, 2, 5};
+  const auto masked_before = [&](int larger) {
+    return fill(shape, [&](auto x, auto y, auto z) {
+      const auto at = [](std::int64_t v, int step, std::int64_t size) {
+        return std::clamp<std::int64_t>(v + step, 0, size - 1);
+      };
+      bool shown = false;
+      for (int i = -larger; i <= larger; ++i)
+        for (int j = -larger; j <= larger; ++j)
+          for (int k = -larger; k <= larger; ++k)
+            shown |=
+                isListed(mask.valueAt(at(x, i, shape.dims.x), at(y, j, shape.dims.y), at(z, k, shape.dims.z)), labels);
+      return shown ? volume.valueAt(x, y, z) : std::nan("");
+    });
+  };
+  const Path store = makeStore(volume, "volume", 16), of_mask = makeStore(mask, "mask", 32, true);
+  const Path least_store = makeStore(masked_before(0), "least", 16),
+             most_store = makeStore(masked_before(1), "most", 16);
+  int between = 0;
+  for (std::uint64_t seed = 60; seed < casesOf(66u, 61u); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    FrameRequest request = requestAt(seed, volume);
+    request.shading.phong = false;
+    request.clipping = {};
+    request.interpolation = Interpolation::kLinear;
+    request.opacity_threshold = 1;
+    request.transfer_function = {1, {{0.2, glm::dvec3(0), 0}, {1, glm::dvec3(1), 0.2}}};
+    const Image least = draw(least_store, request), most = draw(most_store, request);
+    const Image image = drawMasked(store, of_mask, labels, request);
+    for (int y = 0; y < kMaskSize.height; ++y) {
+      for (int x = 0; x < kMaskSize.width; ++x) {
+        const float alpha = image.pixel(x, y)[3];
+        // Rounding of a few hundred samples.
+        ASSERT_GE(alpha, least.pixel(x, y)[3] - 1e-5f) << x << ", " << y;
+        ASSERT_LE(alpha, most.pixel(x, y)[3] + 1e-5f) << x << ", " << y;
+        between += least.pixel(x, y)[3] < most.pixel(x, y)[3] ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(between, 1000);
+}
+
 // Every voxel has a listed label.
 TEST(Masks, ThatShowAllChangeNoBit) {
   const DenseVolume volume = cheese({{45, 51, 40}, VoxelType::f32}, 1, {0, 1});
