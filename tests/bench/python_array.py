@@ -15,6 +15,7 @@ It takes a minute, wants a quiet machine, and is not part of CI.
 import argparse
 import json
 import math
+import os
 import resource
 import subprocess
 import sys
@@ -147,6 +148,8 @@ def main():
     a = parser.parse_args()
     if a.way:
         return measure(a.way, a.edge, a.size, a.out)
+    if a.out:
+        os.makedirs(a.out, exist_ok=True)
     print(f"{a.edge}^3 uint16 to {a.size} x {a.size} pixels")
     print("| | first picture (processor) | next picture (processor) | memory beyond the array |\n| --- | --- | --- | --- |")
     for name in WAYS:
