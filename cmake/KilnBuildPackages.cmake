@@ -87,6 +87,18 @@ if(KILN_OPENJPEG)
                        "openjpeg-2.5;openjpeg-2.4;openjpeg-2.3")
 endif()
 
+# NanoVDB is headers alone.
+set(NANOVDB_FOUND FALSE)
+if(KILN_NANOVDB)
+  find_path(NANOVDB_INCLUDE_DIR nanovdb/util/OpenToNanoVDB.h)
+  if(NANOVDB_INCLUDE_DIR)
+    set(NANOVDB_FOUND TRUE)
+    list(APPEND kiln_found NanoVDB)
+  else()
+    kiln_report_absent(KILN_NANOVDB NanoVDB libnanovdb-dev "NanoVDB files are not written")
+  endif()
+endif()
+
 # Boost.Beast is headers alone, which Debian's packages of Boost's libraries bring.
 if(KILN_VIEW)
   find_path(BEAST_INCLUDE_DIR boost/beast/http.hpp HINTS ${Boost_INCLUDE_DIRS})

@@ -44,7 +44,7 @@ check_configure() {
   }
   has() { ninja -C "$scratch/$1" -t inputs "$2" | grep "$3" >/dev/null; }
 
-  configure all ', MPI, HDF5, OpenJPEG, Beast, Freetype, pybind11 for Python [0-9.]+, GTest '
+  configure all ', MPI, HDF5, OpenJPEG, NanoVDB, Beast, Freetype, pybind11 for Python [0-9.]+, GTest '
   has all kiln_tool kiln_gdcm_reader || fail "kiln_tool does not build the worker for GDCM"
   has all kiln_tool kiln_hdf5_reader || fail "kiln_tool does not build the reader of HDF5"
   has all kiln_tool kiln_openjpeg_reader || fail "kiln_tool does not build the worker for OpenJPEG"
@@ -57,28 +57,29 @@ check_configure() {
   ! has without_hdf5 kiln_tool kiln_hdf5_reader || fail "without HDF5 its reader is built"
   configure without_openjpeg 'OpenJPEG was not found \(Debian: libopenjp2-7-dev\)' -D OPENJPEG_READER_LIBRARY=
   ! has without_openjpeg kiln_tool kiln_openjpeg_reader || fail "without OpenJPEG its worker is built"
+  configure without_nanovdb 'NanoVDB was not found \(Debian: libnanovdb-dev\)' -D NANOVDB_INCLUDE_DIR=
   configure without_beast 'Beast was not found \(Debian: libboost-iostreams-dev\)' -D BEAST_INCLUDE_DIR=
   ! has without_beast kiln_tool libkiln_view.so || fail "without Beast the viewer's module is built"
   has all kiln_tool libkiln_font.so || fail "kiln_tool does not build the module with the font"
   configure without_font 'DejaVu Sans was not found \(Debian: fonts-dejavu-core\)' -D KILN_FONT_FILE=
   ! has without_font kiln_tool libkiln_font.so || fail "without the font its module is built"
   configure without_python 'pybind11 was not found \(Debian: pybind11-dev python3-dev\)' -D PYBIND11_INCLUDE_DIR=
-  configure without_any 'GDCM -- Configuring done' -D KILN_MPI=OFF -D KILN_TESTS=OFF -D KILN_HDF5=OFF -D KILN_OPENJPEG=OFF -D KILN_VIEW=OFF -D KILN_FREETYPE=OFF -D KILN_PYTHON=OFF
+  configure without_any 'GDCM -- Configuring done' -D KILN_MPI=OFF -D KILN_TESTS=OFF -D KILN_HDF5=OFF -D KILN_OPENJPEG=OFF -D KILN_NANOVDB=OFF -D KILN_VIEW=OFF -D KILN_FREETYPE=OFF -D KILN_PYTHON=OFF
   configure shared 'Packages: ' -D BUILD_SHARED_LIBS=ON
   # A compiler wrapper of MPI whose headers are absent is no MPI, until they are installed.
   printf '#!/bin/sh\necho "mpi.h: No such file" >&2\nexit 1\n' >"$scratch/mpicxx"
   chmod +x "$scratch/mpicxx"
   configure headers 'MPI was not found' -D MPI_CXX_COMPILER="$scratch/mpicxx"
   ln -sf "$(command -v mpicxx)" "$scratch/mpicxx"
-  configure headers ', MPI, HDF5, OpenJPEG, Beast, Freetype, pybind11 for Python [0-9.]+, GTest '
+  configure headers ', MPI, HDF5, OpenJPEG, NanoVDB, Beast, Freetype, pybind11 for Python [0-9.]+, GTest '
   # Missing packages are named together, each with Debian's name.
   local required=(TBB Boost OpenEXR Imath glm fmt nlohmann_json PNG TIFF ZLIB JPEG BZip2 LibLZMA EXPAT CLI11 MPI Freetype GTest benchmark) disabled=() pattern='not found: '
   for package in "${required[@]}"; do
     disabled+=(-D "CMAKE_DISABLE_FIND_PACKAGE_$package=ON")
   done
   for library in XXHASH HIGHWAY BLOSC LZ4 ZSTD HDF5_READER OPENJPEG_READER; do disabled+=(-D "${library}_LIBRARY="); done
-  configure missing_all 'not found: TBB, Boost, OpenEXR, Imath, glm, fmt, nlohmann_json, PNG, TIFF, ZLIB, JPEG, BZip2, LibLZMA, EXPAT, xxHash, Highway, Blosc, LZ4, Zstd, CLI11, GDCM, MPI, HDF5, OpenJPEG, Beast, Freetype, DejaVu Sans, pybind11, GTest, benchmark; install them \(Debian: apt-get install libtbb-dev .* libcli11-dev libgdcm-dev libopenmpi-dev libhdf5-dev libopenjp2-7-dev libboost-iostreams-dev libfreetype-dev fonts-dejavu-core pybind11-dev python3-dev libgtest-dev libbenchmark-dev\)' \
-    "${disabled[@]}" -D GDCM_INCLUDE_DIR= -D KILN_MPI=ON -D KILN_HDF5=ON -D KILN_OPENJPEG=ON -D KILN_VIEW=ON -D BEAST_INCLUDE_DIR= -D KILN_FREETYPE=ON -D KILN_FONT_FILE= -D KILN_PYTHON=ON -D PYBIND11_INCLUDE_DIR= -D KILN_TESTS=ON -D KILN_BENCH=ON
+  configure missing_all 'not found: TBB, Boost, OpenEXR, Imath, glm, fmt, nlohmann_json, PNG, TIFF, ZLIB, JPEG, BZip2, LibLZMA, EXPAT, xxHash, Highway, Blosc, LZ4, Zstd, CLI11, GDCM, MPI, HDF5, OpenJPEG, NanoVDB, Beast, Freetype, DejaVu Sans, pybind11, GTest, benchmark; install them \(Debian: apt-get install libtbb-dev .* libcli11-dev libgdcm-dev libopenmpi-dev libhdf5-dev libopenjp2-7-dev libnanovdb-dev libboost-iostreams-dev libfreetype-dev fonts-dejavu-core pybind11-dev python3-dev libgtest-dev libbenchmark-dev\)' \
+    "${disabled[@]}" -D GDCM_INCLUDE_DIR= -D KILN_MPI=ON -D KILN_HDF5=ON -D KILN_OPENJPEG=ON -D KILN_NANOVDB=ON -D NANOVDB_INCLUDE_DIR= -D KILN_VIEW=ON -D BEAST_INCLUDE_DIR= -D KILN_FREETYPE=ON -D KILN_FONT_FILE= -D KILN_PYTHON=ON -D PYBIND11_INCLUDE_DIR= -D KILN_TESTS=ON -D KILN_BENCH=ON
   configure missing_openvdb 'not found: OpenVDB; install them \(Debian: apt-get install libopenvdb-dev\)' \
     -D CMAKE_DISABLE_FIND_PACKAGE_OpenVDB=ON
 }

@@ -50,7 +50,7 @@ while read -r library; do
   [ -e "$licences/$package" ] || add_licence "$package"
 done < <(ldd "$root/bin/kiln" "${workers[@]}" "${linked[@]}" | awk '$2 == "=>" { print $3 }' | sort -u)
 # Libraries that are headers are inside the program.
-for header in glm/glm.hpp nlohmann/json.hpp CLI/CLI.hpp boost/beast/http.hpp; do
+for header in nanovdb/NanoVDB.h glm/glm.hpp nlohmann/json.hpp CLI/CLI.hpp boost/beast/http.hpp; do
   add_licence "$(package_of "/usr/include/$header")"
 done
 

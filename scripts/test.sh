@@ -40,7 +40,7 @@ scripts/example_head.sh out/head  # for the test of the manual's pictures, which
 scripts/check_includes.sh
 scripts/check_definitions.sh
 
-configure=(-DKILN_TESTS=ON -DKILN_MPI=ON -DKILN_HDF5=ON -DKILN_OPENJPEG=ON -DKILN_VIEW=ON -DKILN_PYTHON=ON "-DKILN_NIGHTLY=$nightly")
+configure=(-DKILN_TESTS=ON -DKILN_MPI=ON -DKILN_HDF5=ON -DKILN_OPENJPEG=ON -DKILN_NANOVDB=ON -DKILN_VIEW=ON -DKILN_PYTHON=ON "-DKILN_NIGHTLY=$nightly")
 if [ "$nightly" = ON ]; then
   scripts/install_packages.sh bench
   configure+=(-DKILN_BENCH=ON)

@@ -101,13 +101,13 @@ ExportReport exportBoxes(const ExportParts& parts) {
 }
 
 // Tiles are whole files each: tiles before a failure stay.
-ExportReport exportGrids(const ExportParts& parts) {
+ExportReport exportGrids(const GridArchive& archive, const ExportParts& parts) {
   const ExportRequest& request = parts.request;
   const ExportedVolume whole = exportedVolume(parts.store, request.level, request.region);
   std::vector<VdbRequest> files;
   for (int tile = 1; tile <= request.tiles; ++tile) {
     const fs::path out = request.tiles > 1 ? pathOfTile(request.out, tile) : request.out;
-    files.push_back({out, request.overwrite, request.memory_bytes, request.values, request.baked});
+    files.push_back({archive, out, request.overwrite, request.memory_bytes, request.values, request.baked});
     requirePlace(parts.store, out, request.overwrite, parts.disk);
   }
   VdbReport sum;
@@ -119,16 +119,22 @@ ExportReport exportGrids(const ExportParts& parts) {
     sum.largest_error = std::max(sum.largest_error, report.largest_error);
   }
   if (!whole.geometry.unit.empty() || whole.geometry.frame != PatientFrame::kUnknown)
-    parts.progress.note(request.out.string() + ": OpenVDB has no unit of length and no patient frame");
+    parts.progress.note(request.out.string() + ": grids have no unit of length and no patient frame");
   ExportReport out = {fmt::format("{} active voxels", sum.voxels), sum.bytes, {}};
   if (!request.baked && (request.values.type != VdbType::kExact || request.values.tolerance > 0))
     out.lines.push_back(fmt::format("the largest error of a voxel is {:.6g}", sum.largest_error));
   return out;
 }
 
+ExportReport exportOpenVdb(const ExportParts& parts) { return exportGrids(openVdbArchive(), parts); }
+
+ExportReport exportNanoVdb(const ExportParts& parts) {
+  return exportGrids(nanoVdbArchive(parts.request.compress), parts);
+}
+
 /// The options of a format beside the options of all formats.
 struct FormatOptions {
-  bool compresses = false, resumes = false, holds_grids = false;
+  bool compresses = false, resumes = false, holds_grids = false, holds_half = false;
 };
 
 struct ExportFormat {
@@ -148,7 +154,8 @@ constexpr ExportFormat kExportFormats[] = {
     {".tif", exportBoxes<openTiffWriter>},
     {".tiff", exportBoxes<openTiffWriter>},
     {".zarr", exportBoxes<openOmeZarrWriter>, {.resumes = true}},
-    {".vdb", exportGrids, {.holds_grids = true}},
+    {".nvdb", exportNanoVdb, {.compresses = true, .holds_grids = true}},
+    {".vdb", exportOpenVdb, {.holds_grids = true, .holds_half = true}},
 };
 
 const ExportFormat& exportFormatOf(const ExportRequest& request) {
@@ -162,14 +169,17 @@ const ExportFormat& exportFormatOf(const ExportRequest& request) {
     throw Error(ErrorCode::kUsage, request.out, option,
                 fmt::format("is for {} only (found {}); leave it out", ending, found->ending));
   };
-  if (request.compress && !found->takes.compresses) refuse("--compress", ".nrrd");
+  if (request.compress && !found->takes.compresses) refuse("--compress", ".nrrd and .nvdb");
   if (request.resume && !found->takes.resumes) refuse("--resume", ".zarr");
+  if (request.values.type == VdbType::kHalf && found->takes.holds_grids && !found->takes.holds_half)
+    throw Error(ErrorCode::kUsage, request.out, "--type",
+                fmt::format("half is for .vdb only (found {}); write --type float", found->ending));
   if (found->takes.holds_grids) return *found;
-  if (request.tiles != 1) refuse("--tiles", ".vdb");
-  if (request.values.type != VdbType::kExact) refuse("--type", ".vdb");
-  if (request.values.tolerance != 0) refuse("--tolerance", ".vdb");
-  if (request.values.background) refuse("--background", ".vdb");
-  if (request.baked) refuse("--tf", ".vdb");
+  if (request.tiles != 1) refuse("--tiles", ".vdb and .nvdb");
+  if (request.values.type != VdbType::kExact) refuse("--type", ".vdb and .nvdb");
+  if (request.values.tolerance != 0) refuse("--tolerance", ".vdb and .nvdb");
+  if (request.values.background) refuse("--background", ".vdb and .nvdb");
+  if (request.baked) refuse("--tf", ".vdb and .nvdb");
   return *found;
 }
 

@@ -58,9 +58,11 @@ struct GridExport {
   const ExportedVolume& volume;
   const VdbRequest& request;
   const GridPlacement& place;
-  /// For the grids and a brick. unit: bytes.
+  /// For the grids, in the file's form, too, and a brick. unit: bytes.
   std::uint64_t memory_bytes;
   Progress& progress;
+
+  std::uint64_t copies() const { return request.archive.copies(); }
 };
 
 struct FilledGrids {
@@ -89,14 +91,15 @@ class TreeCharge {
   /// throws: Error kBudget.
   void add(const BricksOfBox::Part& brick) {
     const std::uint64_t growth = growthBytes(brick), needed = growth + readingBytes(parts_.store, brick.key);
-    if (held_bytes_ + needed > parts_.memory_bytes) held_bytes_ = Filler::kFixedBytes + filler_.treeBytes();
+    if (held_bytes_ + needed > parts_.memory_bytes)
+      held_bytes_ = Filler::kFixedBytes + parts_.copies() * filler_.treeBytes();
     if (held_bytes_ + needed > parts_.memory_bytes) refuse(brick.key);
     held_bytes_ += growth;
   }
 
  private:
   std::uint64_t growthBytes(const BricksOfBox::Part& brick) const {
-    return static_cast<std::uint64_t>(heldLeaves(parts_, brick).count()) * Filler::kVoxelBytes;
+    return parts_.copies() * static_cast<std::uint64_t>(heldLeaves(parts_, brick).count()) * Filler::kVoxelBytes;
   }
   // Memory for any content of the volume: all voxels of all bricks in the tree, one brick being read, the index.
   std::uint64_t sufficientBytes() const {
@@ -155,34 +158,42 @@ FilledGrids filledBy(Filler filler, const GridExport& parts) {
   return {filler.finish(), filler.largestError()};
 }
 
-// Writes the bytes of openvdb::io::File, which ignores failed writes: a full disk would go unnoticed.
-class CheckedArchive : public openvdb::io::Archive {
- public:
-  void write(const openvdb::GridPtrVec& grids, const fs::path& path) {
-    setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
-    std::ofstream file;
-    file.exceptions(std::ios::badbit | std::ios::failbit);
-    file.open(path, std::ios::binary | std::ios::trunc);
-    Archive::write(file, openvdb::GridCPtrVec(grids.begin(), grids.end()), /*seekable=*/true);
-    file.close();
-  }
-};
-
 // Checks that Blosc can allocate its working memory for a block of `bytes`: Blosc does not check, and its failed
 // allocation would end the process. The allocator gives the freed memory to the next call of this thread.
 void requireBloscMemory(std::size_t bytes) { requireMemory(3 * bytes + 4096); }
 
-void publish(const openvdb::GridPtrVec& grids, const fs::path& out, FileSystem& disk) {
+// Writes the bytes of openvdb::io::File, which ignores failed writes: a full disk would go unnoticed.
+class CheckedArchive final : public GridArchive {
+ public:
+  void write(const openvdb::GridPtrVec& grids, const fs::path& path) const override {
+    constexpr std::size_t kLargestLeaf = 512 * sizeof(double);
+    requireBloscMemory(kLargestLeaf);
+    std::ofstream file;
+    file.exceptions(std::ios::badbit | std::ios::failbit);
+    file.open(path, std::ios::binary | std::ios::trunc);
+    Writer().write(grids, file);
+    file.close();
+  }
+  std::uint64_t copies() const override { return 1; }
+
+ private:
+  struct Writer : openvdb::io::Archive {
+    void write(const openvdb::GridPtrVec& grids, std::ostream& file) {
+      setCompression(openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
+      Archive::write(file, openvdb::GridCPtrVec(grids.begin(), grids.end()), /*seekable=*/true);
+    }
+  };
+};
+
+void publish(const openvdb::GridPtrVec& grids, const GridArchive& archive, const fs::path& out, FileSystem& disk) {
   disk.replace(out, [&](const fs::path& temporary) {
     try {
-      constexpr std::size_t kLargestLeaf = 512 * sizeof(double);
-      requireBloscMemory(kLargestLeaf);
       errno = 0;
-      CheckedArchive().write(grids, temporary);
+      archive.write(grids, temporary);
     } catch (const std::exception& error) {
       const int error_number = errno;
       rethrowRefusal();
-      // OpenVDB reports only that writing failed; errno has the cause.
+      // The libraries report only that writing failed; errno has the cause.
       if (error_number != 0) throw systemError(error_number, out, "writing the grid");
       throw Error(ErrorCode::kIo, out, "OpenVDB", error.what());
     }
@@ -249,6 +260,11 @@ void requireBakeable(const VdbRequest& request) {
 
 }  // namespace
 
+const GridArchive& openVdbArchive() {
+  static const CheckedArchive archive;
+  return archive;
+}
+
 VdbReport exportVdb(const StoreReader& store, const ExportedVolume& volume, const VdbRequest& request,
                     Progress& progress, FileSystem& disk) {
   requirePlace(store, request.out, request.overwrite, disk);
@@ -261,7 +277,7 @@ VdbReport exportVdb(const StoreReader& store, const ExportedVolume& volume, cons
   VdbReport report;
   report.voxels = filled.grids.front()->activeVoxelCount();
   report.largest_error = filled.largest_error;
-  publish(filled.grids, request.out, disk);
+  publish(filled.grids, request.archive, request.out, disk);
   report.bytes = File(request.out).size();
   return report;
 }

@@ -1,5 +1,5 @@
-// Exports a part of a store as one OpenVDB grid: value and place of every voxel, bit for bit unless the request loosens
-// it.
+// Exports a part of a store as one grid of OpenVDB or NanoVDB: value and place of every voxel, bit for bit unless the
+// request loosens it.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,14 @@
 #include "base/file/file.h"
 #include "base/progress.h"
 #include "export/source/exported_volume.h"
+#include "export/vdb/grid_archive.h"
 #include "export/vdb/vdb_values.h"
 #include "scene/transfer/transfer_function.h"
 
 namespace kiln {
 
 struct VdbRequest {
+  const GridArchive& archive = openVdbArchive();
   std::filesystem::path out;
   bool overwrite = false;
   std::uint64_t memory_bytes = UINT64_MAX;

@@ -57,24 +57,26 @@ void addExport(CLI::App& app, Context& context) {
   addNumber(*command, "--level", a->request.level, "0 is finest")->capture_default_str();
   command->add_option("--region", a->region, "write this box of voxels of level 0 only; X0 is inside, X1 outside")
       ->type_name("X0,Y0,Z0,X1,Y1,Z1");
-  command->add_flag("--compress", a->request.compress, "compress the voxels of a .nrrd by gzip");
+  command->add_flag("--compress", a->request.compress,
+                    "compress the voxels of a .nrrd by gzip, the grid of a .nvdb by zlib");
   addNumber(*command, "--tiles", a->request.tiles,
-            ".vdb: files side by side, each within the memory; the name has a # for the tile's number")
+            ".vdb, .nvdb: files side by side, each within the memory; the name has a # for the tile's number")
       ->check(wholeNumberFrom(1, kMostTiles))
       ->capture_default_str();
   command->add_option("--type", a->type, ".vdb: numbers of the grid; those of the store if not given")
       ->type_name("float|half")
       ->check(CLI::IsMember({"float", "half"}));
   command
-      ->add_option("--tf", a->tf,
-                   ".vdb: bake a transfer function into the grids density and Cd; a preset or a file, as for render")
+      ->add_option(
+          "--tf", a->tf,
+          ".vdb, .nvdb: bake a transfer function into the grids density and Cd; a preset or a file, as for render")
       ->type_name("NAME");
   addNumber(*command, "--background", a->request.values.background,
-            ".vdb: value of inactive space; the store's background if not given");
+            ".vdb, .nvdb: value of inactive space; the store's background if not given");
   addNumber(*command, "--tolerance", a->request.values.tolerance,
-            ".vdb: values that differ from the background by so much become background")
+            ".vdb, .nvdb: values that differ from the background by so much become background")
       ->check(numberFrom(0, std::numeric_limits<double>::max()));
-  addMemory(*command, a->memory, "a box of voxels, a brick for each thread and the index; the grid of a .vdb")
+  addMemory(*command, a->memory, "a box of voxels, a brick for each thread and the index; the grid of a .vdb or .nvdb")
       ->capture_default_str();
   command->add_option("--threads", a->threads, "threads; 0 takes all")
       ->check(wholeNumberFrom(0, kMostThreads))
