@@ -15,7 +15,7 @@ demo=(invesalius-examples tar)
 pictures=("${demo[@]}" mricron-data python3-numpy)
 # Tests hold Kiln's files and its schema against other programs, and draw the manual's pictures.
 test=(libgtest-dev openimageio-tools ffmpeg lowdown libopenjp2-tools "${python[@]}" "${pictures[@]}" python3-pytest
-      python3-jsonschema python3-zarr python3-h5py python3-mrcfile python3-nibabel python3-tifffile)
+      python3-jsonschema python3-zarr python3-h5py python3-mrcfile python3-nibabel python3-tifffile python3-openvdb python3-vtk9)
 # Tests of the page of kiln view (tests/browser/viewer.mjs).
 browser=(chromium nodejs npm)
 bench=(libbenchmark-dev)

@@ -1,4 +1,4 @@
-// Exports read by nibabel and tifffile, libraries of their fields. Known because the test made voxels
+// Exports read by nibabel, tifffile, pyopenvdb and VTK, libraries of their fields. Known because the test made voxels
 // and affine; the script compares and prints each difference.
 #include <gtest/gtest.h>
 
@@ -52,6 +52,34 @@ with tifffile.TiffFile(where + 'v.tif') as file:
     assert file.is_imagej and file.imagej_metadata['spacing'] == 2 and file.imagej_metadata['slices'] == 18
 )"};
 
+const PythonReader kVtkReader = {
+    "numpy, vtkmodules", "python3-vtk9", {"v.nrrd", "v.mha", "w.mhd", "v.nii", "v.tif"}, R"(
+from vtkmodules.vtkIOImage import vtkMetaImageReader, vtkNIFTIImageReader, vtkNrrdReader, vtkTIFFReader
+from vtkmodules.util.numpy_support import vtk_to_numpy
+for reader, names in ((vtkNrrdReader, ['v.nrrd']), (vtkMetaImageReader, ['v.mha', 'w.mhd']),
+                      (vtkNIFTIImageReader, ['v.nii']), (vtkTIFFReader, ['v.tif'])):
+    for name in names:
+        file = reader()
+        file.SetFileName(where + name)
+        if reader is vtkTIFFReader:
+            file.SetOrientationType(1)  # the first row at y = 0
+        file.Update()
+        image = file.GetOutput()
+        compare(name, vtk_to_numpy(image.GetPointData().GetScalars()).reshape(image.GetDimensions()[::-1]))
+        if reader is not vtkTIFFReader and image.GetSpacing() != (0.5, 0.75, 2):
+            sys.exit(name + ' has the spacing ' + str(image.GetSpacing()))
+)"};
+
+const PythonReader kOpenVdbReader = {"numpy, pyopenvdb", "python3-openvdb", {"v.vdb"}, R"(
+import pyopenvdb
+grid, voxels = pyopenvdb.read(where + 'v.vdb', 'density'), numpy.zeros((19, 17, 18), dtype)
+grid.copyToArray(voxels)
+compare('v.vdb', voxels.T)
+for place in ((0, 0, 0), (3, 5, 7)):
+    if not numpy.allclose(grid.transform.indexToWorld(place), (affine @ (*place, 1))[:3] * (-1, -1, 1), 0, 1e-12):
+        sys.exit('v.vdb places ' + str(place) + ' at ' + str(grid.transform.indexToWorld(place)))
+)"};
+
 // The affine is that of the script in left, front and top; nibabel's is in right, back and top.
 DenseVolume exportedVolumeOf(VoxelType type) {
   DenseVolume out = noise({kVolumeDims, type}, 7, usualRange(type));
@@ -80,6 +108,8 @@ void expectRead(const PythonReader& reader, VoxelType type, const char* numpy_ty
 
 TEST(ExportPythonReaders, Nibabel_readsVoxelsAffineAndUnit) { expectRead(kNibabelReader, VoxelType::f32, "f4"); }
 
+TEST(ExportPythonReaders, PyOpenVdb_readsVoxelsAndPlaces) { expectRead(kOpenVdbReader, VoxelType::f32, "f4"); }
+TEST(ExportPythonReaders, Vtk_readsVoxelsAndSpacing) { expectRead(kVtkReader, VoxelType::u16, "u2"); }
 TEST(ExportPythonReaders, Tifffile_readsVoxelsAndSpacing) { expectRead(kTifffileReader, VoxelType::u16, "u2"); }
 
 }  // namespace

@@ -41,6 +41,21 @@ TEST(IngestLegacyVtk, EveryTypeReadsBackFromBytesAndText) {
   }
 }
 
+// VTK writes unsigned characters as colours: as text in shares of 255 with six digits.
+TEST(IngestLegacyVtk, ColoursAsTextAreSharesOf255) {
+  const ForeignFiles files;
+  ForeignVolume volume{{16, 4, 4}, VoxelType::u8, {}};
+  std::string text = legacyStart(volume.dims, false) + "COLOR_SCALARS v 1\n";
+  for (int value = 0; value < 256; ++value) {
+    volume.voxels.push_back(static_cast<std::byte>(value));
+    text += fmt::format("{:.6g} ", value / 255.0);
+  }
+  EXPECT_TRUE(readWhole(*openSource(files.write("a.vtk", text + "\n"))) == volume.voxels);
+  for (const char* const wrong : {"1.5", "-0.1", "nan", "x"})
+    expectRefused(files.write("b.vtk", replaced(text, "0.996078 1 ", fmt::format("0.996078 {} ", wrong))),
+                  ErrorCode::kFormat, "is not a share from 0 to 1");
+}
+
 TEST(IngestLegacyVtk, PointsAndCellsHaveTheirPlaces) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 511);

@@ -1,5 +1,5 @@
-// Volumes that the libraries of each field wrote: nibabel, tifffile, zarr, mrcfile, h5py. Known because the scripts
-// also wrote the voxels as raw bytes, and extent and affine as text.
+// Volumes that the libraries of each field wrote: nibabel, tifffile, zarr, mrcfile, VTK, h5py. Known because the
+// scripts also wrote the voxels as raw bytes, and extent and affine as text.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -166,6 +166,67 @@ for wide, narrow in (('<i8', '<i4'), ('>u8', '<u4'), ('<f2', '<f4'), ('|b1', '|u
     write(data, voxels=data.astype(narrow), chunks=(5, 6, 7))
 )"};
 
+// Numbers of the affine are sums of powers of two. Texts of floats have too few digits.
+const PythonLibrary kVtk = {"numpy, vtkmodules", "python3-vtk9", 8 * 3 + 4 * 3 + 4 + 8 * 2, R"(
+from vtkmodules.vtkCommonDataModel import vtkImageData
+from vtkmodules.vtkIOCore import vtkLZ4DataCompressor, vtkLZMADataCompressor, vtkZLibDataCompressor
+from vtkmodules.vtkIOLegacy import vtkStructuredPointsWriter
+from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
+from vtkmodules.util.numpy_support import numpy_to_vtk
+spacing, origin = numpy.array((0.5, 0.75, 2)), numpy.array((-12.5, 30, 7.25))
+straight, turned = numpy.eye(3), numpy.array([[0., -1, 0], [1, 0, 0], [0, 0, 1]])
+def image(data, first=(0, 0, 0), directions=straight):
+    out = vtkImageData()
+    out.SetExtent(*[end for i in range(3) for end in (first[i], first[i] + data.shape[2 - i] - 1)])
+    out.SetSpacing(spacing)
+    out.SetOrigin(origin)
+    out.SetDirectionMatrix(*directions.ravel())
+    values = numpy_to_vtk(data.ravel(), deep=True)
+    values.SetName('values')
+    out.GetPointData().SetScalars(values)
+    affine = numpy.eye(4)
+    affine[:3, :3] = directions * spacing
+    affine[:3, 3] = origin + affine[:3, :3] @ first
+    return out, affine
+def write(writer, name, data, affine):
+    writer.SetFileName(where + name)
+    if not writer.Write():
+        sys.exit(name + ' was not written')
+    keep(name, data, affine)
+def vti(name, data, compressor=None, first=(0, 0, 0), directions=straight, **settings):
+    input, affine = image(data, first, directions)
+    writer = vtkXMLImageDataWriter()
+    writer.SetInputData(input)
+    writer.SetCompressor(compressor)
+    for setting, value in settings.items():
+        getattr(writer, setting)(*value)
+    write(writer, name + '.vti', data, affine)
+def legacy(name, data, kind):
+    input, affine = image(data)
+    writer = vtkStructuredPointsWriter()
+    writer.SetInputData(input)
+    writer.SetFileType(kind)
+    write(writer, name + '.vtk', data, affine)
+BINARY, APPENDED = 1, 2
+for number, dtype in enumerate(('u1', 'i1', 'u2', 'i2', 'u4', 'i4', 'f4', 'f8')):
+    data = volume(dtype)
+    vti('%d_appended' % number, data, SetDataMode=(APPENDED,), EncodeAppendedDataOff=())
+    vti('%d_base64' % number, data, SetDataMode=(APPENDED,), EncodeAppendedDataOn=(), SetHeaderTypeToUInt32=())
+    vti('%d_inline' % number, data, SetDataMode=(BINARY,), SetByteOrderToBigEndian=())
+    legacy('%d_binary' % number, data, BINARY + 1)
+    legacy('%d_text' % number, data if dtype[0] != 'f' else numpy.round(data), BINARY)
+for compressor in (vtkZLibDataCompressor, vtkLZ4DataCompressor, vtkLZMADataCompressor):
+    name = compressor.__name__
+    vti(name + '_raw', volume('u2'), compressor(), SetDataMode=(APPENDED,), EncodeAppendedDataOff=())
+    vti(name + '_blocks', volume('f4'), compressor(), SetBlockSize=(1000,))
+    vti(name + '_inline', volume('i2'), compressor(), SetDataMode=(BINARY,))
+    vti(name + '_wide', volume('f8'), compressor(), SetByteOrderToBigEndian=())
+for number, dtype in enumerate(('u1', 'i2')):
+    vti('text_%d' % number, volume(dtype), SetDataModeToAscii=())
+vti('extent', volume('u2'), first=(4, -3, 7))
+vti('turned', volume('u2'), first=(1, 2, 3), directions=turned)
+)"};
+
 std::vector<fs::path> volumesIn(const fs::path& folder) {
   std::vector<fs::path> out;
   for (const auto& entry : fs::directory_iterator(folder))
@@ -214,6 +275,7 @@ TEST(IngestPythonFiles, Nibabel_readsBackExactly) { expectAllReadBack(kNibabel);
 TEST(IngestPythonFiles, Tifffile_readsBackExactly) { expectAllReadBack(kTifffile); }
 TEST(IngestPythonFiles, Zarr_readsBackExactly) { expectAllReadBack(kZarr); }
 TEST(IngestPythonFiles, Mrcfile_readsBackExactly) { expectAllReadBack(kMrcfile); }
+TEST(IngestPythonFiles, Vtk_readsBackExactly) { expectAllReadBack(kVtk); }
 #ifdef KILN_TEST_HDF5
 // Known: external and virtual data lie beside their file, whatever the variables of the HDF5 library name.
 TEST(IngestPythonFiles, H5py_readsBackExactly) {

@@ -33,6 +33,7 @@ std::uint64_t mostExpansion(DataEncoding encoding) {
     case DataEncoding::kDecimal:
       return 8;  // a digit of an f64, and no blank behind the last one
     case DataEncoding::kRaw:
+    case DataEncoding::kShare:
     case DataEncoding::kHex:
       break;
   }
@@ -121,6 +122,8 @@ std::unique_ptr<ByteStream> openStream(const LinearData& data, File file) {
       return std::make_unique<Bzip2Stream>(std::move(file), data.offset_bytes);
     case DataEncoding::kDecimal:
       return std::make_unique<DecimalStream>(std::move(file), data.offset_bytes, data.stored_type.voxel());
+    case DataEncoding::kShare:
+      return std::make_unique<ShareStream>(std::move(file), data.offset_bytes);
     case DataEncoding::kHex:
       return std::make_unique<HexStream>(std::move(file), data.offset_bytes);
     default:

@@ -7,8 +7,8 @@
 
 namespace kiln {
 
-/// kDecimal and kHex are text.
-enum class DataEncoding { kRaw, kGzip, kZlib, kBzip2, kDecimal, kHex };
+/// kDecimal, kShare and kHex are text; kShare is for u8 (text_stream.h).
+enum class DataEncoding { kRaw, kGzip, kZlib, kBzip2, kDecimal, kShare, kHex };
 
 struct LinearData {
   std::filesystem::path file;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
@@ -93,6 +94,15 @@ std::vector<std::string> DecimalStream::finish() {
   if (peek() >= 0) return TextStream::finish();
   return {file().path().filename().string() +
           ": the text ends with a digit and no line end; its last number may be cut short"};
+}
+
+void ShareStream::read(std::span<std::byte> out, const std::string& where) {
+  for (std::byte& byte : out) {
+    const std::string_view text = word(where);
+    const std::optional<double> share = valueOf<double>(text);
+    if (!share || !(*share >= 0 && *share <= 1)) fail(where, inQuotes(text) + " is not a share from 0 to 1");
+    byte = static_cast<std::byte>(std::lround(255 * *share));
+  }
 }
 
 void HexStream::read(std::span<std::byte> out, const std::string& where) {

@@ -1,4 +1,4 @@
-// Voxels that are written as text: decimal numbers, or the hexadecimal digits of their bytes.
+// Voxels that are written as text: decimal numbers, shares of 255, or the hexadecimal digits of their bytes.
 #pragma once
 
 #include "base/file/file.h"
@@ -42,11 +42,20 @@ class DecimalStream : public TextStream {
   void read(std::span<std::byte> out, const std::string& where) override;
   std::vector<std::string> finish() override;
 
- private:
+ protected:
+  /// Returns the next number, as text. throws: Error kFormat at the end of the numbers.
   std::string_view word(const std::string& where);
 
+ private:
   VoxelType type_;
   std::string word_;
+};
+
+/// Decimal numbers from 0 to 1, as shares of the bytes' largest value, 255.
+class ShareStream final : public DecimalStream {
+ public:
+  ShareStream(File file, std::uint64_t offset_bytes) : DecimalStream(std::move(file), offset_bytes, VoxelType::u8) {}
+  void read(std::span<std::byte> out, const std::string& where) override;
 };
 
 /// Two hexadecimal digits a byte, in the file's byte order.

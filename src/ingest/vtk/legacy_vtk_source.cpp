@@ -44,6 +44,7 @@ struct LegacyArray : VtkArray {
   std::uint64_t numberBytes() const;
 
   std::uint64_t begin = 0;
+  bool of_colors = false;  // COLOR_SCALARS: as text, shares of 255
 };
 
 std::uint64_t LegacyArray::numberBytes() const {
@@ -239,8 +240,11 @@ bool LegacyReader::takeAttribute(const std::string& key, const Words& line) {
   if (key == "vectors" || key == "normals") return array(2, 3);
   if (key == "tensors") return array(2, 9);
   if (key == "texture_coordinates") return array(3, whole(line, 2));
-  if (key == "color_scalars")
-    return addArray({line.size() > 1 ? line[1] : "", "unsigned_char", whole(line, 2)}, tuples_);
+  if (key == "color_scalars") {
+    LegacyArray colors(line.size() > 1 ? line[1] : "", "unsigned_char", whole(line, 2));
+    colors.of_colors = true;
+    return addArray(colors, tuples_);
+  }
   if (key == "lookup_table") return addArray({"", "unsigned_char", 4}, whole(line, 2));
   fail(inQuotes(line[0]) + " is not a keyword of VTK");
 }
@@ -270,7 +274,7 @@ std::unique_ptr<VolumeSource> openLegacyVtk(const fs::path& input, const SourceO
       vtkGeometry(input, header.extent, array.of_cells, header.origin, header.spacing, glm::dmat3(1.0), options);
   LinearData data;
   data.file = input;
-  data.encoding = header.binary ? DataEncoding::kRaw : DataEncoding::kDecimal;
+  data.encoding = header.binary ? DataEncoding::kRaw : array.of_colors ? DataEncoding::kShare : DataEncoding::kDecimal;
   data.offset_bytes = array.begin;
   data.stored_type = *array.type;
   data.big_endian = true;
