@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "ingest/bytes/inflate_stream.h"
 #include "ingest/dicom/dicom_directory.h"
+#include "ingest/hdf5/bdv_xml.h"
 #include "ingest/slice_directory.h"
 #include "ingest/slice_names.h"
 #include "ingest/source/formats.h"
@@ -40,6 +41,7 @@ enum class Format {
   kTiff,
   kDicom,
   kHdf5,
+  kBdv,
   kForeign
 };
 
@@ -68,6 +70,7 @@ constexpr Magic kMagics[] = {
     {0, "\0\0\0\x0cjP  \r\n\x87\n"sv, Format::kForeign, "JPEG 2000"},
     {0, "\xff\x4f\xff\x51"sv, Format::kForeign, "JPEG 2000"},
     {0, "\x89HDF\r\n\x1a\n"sv, Format::kHdf5, "HDF5"},
+    {0, "NanoVDB0"sv, Format::kForeign, "NanoVDB"},
     {0, "# vtk DataFile"sv, Format::kLegacyVtk, "VTK"},
     {0, "<VTKFile"sv, Format::kVti, "VTK"},
     {0, "<?xml"sv, Format::kForeign, "XML"},
@@ -120,6 +123,7 @@ Finding byBytes(const std::string& bytes) {
   if (sliceFormatOf(bytes) == SliceFormat::kDicom) return {Format::kDicom, "DICOM"};
   // The XML declaration may stand before the first element.
   if (bytes.starts_with("<?xml") && bytes.find("<VTKFile") != std::string::npos) return {Format::kVti, "VTK"};
+  if (bytes.find("<SpimData") != std::string::npos) return {Format::kBdv, "BigDataViewer"};
   for (const Magic& magic : kMagics) {
     if (bytes.size() > magic.offset && std::string_view(bytes).substr(magic.offset).starts_with(magic.bytes)) {
       return {magic.format, magic.name};
@@ -351,13 +355,16 @@ std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOp
   // Some magics are short and raw voxels may hold any bytes: explicit dimensions and type override the magic.
   const bool described = options.dims && options.type;
   Finding found = identify(input, described);
+  if (found.format == Format::kBdv && !described)
+    return openAsStored(imageOfBdv(input).string() + (part.empty() ? "" : ":" + part), options);
   if (found.format == Format::kForeign && !described) {
     throw Error(
         ErrorCode::kUnsupported, input, "",
         withArticle(found.name) + " file, which is not read; convert it to NRRD, MetaImage, NIfTI, OpenVDB or raw");
   }
   const bool slices = found.format == Format::kTiff || found.format == Format::kDicom;
-  if ((slices && described) || found.format == Format::kForeign || found.format == Format::kUnknown)
+  if ((slices && described) || found.format == Format::kBdv || found.format == Format::kForeign ||
+      found.format == Format::kUnknown)
     found = {Format::kUnknown, "raw"};
   requireOptionsApply(input, found.name, options);
   if (!part.empty() && found.format != Format::kHdf5)
@@ -392,6 +399,7 @@ std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOp
       // The list of a CD stands for its folder.
       if (isDicomDirectory(input)) return openDirectory(input.has_parent_path() ? input.parent_path() : ".", options);
       return openDicom({input, SliceFormat::kDicom, {input}, {}, {}}, options);
+    case Format::kBdv:
     case Format::kUnknown:
     case Format::kForeign:
       break;

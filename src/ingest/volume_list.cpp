@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/file/file.h"
+#include "ingest/hdf5/bdv_xml.h"
 #include "ingest/open_source.h"
 #include "ingest/slice_directory.h"
 #include "ingest/slice_names.h"
@@ -38,6 +39,7 @@ Volumes ofFile(const fs::path& file, const SourceOptions& options) {
   if (format == "a TIFF") return listTiff({file});
   if (format == "a DICOM") return listDicom({file});
   if (format == "an HDF5") return listHdf5(file, options);
+  if (format == "a BigDataViewer") return listHdf5(imageOfBdv(file), options);
   return ofOneVolume(file, options);
 }
 
@@ -75,7 +77,9 @@ Volumes ofFolder(const fs::path& folder, const SourceOptions& options) {
   for (const auto& [format, pictures] : files.pictures)
     for (const std::vector<fs::path>& stack : stacksByName(pictures)) out.push_back(listPictures(format, stack));
   for (const fs::path& file : files.other) {
-    if (!volumeFormatOf(file).read) continue;
+    const VolumeFormat format = volumeFormatOf(file);
+    // The image of a description is listed itself.
+    if (!format.read || format.name == "a BigDataViewer") continue;
     append(out, listedOrRefused(file.filename().string(), "file", [&] { return ofFileInFolder(file, options); }));
   }
   if (out.empty()) throw Error(ErrorCode::kUnsupported, folder, "", "a directory without a volume; name another");

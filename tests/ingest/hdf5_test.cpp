@@ -355,6 +355,11 @@ TEST(IngestHdf5, BigDataViewerHasItsAffineAndUnsignedNumbers) {
   // The second transformation scales first, the first then moves.
   EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(12, 23, 34));
   EXPECT_EQ(source->info().geometry.unit, "um");
+  const auto by_description = openSource(files.directory() / "a.xml");
+  EXPECT_TRUE(readWhole(*by_description) == fine.voxels);
+  EXPECT_EQ(volumesIn(files.directory() / "a.xml", {}).size(), 2u);
+  EXPECT_EQ(volumesIn(files.directory(), {}).size(), 2u);
+  expectRefused(files.write("b.xml", "<SpimData/>"), ErrorCode::kNotFound, "'b.h5', is missing");
   SourceOptions options;
   options.scale = 1;
   const auto small = openSource(file, options);

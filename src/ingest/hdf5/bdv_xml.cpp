@@ -127,4 +127,12 @@ std::optional<BdvDescription> readBdvXml(const fs::path& xml) {
   return BdvReader(file).read();
 }
 
+fs::path imageOfBdv(const fs::path& xml) {
+  const fs::path image = fs::path(xml).replace_extension(".h5");
+  if (isThere(image)) return image;
+  throw Error(ErrorCode::kNotFound, xml, "",
+              "the image of this BigDataViewer description, " + inQuotes(image.filename().string()) +
+                  ", is missing; put it beside this file, or give an image of another name or format itself");
+}
+
 }  // namespace kiln

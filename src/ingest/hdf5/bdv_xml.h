@@ -28,4 +28,7 @@ struct BdvDescription {
 /// Returns nothing if there is no file at `xml`. throws: Error kFormat if the file is no XML, kIo.
 std::optional<BdvDescription> readBdvXml(const std::filesystem::path& xml);
 
+/// Returns the HDF5 file beside a description, which has the name of the description. throws: Error kNotFound.
+std::filesystem::path imageOfBdv(const std::filesystem::path& xml);
+
 }  // namespace kiln
