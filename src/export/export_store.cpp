@@ -15,8 +15,8 @@
 #include "export/source/export_formats.h"
 #include "export/source/output_place.h"
 #include "export/source/store_boxes.h"
+#include "export/vdb/export_tiles.h"
 #include "export/vdb/export_vdb.h"
-#include "export/vdb/vdb_tiles.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -100,24 +100,13 @@ ExportReport exportBoxes(const ExportParts& parts) {
   return {extentText(volume), files.bytes, std::move(files.lines)};
 }
 
-// Tiles are whole files each: tiles before a failure stay.
 ExportReport exportGrids(const GridArchive& archive, const ExportParts& parts) {
   const ExportRequest& request = parts.request;
   const ExportedVolume whole = exportedVolume(parts.store, request.level, request.region);
-  std::vector<VdbRequest> files;
-  for (int tile = 1; tile <= request.tiles; ++tile) {
-    const fs::path out = request.tiles > 1 ? pathOfTile(request.out, tile) : request.out;
-    files.push_back({archive, out, request.overwrite, request.memory_bytes, request.values, request.baked});
-    requirePlace(parts.store, out, request.overwrite, parts.disk);
-  }
-  VdbReport sum;
-  const std::vector<ExportedVolume> tiles = tilesOf(whole, request.tiles, request.out);
-  for (std::size_t i = 0; i < tiles.size(); ++i) {
-    const VdbReport report = exportVdb(parts.store, tiles[i], files[i], parts.progress, parts.disk);
-    sum.voxels += report.voxels;
-    sum.bytes += report.bytes;
-    sum.largest_error = std::max(sum.largest_error, report.largest_error);
-  }
+  const VdbRequest grids{archive, request.out, request.overwrite, request.memory_bytes, request.values, request.baked};
+  const VdbReport sum = request.tiles > 1 ? exportTiles(parts.store, whole, grids, {request.tiles, request.resume},
+                                                        parts.progress, parts.disk)
+                                          : exportVdb(parts.store, whole, grids, parts.progress, parts.disk);
   if (!whole.geometry.unit.empty() || whole.geometry.frame != PatientFrame::kUnknown)
     parts.progress.note(request.out.string() + ": grids have no unit of length and no patient frame");
   ExportReport out = {fmt::format("{} active voxels", sum.voxels), sum.bytes, {}};
@@ -170,7 +159,8 @@ const ExportFormat& exportFormatOf(const ExportRequest& request) {
                 fmt::format("is for {} only (found {}); leave it out", ending, found->ending));
   };
   if (request.compress && !found->takes.compresses) refuse("--compress", ".nrrd and .nvdb");
-  if (request.resume && !found->takes.resumes) refuse("--resume", ".zarr");
+  if (request.resume && !found->takes.resumes && !(found->takes.holds_grids && request.tiles > 1))
+    refuse("--resume", ".zarr and --tiles");
   if (request.values.type == VdbType::kHalf && found->takes.holds_grids && !found->takes.holds_half)
     throw Error(ErrorCode::kUsage, request.out, "--type",
                 fmt::format("half is for .vdb only (found {}); write --type float", found->ending));

@@ -527,7 +527,7 @@ TEST_F(ExportStore, ZarrNameOutsideUtf8_isEscapedInTheHeader) {
 }
 
 // OpenVDB has neither; a volume without both loses nothing.
-TEST_F(ExportStore, UnitAndFrameThatOpenVdbLacks_areANote) {
+TEST_F(ExportStore, UnitAndFrameThatGridsLack_areANote) {
   struct Notes : Progress {
     void note(const std::string& sentence) override { all += sentence; }
     std::string all;
@@ -541,7 +541,7 @@ TEST_F(ExportStore, UnitAndFrameThatOpenVdbLacks_areANote) {
     return notes.all;
   };
   EXPECT_EQ(noteFor(PatientFrame::kUnknown, ""), "");
-  EXPECT_NE(noteFor(PatientFrame::kUnknown, "mm").find("v.vdb: OpenVDB has no unit"), std::string::npos);
+  EXPECT_NE(noteFor(PatientFrame::kUnknown, "mm").find("v.vdb: grids have no unit"), std::string::npos);
   EXPECT_NE(noteFor(PatientFrame::kRas, "").find("no patient frame"), std::string::npos);
 }
 

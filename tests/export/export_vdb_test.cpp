@@ -395,10 +395,57 @@ TEST_F(ExportVdb, TilesLieSideBySide) {
     }
     ASSERT_EQ(holders, static_cast<std::int16_t>(value) != 0 ? 1 : 0) << v.x << " " << v.y << " " << v.z;
   }
+  EXPECT_FALSE(fs::exists(directory_ / "t_##.vdb.partial"));
   request.out = directory_ / "t.vdb";
   EXPECT_THROW(exportStore(store, request, silent_), Error);
   request.out = directory_ / "u_#.vdb";
   request.tiles = 1000;
+  EXPECT_THROW(exportStore(store, request, silent_), Error);
+}
+
+// Stopped while the third tile is made: no tile has its name, and two are kept, and not made again.
+TEST_F(ExportVdb, TilesAreResumed) {
+  struct StopLate : Progress {
+    bool cancelled() const override { return fs::exists(second) && --left < 0; }
+    fs::path second;
+    mutable int left = 2;
+  } stop;
+  makeStore<std::int16_t>(directory_ / "s.kiln", denseInfo(VoxelType::i16, {53, 49, 21}), denseValue<std::int16_t>);
+  const StoreReader store(directory_ / "s.kiln");
+  ExportRequest request;
+  request.out = directory_ / "t_#.vdb";
+  request.tiles = 4;
+  const fs::path partial = request.out.string() + ".partial";
+  stop.second = partial / "t_2.vdb.txt";
+  EXPECT_THROW(exportStore(store, request, stop), Error);
+  EXPECT_FALSE(fs::exists(directory_ / "t_1.vdb"));
+  ASSERT_TRUE(fs::exists(partial / "t_2.vdb"));
+  EXPECT_FALSE(fs::exists(partial / "t_3.vdb"));
+  test::expectError([&] { exportStore(store, request, silent_); }, ErrorCode::kExists, "continue it by --resume");
+  request.resume = true;
+  request.values.tolerance = 1;
+  test::expectError([&] { exportStore(store, request, silent_); }, ErrorCode::kExists, "is an unfinished export of");
+  request.values.tolerance = 0;
+  const std::string kept = readTextFile(partial / "t_2.vdb");
+  const ExportReport resumed = exportStore(store, request, silent_);
+  EXPECT_FALSE(fs::exists(partial));
+  EXPECT_EQ(readTextFile(directory_ / "t_2.vdb"), kept);  // another run writes another identifier
+
+  request.resume = false;
+  request.out = directory_ / "u_#.vdb";
+  const ExportReport whole = exportStore(store, request, silent_);
+  EXPECT_EQ(resumed.contents, whole.contents);
+  EXPECT_EQ(resumed.bytes, whole.bytes);
+  for (int tile = 1; tile <= 4; ++tile) {
+    const std::string name = "_" + std::to_string(tile) + ".vdb";
+    const test::DirectGrid again((directory_ / "t").concat(name), "density"),
+        at_once((directory_ / "u").concat(name), "density");
+    EXPECT_EQ(again.activeVoxels(), at_once.activeVoxels());
+    for (std::int64_t x = 0; x < 53; ++x) EXPECT_EQ(again.value({x, 17, 11}), at_once.value({x, 17, 11})) << x;
+  }
+  request.tiles = 1;
+  request.resume = true;
+  request.out = out();
   EXPECT_THROW(exportStore(store, request, silent_), Error);
 }
 

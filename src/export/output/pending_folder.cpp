@@ -39,9 +39,10 @@ void PendingFolder::begin(const std::string& contents, Leftover leftover) {
     continued_ = kept_ = leftover == Leftover::kContinue && readTextFile(description) == contents;
     if (continued_) return;
     if (leftover == Leftover::kContinue)
-      throw Error(
-          ErrorCode::kExists, path_, "",
-          "is an unfinished export of another store, level or region; give --overwrite without --resume to begin anew");
+      throw Error(ErrorCode::kExists, path_, "",
+                  "is an unfinished export of another store, level or region, or with other options; give --overwrite "
+                  "without --resume "
+                  "to begin anew");
     if (leftover == Leftover::kRefuse)
       throw Error(ErrorCode::kExists, path_, "",
                   "is an unfinished export; continue it by --resume, or give --overwrite to begin anew");

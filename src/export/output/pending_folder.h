@@ -21,7 +21,7 @@ class PendingFolder {
   /// the lock of `out` from here on. throws: Error kExists if another process holds the lock, or if the folder
   /// is no export, is refused, or has other contents; kIo, kNoSpace.
   PendingFolder(const std::filesystem::path& out, const std::string& contents, Leftover leftover, FileSystem& disk);
-  /// Removes the folder, unless it was kept, continued or moved away.
+  /// Removes the folder, unless it was kept, continued or moved away, or if discarded.
   ~PendingFolder();
   PendingFolder(const PendingFolder&) = delete;
   PendingFolder& operator=(const PendingFolder&) = delete;
@@ -31,6 +31,8 @@ class PendingFolder {
   bool continued() const { return continued_; }
   /// Leaves the folder to a later export.
   void keep() { kept_ = true; }
+  /// Has the destructor remove the folder, whose files have been moved away.
+  void discard() { kept_ = false; }
   /// Brings all files onto the disk and gives the folder the name `out`; a folder of this name is replaced in one step
   /// where the disk can. throws: Error kIo, kNoSpace.
   void publish();

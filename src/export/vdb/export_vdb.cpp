@@ -19,6 +19,7 @@
 #include "export/source/output_place.h"
 #include "export/source/store_boxes.h"
 #include "export/vdb/baked_filler.h"
+#include "export/vdb/grid_archive.h"
 #include "export/vdb/grid_filler.h"
 #include "store/brick_index.h"
 #include "store/codec/brick_block.h"

@@ -9,11 +9,18 @@
 #include "base/file/file.h"
 #include "base/progress.h"
 #include "export/source/exported_volume.h"
-#include "export/vdb/grid_archive.h"
 #include "export/vdb/vdb_values.h"
 #include "scene/transfer/transfer_function.h"
 
 namespace kiln {
+
+/// A kind of file (grid_archive.h).
+class GridArchive;
+/// Returns the archive of .vdb files.
+const GridArchive& openVdbArchive();
+/// Returns the archive of .nvdb files, compressed by zlib or not. throws: Error kUnsupported if this build has no
+/// NanoVDB.
+const GridArchive& nanoVdbArchive(bool compress);
 
 struct VdbRequest {
   const GridArchive& archive = openVdbArchive();

@@ -18,10 +18,4 @@ class GridArchive {
   virtual std::uint64_t copies() const = 0;
 };
 
-/// Returns the archive of .vdb files.
-const GridArchive& openVdbArchive();
-/// Returns the archive of .nvdb files, compressed by zlib or not. throws: Error kUnsupported if this build has no
-/// NanoVDB.
-const GridArchive& nanoVdbArchive(bool compress);
-
 }  // namespace kiln

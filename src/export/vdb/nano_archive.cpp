@@ -1,6 +1,7 @@
 // Grids of OpenVDB as a file of NanoVDB, by NanoVDB's library. Source: Museth 2021.
 // Cost. Compiling takes a quarter of a minute, so that this file alone includes the library.
 #include "base/error.h"
+#include "export/vdb/export_vdb.h"
 #include "export/vdb/grid_archive.h"
 
 #ifdef KILN_NANOVDB

@@ -81,7 +81,7 @@ void addExport(CLI::App& app, Context& context) {
   command->add_option("--threads", a->threads, "threads; 0 takes all")
       ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
-  command->add_flag("--resume", a->request.resume, "continue an interrupted export to .zarr");
+  command->add_flag("--resume", a->request.resume, "continue an interrupted export to .zarr or of --tiles");
   command->add_flag("--overwrite", a->request.overwrite, "replace files that are there");
   addExamples(*command,
               {"kiln export head.kiln head.nrrd", "kiln export head.kiln head.nii.gz",
