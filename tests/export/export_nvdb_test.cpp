@@ -108,6 +108,11 @@ TEST_F(ExportNanoVdb, ATransferFunctionIsBakedIntoDensityAndColour) {
   EXPECT_EQ(density->tree().getValue({5, 9, 9}), 0);
   EXPECT_NEAR(density->tree().getValue({20, 9, 9}), std::log(2.0), 1e-6);
   EXPECT_NEAR(color->tree().getValue({20, 9, 9})[1], 0.5f, 1e-6f);
+  // The neighbours of visible voxels have a colour, between which renderers interpolate.
+  EXPECT_EQ(density->tree().getValue({10, 9, 9}), 0);
+  EXPECT_NEAR(color->tree().getValue({10, 9, 9})[1], 0.5f, 1e-6f);
+  EXPECT_TRUE(color->tree().isActive({10, 9, 9}));
+  EXPECT_EQ(color->tree().getValue({9, 9, 9})[1], 0);
 }
 
 TEST_F(ExportNanoVdb, WhatItDoesNotHoldIsRefused) {

@@ -1,14 +1,16 @@
 // Voxels of bricks as two grids of a renderer: `density`, the extinction of a transfer function per world unit, and
-// `Cd`, its colour in linear light. Active are the voxels that the function shows.
+// `Cd`, its colour in linear light. The voxels that the function shows are active, in `Cd` with their neighbours.
 #pragma once
 
 #include <openvdb/tools/Prune.h>
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "export/vdb/brick_voxels.h"
+#include "export/vdb/color_border.h"
 #include "export/vdb/export_vdb.h"
 #include "export/vdb/grid_placement.h"
 
@@ -25,6 +27,8 @@ class BakedFiller {
   /// Upper bound of a voxel in the leaves of both grids, and the table of types of 8 and 16 bits. unit: bytes.
   static constexpr std::uint64_t kVoxelBytes = sizeof(Baked) + 2,
                                  kFixedBytes = sizeof(T) <= 2 ? sizeof(Baked) << (8 * sizeof(T)) : 0;
+  /// Voxels by which a grid reaches beyond the bricks.
+  static constexpr int kReach = 1;
 
   /// requires: the function has a unit of length.
   BakedFiller(const TransferFunction& function, VdbType type, const GridPlacement& place)
@@ -68,9 +72,16 @@ class BakedFiller {
 
   std::uint64_t treeBytes() const { return density_->memUsage() + color_->memUsage(); }
 
-  openvdb::GridPtrVec finish() {
+  /// Memory that `finish` adds. unit: bytes.
+  std::uint64_t finishBytes() {
     density_->pruneGrid(0);
     color_->pruneGrid(0);
+    border_.emplace(*color_);
+    return border_->bytes();
+  }
+  /// requires: finishBytes was called behind the last voxel, if there is any.
+  openvdb::GridPtrVec finish() {
+    if (border_) border_->fill(*color_);
     return grids();
   }
   double largestError() const { return 0; }
@@ -94,6 +105,7 @@ class BakedFiller {
   const GridPlacement& place_;
   openvdb::FloatGrid::Ptr density_;
   openvdb::Vec3SGrid::Ptr color_;
+  std::optional<ColorBorder> border_;
   std::vector<Baked> table_;  // of types of 8 and 16 bits
 };
 

@@ -71,10 +71,13 @@ struct FilledGrids {
   double largest_error = 0;
 };
 
-// The leaves of a brick's part that hold voxels of their own, as a box of as many voxels.
-VoxelBox heldLeaves(const GridExport& parts, const BricksOfBox::Part& brick) {
+// The leaves of a brick's part, larger by `reach` on each side, that hold voxels of their own, as a box of as many
+// voxels.
+VoxelBox heldLeaves(const GridExport& parts, const BricksOfBox::Part& brick, std::int64_t reach) {
   const bool constant = parts.store.index().at(brick.key).constant;
-  return constant ? partLeaves(parts.place, brick.box) : touchedLeaves(parts.place, brick.box);
+  VoxelBox box = brick.box;
+  for (int axis = 0; axis < 3; ++axis) box.lo[axis] -= reach, box.hi[axis] += reach;
+  return constant ? partLeaves(parts.place, box) : touchedLeaves(parts.place, box);
 }
 
 // Memory for reading a brick; none for a constant brick. unit: bytes.
@@ -97,10 +100,17 @@ class TreeCharge {
     if (held_bytes_ + needed > parts_.memory_bytes) refuse(brick.key);
     held_bytes_ += growth;
   }
+  /// Charges what the end of the filling adds. throws: Error kBudget.
+  void addFinish(std::uint64_t bytes, const BrickKey& any) {
+    if (bytes == 0) return;
+    held_bytes_ = Filler::kFixedBytes + parts_.copies() * (filler_.treeBytes() + bytes);
+    if (held_bytes_ > parts_.memory_bytes) refuse(any);
+  }
 
  private:
   std::uint64_t growthBytes(const BricksOfBox::Part& brick) const {
-    return parts_.copies() * static_cast<std::uint64_t>(heldLeaves(parts_, brick).count()) * Filler::kVoxelBytes;
+    return parts_.copies() * static_cast<std::uint64_t>(heldLeaves(parts_, brick, Filler::kReach).count()) *
+           Filler::kVoxelBytes;
   }
   // Memory for any content of the volume: all voxels of all bricks in the tree, one brick being read, the index.
   std::uint64_t sufficientBytes() const {
@@ -156,6 +166,7 @@ FilledGrids filledBy(Filler filler, const GridExport& parts) {
       refuseBeyond(request, largestOf(request.values.type, std::numeric_limits<float>::max()), "a larger value");
     progress.advance("exporting", "bricks", i + 1, bricks.count());
   }
+  if (bricks.count() > 0) charge.addFinish(filler.finishBytes(), bricks.at(0).key);
   return {filler.finish(), filler.largestError()};
 }
 

@@ -16,7 +16,7 @@
 namespace kiln {
 
 /// Fills a grid of type `Grid` with voxels of type T. Every filler has `holds`, `fill`, `take`, `treeBytes`, `finish`,
-/// `largestError`, and the memory of its parts: `kVoxelBytes`, `kFixedBytes`.
+/// `finishBytes`, `largestError`, and the memory of its parts: `kVoxelBytes`, `kFixedBytes`, `kReach`.
 template <class T, class Grid>
 class GridFiller {
  public:
@@ -24,6 +24,8 @@ class GridFiller {
 
   /// Upper bound of a voxel in a leaf, and memory beside the tree. unit: bytes.
   static constexpr std::uint64_t kVoxelBytes = sizeof(Value) + 1, kFixedBytes = 0;
+  /// Voxels by which a grid reaches beyond the bricks.
+  static constexpr int kReach = 0;
 
   GridFiller(const Manifest& manifest, const VdbValues& values, const GridPlacement& place)
       : values_(values),
@@ -66,6 +68,8 @@ class GridFiller {
   /// Memory of the tree as it is. unit: bytes.
   std::uint64_t treeBytes() const { return grid_->memUsage(); }
 
+  /// Memory that `finish` adds. unit: bytes.
+  std::uint64_t finishBytes() const { return 0; }
   openvdb::GridPtrVec finish() {
     // Merges only nodes of one value and state, compared exactly. Skipped for signed zeros, because == would lose -0.
     if (!signed_zero_) grid_->pruneGrid(0);
