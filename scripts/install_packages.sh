@@ -13,8 +13,9 @@ python=(pybind11-dev python3-dev python3-numpy)
 demo=(invesalius-examples tar)
 # Volumes of scripts/pictures.sh: a head, brains and an atlas.
 pictures=("${demo[@]}" mricron-data python3-numpy)
-# Tests hold Kiln's files and its schema against other programs, and draw the manual's pictures.
+# Tests hold Kiln's files and its schema against other programs, draw the manual's pictures, and forward a port by ssh.
 test=(libgtest-dev openimageio-tools ffmpeg lowdown libopenjp2-tools "${python[@]}" "${pictures[@]}" python3-pytest
+      openssh-server openssh-client
       python3-jsonschema python3-zarr python3-h5py python3-mrcfile python3-nibabel python3-tifffile python3-openvdb python3-vtk9)
 # Tests of the page of kiln view (tests/browser/viewer.mjs).
 browser=(chromium nodejs npm)

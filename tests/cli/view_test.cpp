@@ -121,6 +121,57 @@ wait $one
 )sh");
 }
 
+// An SSH server of the test's own on 127.0.0.1, with keys of the test. Known: the forwarded port answers as the socket.
+TEST_F(ViewCli, ASocket_isReachedThroughSsh) {
+  if (!std::filesystem::exists("/usr/sbin/sshd")) GTEST_SKIP() << "needs the package openssh-server";
+  runScript(directory_, R"sh(
+await() { for i in $(seq 200); do if "$@"; then return 0; fi; sleep 0.05; done; return 1; }
+freePort() { python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'; }
+ssh-keygen -q -t ed25519 -N '' -f host
+ssh-keygen -q -t ed25519 -N '' -f user
+cat > sshd.conf <<EOF
+HostKey $PWD/host
+AuthorizedKeysFile $PWD/user.pub
+PidFile none
+StrictModes no
+UsePAM no
+PermitRootLogin prohibit-password
+EOF
+# The server's own directory, which the system's service makes.
+if [ "$(id -u)" = 0 ]; then mkdir -p -m 755 /run/sshd; fi
+server=$(freePort) port=$(freePort) three=
+/usr/sbin/sshd -D -e -f "$PWD/sshd.conf" -o ListenAddress=127.0.0.1 -p "$server" 2> sshd.log & one=$!
+# The name of a socket has at most 107 bytes.
+folder=$(mktemp -d)
+kiln view ../h.kiln --socket "$folder/v" > out.txt & two=$!
+trap 'kill $one $two $three 2> /dev/null; wait $two; rm -r "$folder"' EXIT
+await test -S "$folder/v"
+await grep -q "listening" sshd.log
+ssh -N -F none -i user -p "$server" -o StrictHostKeyChecking=no -o UserKnownHostsFile=/dev/null -o BatchMode=yes \
+  -o ExitOnForwardFailure=yes -L "127.0.0.1:$port:$folder/v" 127.0.0.1 2> ssh.log & three=$!
+await grep -q '#' out.txt
+token=$(sed -n 's|.*localhost:8000/#||p' out.txt)
+cat > ask.py <<'EOF'
+import http.client, json, sys, time
+def answer(port, token):
+    link = http.client.HTTPConnection("localhost", port, timeout=60)
+    body = json.dumps({"seq": 1, "size": [64, 48], "job": {"kiln": 2}})
+    link.request("POST", "/api/frame", body, {"Authorization": "Bearer " + token, "Content-Type": "application/json"})
+    found = link.getresponse()
+    return found.status, found.read()
+for _ in range(200):
+    try:
+        status, records = answer(int(sys.argv[1]), sys.argv[2])
+        break
+    except OSError:
+        time.sleep(0.05)
+assert status == 200 and b'"stage":"final"' in records and b"PNG" in records, (status, records[:200])
+assert answer(int(sys.argv[1]), "0" * 32)[0] == 401
+EOF
+python3 ask.py "$port" "$token" || { cat sshd.log ssh.log >&2; exit 1; }
+)sh");
+}
+
 TEST_F(ViewCli, WrongOptions_areRefused) {
   writeText(in("file"), "here");
   // The name of a socket has at most 107 bytes, which the folder of the tests may exceed.
