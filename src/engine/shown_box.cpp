@@ -40,8 +40,10 @@ TransferFunction withoutHaze(TransferFunction function, double least) {
 // Decides which ranges of values some function shows.
 class ShownValues {
  public:
-  ShownValues(const Manifest& manifest, std::span<const TransferFunction> functions, double thickness) {
+  ShownValues(const Manifest& manifest, std::span<const TransferFunction> functions, double thickness,
+              const Progress& progress) {
     for (const TransferFunction& function : functions) {
+      progress.throwIfCancelled("looking for the visible box");
       const double unit = function.unitIn(manifest.geometry().meanSpacing());
       const double least = 1 - std::pow(1 - kLeastAlpha, unit / thickness);
       classifiers_.emplace_back(withoutHaze(function, least), unit, VoxelType::f64, manifest.range);
@@ -81,7 +83,8 @@ VoxelBox cutBy(const Clipping& clipping, const ClipRegion& region, const VoxelBo
 }
 
 // Step 1: the box around the sub-bricks that may show something.
-VoxelBox boxOfIndex(const BrickedVolume& store, const ShownValues& shown, const ClipRegion& region) {
+VoxelBox boxOfIndex(const BrickedVolume& store, const ShownValues& shown, const ClipRegion& region,
+                    const Progress& progress) {
   const std::int64_t size = store.manifest().brick_size;
   const Extent3 lattice = store.index().lattice(0);
   VoxelBox out;
@@ -89,6 +92,7 @@ VoxelBox boxOfIndex(const BrickedVolume& store, const ShownValues& shown, const 
     return !cube.empty() && !contains(out, cube) && region.classify(cube) != ClipRegion::Overlap::kOutside;
   };
   for (std::int64_t i = 0; i < lattice.count(); ++i) {
+    progress.throwIfCancelled("looking for the visible box");
     const BrickKey key{0, brickAt(lattice, i)};
     const BrickEntry& entry = store.index().at(key);
     const VoxelBox core = coreBox(key.brick, size, store.manifest().geometry().dims);
@@ -168,14 +172,14 @@ VoxelBox boxOfClip(const VolumeGeometry& volume, Clipping clipping) {
 }
 
 ShownBox shownBox(const BrickedVolume& store, std::span<const TransferFunction> functions, const Clipping& clipping,
-                  bool read_brick) {
+                  bool read_brick, const Progress& progress) {
   const Manifest& manifest = store.manifest();
   Clipping whole = clipping;
   whole.part.reset();
   const ClipRegion region(whole, manifest.geometry());
   const double cube = static_cast<double>(manifest.brick_size / subBricksOf(manifest.brick_size));
-  const ShownValues shown(manifest, functions, cube * manifest.geometry().meanSpacing());
-  ShownBox out{boxOfIndex(store, shown, region)};
+  const ShownValues shown(manifest, functions, cube * manifest.geometry().meanSpacing(), progress);
+  ShownBox out{boxOfIndex(store, shown, region, progress)};
   if (read_brick && !out.box.empty()) refine(store, shown, out);
   out.box = cutBy(whole, region, out.box);
   return out;

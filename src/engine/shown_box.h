@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/progress.h"
 #include "grid/coords.h"
 #include "scene/clip_region.h"
 #include "scene/transfer/transfer_function.h"
@@ -28,7 +29,7 @@ struct ShownBox {
 /// false, step 3 is left out. requires: lengths of the functions are the world's. throws: as BrickedVolume::read; Error
 /// kUsage if the region contains no voxel.
 ShownBox shownBox(const BrickedVolume& store, std::span<const TransferFunction> functions, const Clipping& clipping,
-                  bool read_brick = true);
+                  bool read_brick = true, const Progress& progress = Progress());
 
 /// Returns the box of the clip region: its planes cut the box if they are parallel to a face of the volume.
 VoxelBox boxOfClip(const VolumeGeometry& volume, Clipping clipping);

@@ -1,6 +1,7 @@
 // A picture as a sequence of bands of rows, for pictures larger than memory.
 #pragma once
 
+#include "base/progress.h"
 #include "image/image.h"
 
 namespace kiln {
@@ -33,6 +34,23 @@ class RowsOfImage : public ImageRows {
 
  private:
   const Image& image_;
+};
+
+/// Rows of a picture until the user requests a stop.
+class RowsUntilStopped : public ImageRows {
+ public:
+  /// requires: both outlive this.
+  RowsUntilStopped(ImageRows& rows, const Progress& progress)
+      : ImageRows(rows.width, rows.height), rows_(rows), progress_(progress) {}
+  /// throws: Error kCancelled; as the rows.
+  Band bandAt(int row) override {
+    progress_.throwIfCancelled("encoding the picture");
+    return rows_.bandAt(row);
+  }
+
+ private:
+  ImageRows& rows_;
+  const Progress& progress_;
 };
 
 }  // namespace kiln

@@ -6,6 +6,7 @@
 
 #include "base/thread/parallel.h"
 #include "frame/empty_frame.h"
+#include "frame/pass/frame_progress.h"
 #include "job/frame/frame_scene.h"
 #include "job/job_facts.h"
 #include "sequence/frame_requests.h"
@@ -28,23 +29,25 @@ DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
   return out;
 }
 
-DryRun dryRun(const RenderJob& given, const OpenedVolumes& opened, const MemoryBeside& beside) {
+DryRun dryRun(const RenderJob& given, const OpenedVolumes& opened, const MemoryBeside& beside,
+              const Progress& progress) {
   RenderJob job = given;
   job.picture.aovs = drawnAovs(job);
   const ThreadLimit threads(job.speed.threads);
   const std::vector<const BrickedVolume*>& volumes = opened.all();
   FitReads fit;
-  Progress silent;
-  const SceneOfJob scenes(job, opened.manifests(), shownBoxesOf(job, volumes, fit, silent));
+  SilentProgress silent(progress);
+  const SceneOfJob scenes(job, opened.manifests(), shownBoxesOf(job, volumes, fit, silent), progress);
   DryRun out;
-  out.memory = memoryOf(job, volumes, scenes, beside);
+  out.memory = memoryOf(job, volumes, scenes, beside, progress);
   out.budget_bytes = job.speed.memory_bytes;
   BrickWalkCounts counts;
   std::vector<StoredBrick> bricks;
   FrameScene scene = scenes.at(framesOf(job).front());
   const FrameScene whole = scene;
-  out.samples = scenes.mostSamples();
+  out.samples = scenes.mostSamples(progress);
   for (const PictureOptions& picture : eyesOf(scene.picture)) {
+    progress.throwIfCancelled("counting bricks");
     scene.picture = picture;
     const std::vector<StoredBrick> seen = bricksInView(volumes, requestOf(scene, job.speed), counts);
     bricks.insert(bricks.end(), seen.begin(), seen.end());

@@ -32,7 +32,9 @@ struct DryRun {
 DryRun dryRun(const RenderJob& job, const MemoryBeside& beside = 0);
 
 /// Predicts the first frame from open volumes. requires: the volumes are the job's first frame's, and `series` is set.
-DryRun dryRun(const RenderJob& job, const OpenedVolumes& volumes, const MemoryBeside& beside = 0);
+/// throws: Error kCancelled.
+DryRun dryRun(const RenderJob& job, const OpenedVolumes& volumes, const MemoryBeside& beside = 0,
+              const Progress& progress = Progress());
 
 /// Returns JSON for `--stats`, with the keys of a render's statistics where the meaning is equal.
 std::string dryRunText(const DryRun& run);

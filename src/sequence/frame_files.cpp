@@ -343,7 +343,8 @@ void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const Bricke
   drawn.statistics.output_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store) {
+std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store,
+                             const Progress& progress) {
   const DrawnView& first = drawn.views.front();
   // The ending alone enters the header.
   ImageMetadata metadata = metadataOf(job, {"picture.png", Content::kPicture, {}}, drawn, first.view, store);
@@ -351,11 +352,13 @@ std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, cons
   if (drawn.views.size() > 1) {
     metadata.views_beside = 2;
     const Image both = shownBeside(first.image, drawn.views.back().image, drawn, annotators);
-    RowsOfImage rows(both);
+    RowsOfImage all(both);
+    RowsUntilStopped rows(all, progress);
     return encodedPng(rows, metadata, job.output.png_bits);
   }
   ShownView shown(first.image, drawn.scene, annotators.front().get(), depthOf(first.image));
-  return encodedPng(shown.rows(), metadata, job.output.png_bits);
+  RowsUntilStopped rows(shown.rows(), progress);
+  return encodedPng(rows, metadata, job.output.png_bits);
 }
 
 FoundFile findFile(const RenderJob& job, const OutputFile& file, const FrameScene& scene, const BrickedVolume& store) {

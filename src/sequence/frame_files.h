@@ -44,8 +44,9 @@ void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const Bricke
                 std::uint64_t writer_bytes);
 
 /// Returns the bytes of the PNG that the job writes for a frame without planes. Changes nothing of the frame. throws:
-/// as encodedPng.
-std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store);
+/// as encodedPng; Error kCancelled.
+std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store,
+                             const Progress& progress);
 
 enum class FoundFile { kMissing, kDamaged, kWhole };
 /// Reads a file to its end. Returns true if this job wrote the file. throws: Error kExists if another job wrote the

@@ -122,8 +122,8 @@ FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed, const
 }
 
 FrameMemory memoryOf(RenderJob job, const std::vector<const BrickedVolume*>& stores, const SceneOfJob& scenes,
-                     const MemoryBeside& beside) {
-  job.picture.samples = scenes.mostSamples();
+                     const MemoryBeside& beside, const Progress& progress) {
+  job.picture.samples = scenes.mostSamples(progress);
   const PixelRect written = drawnPixels(job.picture.size, job.picture.crop);
   if (beside.at_a_time) job.picture.crop = beside.at_a_time;
   std::uint64_t least = 0;
@@ -154,11 +154,12 @@ ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const BrickedVolume*> 
       in_world.push_back(inWorld(function, store.manifest().world_per_own));
     ShownBox shown;
     try {
-      shown = shownBox(store, in_world, clipping);
+      shown = shownBox(store, in_world, clipping, true, progress);
     } catch (const Error& damage) {
-      if (!job.picture.skip_damaged || damage.code() == ErrorCode::kUsage) throw;
+      if (!job.picture.skip_damaged || damage.code() == ErrorCode::kUsage || damage.code() == ErrorCode::kCancelled)
+        throw;
       progress.warn(fmt::format("the camera shows more than is visible: {}", damage.what()));
-      shown = shownBox(store, in_world, clipping, false);
+      shown = shownBox(store, in_world, clipping, false, progress);
     }
     reads.files += shown.files;
     reads.bytes += shown.file_bytes;

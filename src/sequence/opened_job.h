@@ -119,9 +119,9 @@ ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const BrickedVolume*> 
                         Progress& progress);
 
 /// Plans the memory of the job's first frame, with the samples of the frame that has most. `beside` is charged with the
-/// image. throws: as SceneOfJob::at.
+/// image. throws: as SceneOfJob::at; kCancelled.
 FrameMemory memoryOf(RenderJob job, const std::vector<const BrickedVolume*>& stores, const SceneOfJob& scenes,
-                     const MemoryBeside& beside);
+                     const MemoryBeside& beside, const Progress& progress = Progress());
 
 /// Notes how many bricks are missing from a picture, if any.
 void noteDamage(const FrameStatistics& frame, Progress& progress);

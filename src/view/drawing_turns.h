@@ -1,12 +1,13 @@
 // The order of drawing: a single thread at a time, frames before other work, and the newest frame of a page alone.
 // Method. Frames are numbered as they arrive. A new frame ends the frame before of its page, goes before all frames
-// that wait, and interrupts other work. Interrupted work waits and begins again.
+// that wait, and interrupts other work. Interrupted work waits and begins again, and goes before frames once urgent.
 #pragma once
 
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <set>
 
@@ -25,6 +26,8 @@ class DrawingTurns {
   };
   /// Work that is no frame.
   static constexpr std::uint64_t kOther = 0;
+  /// Work that goes before all frames, and interrupts those that give way.
+  static constexpr std::uint64_t kUrgent = std::numeric_limits<std::uint64_t>::max();
 
   /// Returns the number of a new frame, which supersedes all earlier frames of the page. thread: any.
   std::uint64_t arrive(Page& page);

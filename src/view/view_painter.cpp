@@ -89,7 +89,7 @@ ViewPainter::ViewPainter(const RenderJob& job, OpenedVolumes volumes, Progress& 
       bricks_bytes_(bricksBytes(job, volumes_)),
       cache_(volumes_.all(), bricks_bytes_, readersOfCache(), skipperOf(job, progress)) {}
 
-std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
+std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job, const Progress& progress) {
   auto out = std::make_unique<ViewedJob>();
   out->job = job;
   requireVolumes(out->job);
@@ -97,7 +97,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
   requireFont(out->job);
   requireEngineOptions(out->job.picture);
   drawnPixels(job.picture.size, job.picture.crop);
-  Progress silent;
+  SilentProgress silent(progress);
   const ShownBoxOf shown_box = shownBoxesOf(out->job, volumes_.all(), fit_, silent);
   // Moving a camera that fits the picture asks for equal boxes again and again.
   const ShownBoxOf remembered = [&](std::size_t volume, const std::vector<TransferFunction>& functions,
@@ -106,23 +106,24 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
       if (memo.volume == volume && memo.functions == functions && memo.clipping == clipping) return memo.box;
     }
     std::erase_if(shown_, [&](const ShownMemo& memo) { return memo.volume == volume; });
-    shown_.push_back({volume, functions, clipping, shown_box(volume, functions, clipping)});
-    return shown_.back().box;
+    const VolumeGeometry box = shown_box(volume, functions, clipping);
+    shown_.push_back({volume, functions, clipping, box});
+    return box;
   };
-  out->scenes = std::make_unique<SceneOfJob>(out->job, volumes_.manifests(), remembered);
+  out->scenes = std::make_unique<SceneOfJob>(out->job, volumes_.manifests(), remembered, progress);
   out->scenes->accompany(volumes_.companions(), volumes_.colorFunctions());
   out->frame = framesOf(out->job).front();
   out->scene = out->scenes->at(out->frame);
   nlohmann::ordered_json stated = statedJson(out->job);
   // With several volumes, the bricks that meet in a tile depend on the camera.
   if (job.volumes.empty()) stated.erase("camera");
-  std::string text = fmt::format("{} {} {}", stated.dump(), out->scenes->mostSamples(),
+  std::string text = fmt::format("{} {} {}", stated.dump(), out->scenes->mostSamples(progress),
                                  static_cast<int>(out->scene.camera.projection));
   if (text != planned_) {
     const auto pixels = static_cast<std::uint64_t>(pixelsOf(job.picture.size));
     RenderJob drawn = out->job;
     drawn.picture.aovs = drawnAovs(drawn);
-    plan_ = memoryOf(drawn, volumes_.all(), *out->scenes, kCopiedPixelBytes * pixels);
+    plan_ = memoryOf(drawn, volumes_.all(), *out->scenes, kCopiedPixelBytes * pixels, progress);
     planned_ = std::move(text);
   }
   out->memory = plan_;
@@ -130,7 +131,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job) {
 }
 
 void ViewPainter::requireDrawable(const RenderJob& job, const Progress& progress) {
-  const std::unique_ptr<ViewedJob> viewed = prepare(job);
+  const std::unique_ptr<ViewedJob> viewed = prepare(job, progress);
   const std::vector<int> frames = framesOf(job);
   for (const int frame : frames) {
     progress.throwIfCancelled("testing frames");
@@ -174,8 +175,10 @@ FrameRequest ViewPainter::previewOf(const ViewedJob& job, const ImageSize& size,
   return request;
 }
 
-int ViewPainter::coarserWithin(const ViewedJob& job, const ImageSize& size, std::uint64_t bytes) const {
+int ViewPainter::coarserWithin(const ViewedJob& job, const ImageSize& size, std::uint64_t bytes,
+                               const Progress& progress) const {
   for (int coarser = 0; coarser < kMostCoarser; ++coarser) {
+    progress.throwIfCancelled("counting bricks");
     FrameScene scene;
     const FrameRequest request = previewOf(job, size, coarser, scene);
     BrickWalkCounts counts;
@@ -189,9 +192,9 @@ int ViewPainter::coarserWithin(const ViewedJob& job, const ImageSize& size, std:
   return kMostCoarser;
 }
 
-int ViewPainter::coarserToReadLittle(const ViewedJob& job) {
+int ViewPainter::coarserToReadLittle(const ViewedJob& job, const Progress& progress) {
   makeRoom(job);
-  return coarserWithin(job, job.job.picture.size, kLittle);
+  return coarserWithin(job, job.job.picture.size, kLittle, progress);
 }
 
 ViewPicture ViewPainter::draw(const ViewedJob& job, const ImageSize& size, int coarser, bool filtered,
@@ -205,10 +208,11 @@ ViewPicture ViewPainter::draw(const ViewedJob& job, const ImageSize& size, int c
   const Image image = renderFrame(cache_, request, silent, out.statistics);
   const Finish finish = finishOf(scene.picture, scene.transfer_function);
   const int first_row = drawnPixels(size, scene.picture.crop).y0;
-  const std::unique_ptr<ImageRows> rows = shownRows(image, first_row, finish);
+  const std::unique_ptr<ImageRows> shown = shownRows(image, first_row, finish);
+  RowsUntilStopped rows(*shown, progress);
   // A JPEG has no alpha.
   const bool opaque = isOpaque(backgroundOf(scene.picture, scene.transfer_function));
-  out.bytes = opaque ? encodeJpeg(*rows, kJpegQuality) : encodedPng(*rows, {});
+  out.bytes = opaque ? encodeJpeg(rows, kJpegQuality) : encodedPng(rows, {});
   out.type = opaque ? "image/jpeg" : "image/png";
   out.width = image.width;
   out.height = image.height;
@@ -226,7 +230,8 @@ ViewPicture ViewPainter::moving(const ViewedJob& job, const Progress& progress) 
   const bool smallest = moving_pixels_ <= least;
   const bool panorama = job.scene.camera.projection == Projection::kEquirectangular;
   const ImageSize size = scaled(full, std::sqrt(moving_pixels_ / pixelsOf(full)), panorama);
-  ViewPicture out = draw(job, size, std::max(coarserWithin(job, size, kLittle), moving_coarser_), false, progress);
+  ViewPicture out =
+      draw(job, size, std::max(coarserWithin(job, size, kLittle, progress), moving_coarser_), false, progress);
   out.seconds = secondsSince(begin);
   // The time of reading says nothing about the next picture.
   if (out.statistics.bricks_read > 0) return out;
@@ -259,10 +264,10 @@ DrawnFrame ViewPainter::exact(const ViewedJob& job, Progress& progress) {
   return out;
 }
 
-ViewPicture ViewPainter::png(const ViewedJob& job, DrawnFrame drawn) {
+ViewPicture ViewPainter::png(const ViewedJob& job, DrawnFrame drawn, const Progress& progress) {
   const auto begin = std::chrono::steady_clock::now();
   ViewPicture out;
-  out.bytes = pngOf(job.job, drawn, volumes_.first());
+  out.bytes = pngOf(job.job, drawn, volumes_.first(), progress);
   out.type = "image/png";
   for (const DrawnView& view : drawn.views) out.width += view.image.width;
   out.height = drawn.views.front().image.height;

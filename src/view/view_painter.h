@@ -47,8 +47,9 @@ class ViewPainter {
   ViewPainter(const RenderJob& job, OpenedVolumes volumes, Progress& progress);
 
   const OpenedVolumes& volumes() const { return volumes_; }
-  /// Makes every choice of the job's first frame, or of another. throws: Error kUsage, kBudget; as SceneOfJob.
-  std::unique_ptr<ViewedJob> prepare(const RenderJob& job);
+  /// Makes every choice of the job's first frame, or of another. throws: Error kUsage, kBudget, kCancelled; as
+  /// SceneOfJob.
+  std::unique_ptr<ViewedJob> prepare(const RenderJob& job, const Progress& progress);
   /// Makes the choices of all frames. throws: as `prepare`, for the first frame that cannot be drawn; kCancelled.
   void requireDrawable(const RenderJob& job, const Progress& progress);
 
@@ -63,9 +64,9 @@ class ViewPainter {
   /// Draws the frame as `kiln render` does.
   DrawnFrame exact(const ViewedJob& job, Progress& progress);
   /// Returns the PNG of an exact frame.
-  ViewPicture png(const ViewedJob& job, DrawnFrame drawn);
+  ViewPicture png(const ViewedJob& job, DrawnFrame drawn, const Progress& progress);
   /// Returns the levels by which a refined picture must be coarser to read little, 0 if all is in memory.
-  int coarserToReadLittle(const ViewedJob& job);
+  int coarserToReadLittle(const ViewedJob& job, const Progress& progress);
   /// Returns the likely time of `exact` for a picture of this size; infinite if no picture was drawn yet. unit:
   /// seconds.
   double exactSeconds(const ImageSize& size) const;
@@ -77,7 +78,7 @@ class ViewPainter {
  private:
   FrameRequest previewOf(const ViewedJob& job, const ImageSize& size, int coarser, FrameScene& scene) const;
   ViewPicture draw(const ViewedJob& job, const ImageSize& size, int coarser, bool filtered, const Progress& progress);
-  int coarserWithin(const ViewedJob& job, const ImageSize& size, std::uint64_t bytes) const;
+  int coarserWithin(const ViewedJob& job, const ImageSize& size, std::uint64_t bytes, const Progress& progress) const;
 
   const RenderJob& session_;
   const OpenedVolumes volumes_;

@@ -70,6 +70,8 @@ TEST(DrawingTurnsThreads, OneAtATime_framesFirst) {
   EXPECT_FALSE(late.given());
   EXPECT_TRUE(waited);
   EXPECT_FALSE(turns.newerWaits(newer));
+  const DrawingTurns::Turn urgent(turns, DrawingTurns::kUrgent, [&] { return waited = turns.newerWaits(newer); });
+  EXPECT_FALSE(urgent.given());
 }
 
 }  // namespace

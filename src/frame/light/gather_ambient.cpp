@@ -12,6 +12,15 @@
 namespace kiln {
 namespace {
 
+// Calls work(i) for each i below `count` on all threads, until a stop is requested.
+template <class Work>
+void untilStopped(const Progress& progress, std::int64_t count, const Work& work) {
+  parallelFor(static_cast<std::size_t>(count), [&](std::size_t i) {
+    progress.throwIfCancelled("gathering ambient occlusion");
+    work(i);
+  });
+}
+
 // Cells of the lattice along an edge of the grid's cells.
 constexpr int kCellsOfGrid = 2;
 // Cones, evenly over the sphere. An estimate, not compared with other numbers.
@@ -50,11 +59,11 @@ struct Opacities {
   }
 };
 
-Opacities firstLevel(const ExtinctionLattice& lattice) {
+Opacities firstLevel(const ExtinctionLattice& lattice, const Progress& progress) {
   const ImageSize& size = lattice.lattice().view.size;
   Opacities out{lattice.lattice().cells(), {}};
   out.open.resize(static_cast<std::size_t>(out.dims.count()));
-  parallelFor(static_cast<std::size_t>(out.dims.z), [&](std::size_t z) {
+  untilStopped(progress, out.dims.z, [&](std::size_t z) {
     std::uint8_t* to = &out.open[z * static_cast<std::size_t>(out.dims.x * out.dims.y)];
     for (int y = 0; y < size.height; ++y) {
       for (int x = 0; x < size.width; ++x)
@@ -65,11 +74,11 @@ Opacities firstLevel(const ExtinctionLattice& lattice) {
 }
 
 // A path through two cells along an axis; the mean over the four paths along each of the three axes.
-Opacities coarser(const Opacities& fine) {
+Opacities coarser(const Opacities& fine, const Progress& progress) {
   const Extent3 n{(fine.dims.x + 1) / 2, (fine.dims.y + 1) / 2, (fine.dims.z + 1) / 2};
   Opacities out{n, {}};
   out.open.resize(static_cast<std::size_t>(n.count()));
-  parallelFor(static_cast<std::size_t>(n.z), [&](std::size_t slice) {
+  untilStopped(progress, n.z, [&](std::size_t slice) {
     const auto z = static_cast<std::int64_t>(slice);
     for (std::int64_t y = 0; y < n.y; ++y) {
       for (std::int64_t x = 0; x < n.x; ++x) {
@@ -123,22 +132,23 @@ std::vector<ConeStep> stepsWithin(float radius) {
 
 class Gathering {
  public:
-  Gathering(const ExtinctionLattice& lattice, double radius)
-      : steps_(stepsWithin(static_cast<float>(radius / lattice.edge()))), directions_(coneDirections()) {
-    levels_.push_back(firstLevel(lattice));
+  Gathering(const ExtinctionLattice& lattice, double radius, const Progress& progress)
+      : progress_(progress),
+        steps_(stepsWithin(static_cast<float>(radius / lattice.edge()))),
+        directions_(coneDirections()) {
+    levels_.push_back(firstLevel(lattice, progress));
     const int coarsest = steps_.empty() ? 0 : steps_.back().level;
-    while (static_cast<int>(levels_.size()) <= coarsest) levels_.push_back(coarser(levels_.back()));
+    while (static_cast<int>(levels_.size()) <= coarsest) levels_.push_back(coarser(levels_.back(), progress));
     const Extent3& n = levels_.front().dims;
     dims_ = {n.x / kCellsOfGrid + 2, n.y / kCellsOfGrid + 2, n.z / kCellsOfGrid + 2};
   }
 
   const Extent3& dims() const { return dims_; }
 
-  std::vector<AmbientCell> run(const Progress& progress) const {
+  std::vector<AmbientCell> run() const {
     const std::vector<std::uint8_t> marked = marks();
     std::vector<AmbientCell> out(marked.size());
-    parallelFor(static_cast<std::size_t>(dims_.z * dims_.y), [&](std::size_t line) {
-      progress.throwIfCancelled("gathering ambient occlusion");
+    untilStopped(progress_, dims_.z * dims_.y, [&](std::size_t line) {
       const auto z = static_cast<std::int64_t>(line) / dims_.y, y = static_cast<std::int64_t>(line) % dims_.y;
       for (std::int64_t x = 0; x < dims_.x; ++x) {
         const std::size_t place = placeOf(x, y, z);
@@ -159,7 +169,7 @@ class Gathering {
   std::vector<std::uint8_t> marks() const {
     const Opacities& fine = levels_.front();
     std::vector<std::uint8_t> out(static_cast<std::size_t>(dims_.count()));
-    parallelFor(static_cast<std::size_t>(dims_.z), [&](std::size_t slice) {
+    untilStopped(progress_, dims_.z, [&](std::size_t slice) {
       const auto z = static_cast<std::int64_t>(slice);
       for (std::int64_t k = kCellsOfGrid * z; k < std::min(kCellsOfGrid * (z + 1), fine.dims.z); ++k) {
         for (std::int64_t j = 0; j < fine.dims.y; ++j) {
@@ -188,7 +198,7 @@ class Gathering {
     std::vector<std::uint8_t> out(marks.size());
     const std::int64_t last = dims_[axis] - 1;
     const std::size_t step = axis == 0 ? 1 : axis == 1 ? placeOf(0, 1, 0) : placeOf(0, 0, 1);
-    parallelFor(static_cast<std::size_t>(dims_.z), [&](std::size_t slice) {
+    untilStopped(progress_, dims_.z, [&](std::size_t slice) {
       const auto z = static_cast<std::int64_t>(slice);
       for (std::int64_t y = 0; y < dims_.y; ++y) {
         for (std::int64_t x = 0; x < dims_.x; ++x) {
@@ -236,6 +246,7 @@ class Gathering {
     return out;
   }
 
+  const Progress& progress_;
   std::vector<ConeStep> steps_;
   std::array<glm::vec3, kCones> directions_;
   std::vector<Opacities> levels_;
@@ -245,13 +256,13 @@ class Gathering {
 }  // namespace
 
 AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius, const Progress& progress) {
-  const Gathering gathering(lattice, radius);
+  const Gathering gathering(lattice, radius, progress);
   const auto& [view, near, depth] = lattice.lattice();
   // Pixels and slabs of the lattice to cells of the grid.
   glm::dmat4 grid_from_view(1.0);
   for (int axis = 0; axis < 3; ++axis) grid_from_view[axis][axis] = view.focal_px / kCellsOfGrid;
   grid_from_view[3] = glm::dvec4(view.centre_px / double{kCellsOfGrid}, -near * view.focal_px / kCellsOfGrid, 1);
-  return AmbientGrid(gathering.dims(), grid_from_view * view.view_from_world, gathering.run(progress));
+  return AmbientGrid(gathering.dims(), grid_from_view * view.view_from_world, gathering.run());
 }
 
 std::uint64_t ambientBytes(const Extent3& cells) {

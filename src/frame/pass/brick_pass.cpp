@@ -114,7 +114,10 @@ class BrickPass::Drawing {
     if (due_.empty()) return;
     ProfileScope span(Activity::kBrick);
     if (span.traced()) span.note("bricks", due_.size());
-    parallelFor(due_.size(), [&](std::size_t i) { due_[i].prepared = pass_.engine().prepare(due_[i].brick); });
+    parallelFor(due_.size(), [&](std::size_t i) {
+      context_.progress.throwIfCancelled("rendering");
+      due_[i].prepared = pass_.engine().prepare(due_[i].brick);
+    });
     std::vector<DueTile> tiles = dueTiles();
     std::atomic<std::size_t> drawn = 0;
     parallelForInOrder(tiles.size(), [&](std::size_t i) {

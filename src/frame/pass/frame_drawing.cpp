@@ -55,6 +55,7 @@ std::unique_ptr<Visibility> FrameDrawing::visibilityOf(const PixelRect& pixels) 
 }
 
 Image FrameDrawing::draw(const PixelRect& pixels) {
+  progress_.throwIfCancelled("rendering");
   const std::unique_ptr<Visibility> visibility = visibilityOf(pixels);
   Image image = emptyImage(pixels, request_.aovs);
   const ProfileScope span(Activity::kWalk);

@@ -97,6 +97,7 @@ class ZonePass::Drawing {
     FrameStatistics& statistics = context_.costs.statistics;
     std::vector<BrickToDraw> out;
     for (const MultiVolume::Brick* const brick : bricks) {
+      context_.progress.throwIfCancelled("rendering");
       const StoredBrick& key = brick->brick;
       std::shared_ptr<const BrickBlock> block = context_.cache.get(key);
       const bool first = pass_.drawn_.insert(key).second;

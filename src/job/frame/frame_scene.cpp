@@ -140,7 +140,8 @@ std::vector<const Manifest*> looksOf(const RenderJob& job, const std::vector<con
 
 }  // namespace
 
-SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const ShownBoxOf& shown_box)
+SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const ShownBoxOf& shown_box,
+                       const Progress& progress)
     : job_(job),
       manifests_(std::move(manifests)),
       looks_(looksOf(job, manifests_)),
@@ -152,7 +153,10 @@ SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manife
   const auto add = [&](const std::vector<Key<TransferFunctionChoice>>& keys, const TransferFunctionChoice& choice,
                        const Manifest& manifest, const std::optional<glm::dvec3>& color) {
     Functions out{&keys, {}};
-    for (const auto& key : keys) out.values.push_back(resolvedFor(still, key.value, manifest, color));
+    for (const auto& key : keys) {
+      progress.throwIfCancelled("preparing the transfer function");
+      out.values.push_back(resolvedFor(still, key.value, manifest, color));
+    }
     if (keys.empty()) out.values.push_back(resolvedFor(still, choice, manifest, color));
     requireSurfacesInAllOrNone(out.values);
     requireFewRegions(out.values);
@@ -220,12 +224,13 @@ int SceneOfJob::samplesOf(const Camera& camera) const {
   return automaticSamples(job_, camera, centreOf(framed_.volume), manifests_);
 }
 
-int SceneOfJob::mostSamples() const {
+int SceneOfJob::mostSamples(const Progress& progress) const {
   if (job_.picture.samples) return *job_.picture.samples;
   std::vector<int> frames = framesOf(job_);
   if (std::holds_alternative<std::monostate>(job_.animation.camera)) frames.resize(1);
   int most = 1;
   for (const int frame : frames) {
+    progress.throwIfCancelled("counting samples");
     try {
       most = std::max(most, samplesOf(cameraOf(frame)));
     } catch (const Error&) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/progress.h"
 #include "job/render_job.h"
 #include "store/manifest/manifest.h"
 
@@ -62,7 +63,8 @@ class SceneOfJob {
   /// Takes the manifests of all volumes; a framing fits the box around all. In a time series (RenderJob::series),
   /// framing and transfer functions are those of all frames, and a framing fits whole volumes. Without `shown_box`,
   /// Fit::kVisible is Fit::kRegion.
-  SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const ShownBoxOf& shown_box = {});
+  SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const ShownBoxOf& shown_box = {},
+             const Progress& progress = Progress());
   /// Sets FrameScene::companions of all scenes. `colors`: one for each volume; nothing for colours of its own.
   void accompany(std::vector<Hash128> index_checksums, std::vector<std::optional<ShownFunction>> colors) {
     companions_ = std::move(index_checksums), colors_ = std::move(colors);
@@ -70,7 +72,7 @@ class SceneOfJob {
   /// throws: Error kUsage where the camera cannot be used.
   FrameScene at(int frame) const;
   /// Returns the largest number of samples of all frames; frames whose camera cannot be used are left out.
-  int mostSamples() const;
+  int mostSamples(const Progress& progress = Progress()) const;
   /// Returns a volume's still function, or the functions of its keys.
   const std::vector<TransferFunction>& functionsOf(std::size_t volume) const { return functions_[volume].values; }
   /// Returns the memory of all functions, their copies, and their text in a picture's header. unit: bytes.
