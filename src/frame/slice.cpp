@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <vector>
 
 #include "base/error.h"
@@ -59,9 +60,36 @@ Pixels pixelsIn(const std::vector<std::int64_t>& voxels, std::int64_t lo, std::i
   return {at(lo) - voxels.begin(), at(hi) - voxels.begin()};
 }
 
+// The colour of each value of a slice; null for values that are not drawn.
+class SliceColors {
+ public:
+  SliceColors(const SliceRequest& request, const Manifest& manifest) {
+    for (const LabelStyle& style : request.labels) {
+      labels_.push_back(style.label);
+      if (style.opacity > 0)
+        colors_.emplace_back(glm::vec3(style.color));
+      else
+        colors_.emplace_back();
+    }
+    if (labels_.empty()) palette_.emplace(request.colormap, request.window.value_or(defaultWindow(manifest.histogram)));
+  }
+  const glm::vec3* of(double value) const {
+    if (palette_) return std::isnan(value) ? nullptr : &palette_->of(value);
+    const auto found = std::lower_bound(labels_.begin(), labels_.end(), value);
+    if (found == labels_.end() || *found != value) return nullptr;
+    const std::optional<glm::vec3>& color = colors_[static_cast<std::size_t>(found - labels_.begin())];
+    return color ? &*color : nullptr;
+  }
+
+ private:
+  std::optional<SlicePalette> palette_;
+  std::vector<double> labels_;
+  std::vector<std::optional<glm::vec3>> colors_;
+};
+
 // Draws the pixels whose voxels are in the brick; `columns` and `rows` are the voxels along the picture's sides.
 void drawBrick(const BrickBlock& block, const Layout& layout, const std::vector<std::int64_t>& columns,
-               const std::vector<std::int64_t>& rows, std::int64_t index, const SlicePalette& palette, Image& image) {
+               const std::vector<std::int64_t>& rows, std::int64_t index, const SliceColors& colors, Image& image) {
   const VoxelBox& core = block.core;
   const Pixels across = pixelsIn(columns, core.lo[layout.right], core.hi[layout.right]);
   const Pixels along = pixelsIn(rows, core.lo[layout.down], core.hi[layout.down]);
@@ -74,11 +102,10 @@ void drawBrick(const BrickBlock& block, const Layout& layout, const std::vector<
       const auto y = static_cast<int>(layout.flip_rows ? image.height - 1 - row : row);
       for (std::int64_t x = across.begin; x < across.end; ++x) {
         v[layout.right] = columns[static_cast<std::size_t>(x)];
-        const double value = static_cast<double>(voxels[block.offsetOf(v)]);
-        if (std::isnan(value)) continue;
-        const glm::vec3& color = palette.of(value);
+        const glm::vec3* const color = colors.of(static_cast<double>(voxels[block.offsetOf(v)]));
+        if (color == nullptr) continue;
         float* const pixel = image.pixel(static_cast<int>(x), y);
-        for (int channel = 0; channel < 3; ++channel) pixel[channel] = color[channel];
+        for (int channel = 0; channel < 3; ++channel) pixel[channel] = (*color)[channel];
         pixel[3] = 1;
       }
     }
@@ -117,8 +144,7 @@ Image renderSlice(const BrickedVolume& store, const SliceRequest& request, const
   const std::int64_t index = request.index.value_or(count / 2);
   if (index < 0 || index >= count)
     throw Error(ErrorCode::kUsage, fmt::format("--index: {} is not between 0 and {}", index, count - 1));
-  const Window window = request.window.value_or(defaultWindow(store.manifest().histogram));
-  const SlicePalette palette(request.colormap, window);
+  const SliceColors colors(request, store.manifest());
   const Layout layout = layoutOf(volume, request.axis);
   if (layout.width > kLargestSliceSide || layout.height > kLargestSliceSide) {
     throw Error(ErrorCode::kUsage, fmt::format("a slice of {} x {} pixels is larger than {}", layout.width,
@@ -141,7 +167,7 @@ Image renderSlice(const BrickedVolume& store, const SliceRequest& request, const
     const BrickCoord coord{static_cast<std::int32_t>(brick.x), static_cast<std::int32_t>(brick.y),
                            static_cast<std::int32_t>(brick.z)};
     if (const auto block = brick_of({request.level, coord}))
-      drawBrick(*block, layout, columns, rows, index, palette, image);
+      drawBrick(*block, layout, columns, rows, index, colors, image);
     progress.advance("drawing", "bricks", static_cast<std::uint64_t>(i) + 1, static_cast<std::uint64_t>(bricks));
   }
   return image;

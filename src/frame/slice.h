@@ -12,6 +12,7 @@
 #include "base/progress.h"
 #include "image/image.h"
 #include "job/transfer_function_choice.h"
+#include "scene/transfer/transfer_function.h"
 #include "store/bricked_volume.h"
 
 namespace kiln {
@@ -25,6 +26,7 @@ struct SliceRequest {
   std::optional<std::int64_t> index;  // in voxels of the level; else the middle
   std::optional<Window> window;       // from the first to the last colour; else the middle 99 % of the values
   std::string colormap = "gray";      // one of displayMapNames()
+  std::vector<LabelStyle> labels;     // sorted; if there are any, their colours replace window and map
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
 };
 
@@ -36,8 +38,9 @@ void requireSliceFits(const BrickedVolume& store, std::int64_t width, std::int64
                       std::uint64_t memory_bytes);
 
 /// Draws a slice. A pixel is as wide as the smaller of the two spacings, so the picture has the world's proportions. A
-/// slice along z has y down, other slices have z up. NaN is transparent. memory: 16 bytes a pixel and one brick.
-/// throws: Error kUsage (axis, level, index, window, colour map), kBudget; as BrickedVolume::read.
+/// slice along z has y down, other slices have z up. NaN, and a label without opacity or style, is transparent. memory:
+/// 16 bytes a pixel and one brick. throws: Error kUsage (axis, level, index, window, colour map), kBudget; as
+/// BrickedVolume::read.
 Image renderSlice(const BrickedVolume& store, const SliceRequest& request, Progress& progress);
 
 /// Returns a brick of the volume. A null brick is drawn as nothing.

@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "base/error.h"
+#include "base/file/file.h"
 #include "job/stated_job.h"
 #include "job/transfer_function_choice.h"
 #include "sequence/sequence_frames.h"
@@ -26,6 +27,9 @@ namespace fs = std::filesystem;
 constexpr std::array<std::string_view, 17> kSessionsOwn = {
     "volume", "mask", "colorBy", "output",  "outputs", "video",      "exr",        "png", "jpeg",
     "frames", "part", "memory",  "threads", "trace",   "distribute", "shareReads", "aov"};
+// Keys that a saved job keeps of the opened job.
+constexpr std::array<std::string_view, 8> kKept = {"output", "outputs", "video", "frames",
+                                                   "exr",    "png",     "jpeg",  "distribute"};
 // Keys of files in each of several volumes.
 constexpr std::array<std::string_view, 3> kFilesOfVolume = {"volume", "mask", "colorBy"};
 
@@ -147,7 +151,28 @@ RenderJob jobOfBrowser(const json& job, const ImageSize& size, const RenderJob& 
   return out;
 }
 
-std::string savedJobText(const json& job, const ImageSize& size, const RenderJob& session, const fs::path& file) {
+std::string keptKeys(const fs::path& job_file) {
+  readJob(job_file);
+  const json job = json::parse(readTextFile(job_file, fs::file_size(job_file)), nullptr, true, true);
+  json out = json::object();
+  for (const std::string_view key : kKept) {
+    if (const auto found = job.find(std::string(key)); found != job.end()) out[std::string(key)] = *found;
+  }
+  const fs::path folder = fs::absolute(job_file).parent_path();
+  const auto absolute = [&](json& name) {
+    const auto text_of = name.get<std::string>();
+    // Standard output is no file.
+    if (text_of != "-" && text_of != "-.exr") name = (folder / text_of).lexically_normal().generic_string();
+  };
+  if (out.contains("output")) absolute(out["output"]);
+  if (out.contains("outputs")) {
+    for (json& file : out["outputs"]) absolute(file["path"]);
+  }
+  return jsonText(out, -1);
+}
+
+std::string savedJobText(const json& job, const ImageSize& size, const RenderJob& session, const std::string& kept,
+                         const fs::path& file) {
   jobOfBrowser(job, size, session);
   const fs::path folder = fs::absolute(file).lexically_normal().parent_path();
   const auto name = [&](const fs::path& volume) {
@@ -156,7 +181,15 @@ std::string savedJobText(const json& job, const ImageSize& size, const RenderJob
     const bool below = !inside.empty() && *inside.begin() != "..";
     return (below ? inside : whole).generic_string();
   };
-  const json files = withFiles(job, size, session, name);
+  json files = withFiles(job, size, session, name);
+  files.update(json::parse(kept));
+  const auto rename = [&](json& path) {
+    if (const fs::path whole = path.get<std::string>(); whole.is_absolute()) path = name(whole);
+  };
+  if (files.contains("output")) rename(files["output"]);
+  if (files.contains("outputs")) {
+    for (json& output : files["outputs"]) rename(output["path"]);
+  }
   // Keys of volume and picture come first.
   ordered_json out = {{"kiln", files.value("kiln", json(2))}};
   for (const char* const key : {"volume", "mask", "colorBy", "volumes", "image", "camera", "transferFunction"}) {
@@ -165,7 +198,10 @@ std::string savedJobText(const json& job, const ImageSize& size, const RenderJob
   for (const auto& [key, value] : files.items()) {
     if (!out.contains(key)) out[key] = value;
   }
-  return jsonText(out, 2) + "\n";
+  const std::string text = jsonText(out, 2) + "\n";
+  // A kept key may contradict an edit.
+  parseJob(text, file);
+  return text;
 }
 
 }  // namespace kiln

@@ -20,8 +20,12 @@ nlohmann::ordered_json jobForBrowser(const RenderJob& session, const std::vector
 RenderJob jobOfBrowser(const nlohmann::json& job, const ImageSize& size, const RenderJob& session);
 
 /// Returns the text of a file with the browser's job, for `kiln render`. `session` names the volumes; names inside the
-/// file's folder become relative. throws: as jobOfBrowser.
+/// file's folder become relative. `kept` are keys for the file, as keptKeys returns. throws: as jobOfBrowser.
 std::string savedJobText(const nlohmann::json& job, const ImageSize& size, const RenderJob& session,
-                         const std::filesystem::path& file);
+                         const std::string& kept, const std::filesystem::path& file);
+
+/// Returns the keys of a job's file that no browser edits and saving keeps, as JSON: files that the job writes, their
+/// encoding, and frames. Names of files become absolute. throws: as readJob.
+std::string keptKeys(const std::filesystem::path& job_file);
 
 }  // namespace kiln

@@ -24,6 +24,7 @@
 #include "job/job_options.h"
 #include "job/stated_job.h"
 #include "job/transfer_function_choice.h"
+#include "scene/transfer/label_styles.h"
 #include "scene/transfer/presets.h"
 #include "sequence/dry_run.h"
 #include "sequence/frame_files.h"
@@ -45,6 +46,8 @@ constexpr double kReportEvery = 0.1, kLookEvery = 0.01;
 constexpr double kAtOnce = 0.06;
 // A frame that arrives so soon after a newer one, on another connection, was overtaken. unit: seconds.
 constexpr double kOvertaken = 0.1;
+// A picture of a render that frames have interrupted for so long goes before frames. unit: seconds.
+constexpr double kPatience = 2;
 
 // Height of the smallest picture for which a session has memory. unit: pixels.
 constexpr int kLeastSide = 256;
@@ -130,10 +133,15 @@ struct ViewSession::Body {
   json value;
 
   static Body parse(const std::string& text) {
-    // Copies and texts of a value take stack for each of its depths.
-    constexpr int kDeepest = 32;
-    const auto bounded = [](int depth, json::parse_event_t, json&) {
+    // Copies and texts of a value take stack for each of its depths; each object of a job takes some 50 microseconds.
+    static constexpr int kDeepest = 32, kMostObjects = 20'000;
+    int objects = 0;
+    const auto bounded = [&objects](int depth, json::parse_event_t event, json&) {
       if (depth > kDeepest) throw Error(ErrorCode::kFormat, "the request is nested too deeply; send fewer levels");
+      if (event == json::parse_event_t::object_start && ++objects > kMostObjects)
+        throw Error(
+            ErrorCode::kFormat,
+            fmt::format("the request: expected at most {} objects; send fewer keys, lights or points", kMostObjects));
       return true;
     };
     Body out{json::parse(text.empty() ? "{}" : text, bounded, false)};
@@ -235,24 +243,34 @@ class ViewSession::FrameStops final : public Progress {
   double next_report_s_ = nowSeconds() + kReportEvery;
 };
 
-// Other work stops after the client has gone, and is interrupted by frames.
+// Other work stops after the client has gone. Frames interrupt the work until its patience ends. unit: seconds.
 class ViewSession::OtherStops final : public Progress {
  public:
-  OtherStops(const ViewSession& session, const ViewClient& client) : session_(session), client_(client) {}
+  OtherStops(const ViewSession& session, const ViewClient& client, double patience)
+      : session_(session), client_(client), patient_until_s_(nowSeconds() + patience) {}
   bool ends() const { return session_.stopped_ || client_.gone(); }
-  bool cancelled() const override { return session_.turns_.newerWaits(DrawingTurns::kOther) || ends(); }
+  bool cancelled() const override { return session_.turns_.newerWaits(number()) || ends(); }
+  bool isUrgent() const { return nowSeconds() > patient_until_s_; }
+  /// The number for the next turn.
+  std::uint64_t number() const { return number_; }
+  void chooseNumber() { number_ = isUrgent() ? DrawingTurns::kUrgent : DrawingTurns::kOther; }
 
  private:
   const ViewSession& session_;
   const ViewClient& client_;
+  const double patient_until_s_;
+  std::atomic<std::uint64_t> number_ = DrawingTurns::kOther;
 };
 
 template <class Work>
-auto ViewSession::inTurn(ViewClient& client, const Work& work) {
-  OtherStops stops(*this, client);
+auto ViewSession::inTurn(ViewClient& client, const Work& work, double patience) {
+  OtherStops stops(*this, client, patience);
   for (;;) {
-    const DrawingTurns::Turn turn(turns_, DrawingTurns::kOther, [&] { return stops.ends(); });
-    if (!turn.given()) throw Error(ErrorCode::kCancelled, "nobody reads the answer");
+    stops.chooseNumber();
+    const bool waits = stops.number() == DrawingTurns::kOther;
+    const DrawingTurns::Turn turn(turns_, stops.number(), [&] { return stops.ends() || (waits && stops.isUrgent()); });
+    if (stops.ends()) throw Error(ErrorCode::kCancelled, "nobody reads the answer");
+    if (!turn.given()) continue;
     try {
       return work(stops);
     } catch (const Error& error) {
@@ -272,7 +290,7 @@ ViewSession::ViewSession(ViewSource source, Progress& progress)
   const bool panorama = job.picture.camera.projection == Projection::kEquirectangular;
   job.picture.size = {panorama ? 2 * kLeastSide : kLeastSide, kLeastSide};
   job.picture.crop.reset();
-  painter_.makeRoom(*painter_.prepare(job));
+  painter_.makeRoom(*painter_.prepare(job, progress));
 }
 
 const ViewSession::Row* ViewSession::rowOf(std::string_view name) {
@@ -437,9 +455,9 @@ void ViewSession::drawStages(const RenderJob& job, bool moving, std::int64_t seq
   bool at_once = false;
   int coarser = 0;
   const std::optional<ViewPicture> preview = in_turn(false, [&]() -> std::optional<ViewPicture> {
-    viewed = painter_.prepare(job);
+    viewed = painter_.prepare(job, stops);
     if (!moving) {
-      coarser = painter_.coarserToReadLittle(*viewed);
+      coarser = painter_.coarserToReadLittle(*viewed, stops);
       at_once = coarser == 0 && painter_.exactSeconds(viewed->job.picture.size) <= kAtOnce;
     }
     if (at_once) return std::nullopt;
@@ -452,12 +470,13 @@ void ViewSession::drawStages(const RenderJob& job, bool moving, std::int64_t seq
   if (moving) return;
   for (; !at_once && coarser >= 0; --coarser)
     send("refined", in_turn(true, [&] { return painter_.refined(*viewed, coarser, stops); }));
-  send("final", in_turn(true, [&] { return painter_.png(*viewed, painter_.exact(*viewed, stops)); }));
+  send("final", in_turn(true, [&] { return painter_.png(*viewed, painter_.exact(*viewed, stops), stops); }));
 }
 
 void ViewSession::resolve(const Body& body, ViewClient& client) {
   const RenderJob job = frameJobOf(body);
-  sendJson(client, inTurn(client, [&](OtherStops&) { return resolvedScene(painter_.prepare(job)->scene); }));
+  sendJson(client,
+           inTurn(client, [&](OtherStops& stops) { return resolvedScene(painter_.prepare(job, stops)->scene); }));
 }
 
 void ViewSession::slice(const Body& body, ViewClient& client) {
@@ -474,6 +493,11 @@ void ViewSession::slice(const Body& body, ViewClient& client) {
       Body::refuse("window", "[centre, width]");
     request.window = Window{(*window)[0].get<double>(), (*window)[1].get<double>()};
   }
+  // The page sends the function with its edits.
+  if (const json* const function = body.find("transferFunction"))
+    request.labels = transferFunctionOfText(function->dump(), store.manifest(), "transferFunction").labels;
+  else if (store.manifest().volume_class == VolumeClass::kLabels)
+    request.labels = labelPalette(store.manifest()).labels;
   const std::optional<ImageSize> wanted = body.sizeIfThere();
   const auto fits = [&](int level) {
     const auto [width, height] = sliceSize(store.level(level).geometry, request.axis);
@@ -553,8 +577,8 @@ void ViewSession::thumbnail(const Body& body, ViewClient& client) {
   }
   job.picture.background.reset();
   const ViewPicture picture = inTurn(client, [&](OtherStops& stops) {
-    const std::unique_ptr<ViewedJob> viewed = painter_.prepare(job);
-    return painter_.refined(*viewed, painter_.coarserToReadLittle(*viewed), stops);
+    const std::unique_ptr<ViewedJob> viewed = painter_.prepare(job, stops);
+    return painter_.refined(*viewed, painter_.coarserToReadLittle(*viewed, stops), stops);
   });
   client.document(picture.type, picture.bytes);
 }
@@ -584,8 +608,8 @@ void ViewSession::command(const Body& body, ViewClient& client) {
 void ViewSession::estimate(const Body& body, ViewClient& client) {
   body.size();
   const RenderJob job = jobOf(body);
-  const auto out = inTurn(client, [&](OtherStops&) -> ordered_json {
-    const DryRun run = dryRun(job, painter_.volumes());
+  const auto out = inTurn(client, [&](OtherStops& stops) -> ordered_json {
+    const DryRun run = dryRun(job, painter_.volumes(), 0, stops);
     const double seconds = painter_.exactSeconds(job.picture.size);
     return {{"memory", run.memory.smallest()},
             {"bricks", run.bricks_in_view},
@@ -597,7 +621,7 @@ void ViewSession::estimate(const Body& body, ViewClient& client) {
 
 void ViewSession::save(const Body& body, ViewClient& client) {
   const fs::path& file = jobFile();
-  const std::string text = savedJobText(body.job(), body.size(), source_.named, file);
+  const std::string text = savedJobText(body.job(), body.size(), source_.named, source_.kept_keys, file);
   requireDrawable(jobOf(body), client);
   FileSystem::real().writeAtomic(file, text);
   sendJson(client, {{"path", file.string()}, {"bytes", text.size()}});
@@ -616,11 +640,14 @@ void ViewSession::render(const Body& body, ViewClient& client) {
     for (const int frame : frames) {
       job.frames = {frame};
       for (const OutputFile& file : filesOf(to_file, frame)) source_.require_free(file.path);
-      inTurn(client, [&](OtherStops& stops) {
-        const std::unique_ptr<ViewedJob> viewed = painter_.prepare(job);
-        DrawnFrame drawn = painter_.exact(*viewed, stops);
-        writeFrame(to_file, frame, drawn, painter_.volumes().first(), viewed->memory.files);
-      });
+      inTurn(
+          client,
+          [&](OtherStops& stops) {
+            const std::unique_ptr<ViewedJob> viewed = painter_.prepare(job, stops);
+            DrawnFrame drawn = painter_.exact(*viewed, stops);
+            writeFrame(to_file, frame, drawn, painter_.volumes().first(), viewed->memory.files);
+          },
+          kPatience);
       bytes += fs::file_size(filesOf(to_file, frame).front().path);
       sendRecord(client, {{"kind", "progress"}, {"done", ++done}, {"total", frames.size()}, {"unit", "frames"}});
     }

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -25,6 +26,7 @@ struct ViewSource {
   std::vector<std::shared_ptr<const BrickedVolume>> volumes;  // open volumes of the job; empty: the session opens them
   RenderJob named;                                            // with the volumes as the user named them, for saved jobs
   std::filesystem::path job_file;                             // the only file that `save` writes
+  std::string kept_keys = "{}";                               // JSON; what saved jobs keep, as keptKeys
   /// Throws Error kUsage if writing `output` would replace a file that the session reads. thread: any.
   std::function<void(const std::filesystem::path& output)> require_free = [](const std::filesystem::path&) {};
   std::string title;
@@ -65,9 +67,10 @@ class ViewSession final : public ViewService {
   void render(const Body& body, ViewClient& client);
 
   void drawStages(const RenderJob& job, bool moving, std::int64_t seq, FrameStops& stops, ViewClient& client);
-  /// Calls work() in this thread's turn. Work is begun anew after a frame has interrupted it.
+  /// Calls work() in this thread's turn. Work is begun anew after a frame has interrupted it; after `patience` seconds
+  /// no frame interrupts.
   template <class Work>
-  auto inTurn(ViewClient& client, const Work& work);
+  auto inTurn(ViewClient& client, const Work& work, double patience = std::numeric_limits<double>::infinity());
   RenderJob jobOf(const Body& body) const;
   /// The job with a single frame, the first if the request names none: other frames take time to prepare.
   RenderJob frameJobOf(const Body& body) const;

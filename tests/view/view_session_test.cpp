@@ -4,13 +4,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <future>
+#include <limits>
 #include <thread>
 
 #include "base/file/file.h"
+#include "base/thread/parallel.h"
 #include "image/file/image_file.h"
 #include "image/file/png_file.h"
+#include "image/named_color.h"
 #include "job/render_job.h"
 #include "sequence/render_job_run.h"
 #include "sequence/sequence.h"
@@ -18,6 +22,7 @@
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
 #include "view/recorded_client.h"
+#include "view/view_job.h"
 
 namespace kiln::test {
 namespace {
@@ -213,6 +218,99 @@ TEST_F(ViewSessionTest, AClientThatLeaves_stopsTheDrawing) {
   EXPECT_EQ(client.stage("final"), nullptr);
 }
 
+// A client leaves at each look of a request in turn. Known: no look follows but one of each thread, nothing is drawn
+// or written, and other work than frames looks at least once for each map of a light, key and frame.
+TEST_F(ViewSessionTest, AClientThatLeavesAtAnyMoment_stopsTheWork) {
+  const auto key = [](int frame, int end) {
+    json function = json::parse(kFunction);
+    function["points"][1]["value"] = end;
+    return json{{"frame", frame}, {"function", function}};
+  };
+  json keys = json::array();
+  for (int i = 0; i < 40; ++i) keys.push_back(key(i + 1, 120 + i));
+  const json many = jobWith({{"transferFunction", {{"keyframes", keys}}}});
+  const json lit =
+      jobWith({{"lights", {{{"type", "directional"}, {"direction", {1, -1, 1}}, {"shadow", {{"softness", 20}}}}}},
+               {"shading", {{"ambientOcclusion", 1}}}});
+  const json turning = jobWith({{"camera", {{"turntable", {{"frames", 60}}}}}});
+  struct Case {
+    const char* request;
+    json job;
+    int least;  // looks
+  };
+  // Frames look by the clock. A soft light has 16 maps; the occlusion looks once a slice of its lattice.
+  const std::vector<Case> cases = {
+      {"frame", lit, 1},          {"frame", jobWith({}), 1}, {"estimate", many, 40},
+      {"estimate", turning, 120}, {"save", many, 80},        {"save", turning, 120},
+      {"command", turning, 120},  {"render", lit, 100},      {"thumbnail", jobWith({}), 20}};
+  for (const Case& given : cases) {
+    json body = bodyOf(given.job, 96, 64);
+    if (std::string_view(given.request) == "thumbnail") body["preset"] = "viridis";
+    const auto looksOf = [&](int leaves_at, bool& ended) {
+      fs::remove(directory_ / "look.view.json"), fs::remove(directory_ / "look.view.png");
+      ViewSession session(source(), silent_);
+      RecordedClient client;
+      std::atomic<int> looks = 0;
+      client.leaves = [&] { return ++looks >= leaves_at; };
+      try {
+        session.answer(given.request, body.dump(), client);
+        ended = true;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::kCancelled) << given.request << ": " << error.what();
+        ended = false;
+      }
+      if (!ended) {
+        EXPECT_EQ(client.stage("final"), nullptr) << given.request << " at look " << leaves_at;
+        EXPECT_FALSE(fs::exists(directory_ / "look.view.json")) << given.request << " at look " << leaves_at;
+        EXPECT_TRUE(client.document_bytes.empty());
+      }
+      return looks.load();
+    };
+    bool ended = false;
+    const int all = looksOf(std::numeric_limits<int>::max(), ended);
+    EXPECT_TRUE(ended);
+    EXPECT_GE(all, given.least) << given.request;
+    const int threads = static_cast<int>(ThreadLimit::active());
+    for (int at = 1; at < all; at += std::max(1, all / 12)) {
+      const int looks = looksOf(at, ended);
+      if (!ended) EXPECT_LE(looks, at + 2 * threads + 2) << given.request << " at look " << at << " of " << all;
+    }
+  }
+}
+
+// Frames follow each other without a pause until the render has ended.
+TEST_F(ViewSessionTest, ARenderEnds_underSteadyMoves) {
+  ViewSession session(source(), silent_);
+  std::atomic<bool> written = false;
+  const auto move = [&](const char* page) {
+    for (int seq = 1; !written; ++seq) {
+      RecordedClient client;
+      json body = bodyOf(jobWith({}), 96, 64, true, seq);
+      body["page"] = page;
+      session.answer("frame", body.dump(), client);
+    }
+  };
+  std::thread first([&] { move("a"); }), second([&] { move("b"); });
+  RecordedClient client;
+  session.answer("render", bodyOf(jobWith({{"samples", 16}}), 512, 512).dump(), client);
+  written = true;
+  first.join(), second.join();
+  EXPECT_EQ(client.kinds().back(), "written") << client.records.back().json;
+}
+
+TEST_F(ViewSessionTest, RequestsOfManyObjects_areRefused) {
+  ViewSession session(source(), silent_);
+  json keys = json::array();
+  for (int i = 0; i < 5000; ++i)
+    keys.push_back({{"frame", i + 1}, {"lights", json::array({json::object(), json::object(), json::object()})}});
+  RecordedClient client;
+  expectError(
+      [&] {
+        session.answer("frame", bodyOf(jobWith({{"lights", {{"keyframes", keys}}}})).dump(), client);
+      },
+      ErrorCode::kFormat, "20000");
+}
+
 TEST_F(ViewSessionTest, JobsWithPaths_areRefused) {
   ViewSession session(source(), silent_);
   const std::string body = bodyOf(jobWith({})).dump();
@@ -315,6 +413,65 @@ TEST_F(ViewSessionTest, SavedJobs_nameTheVolumeOnly) {
   EXPECT_TRUE(job.output.path.empty());
   session.answer("command", bodyOf(jobWith({}), 320, 200).dump(), command);
   EXPECT_NE(command.json().at("command").get<std::string>().find("kiln render "), std::string::npos);
+}
+
+// The opened job's files, encoding and channels, with names that lead to equal files from another folder.
+TEST_F(ViewSessionTest, SavedJobs_keepTheOutputsOfTheOpenedJob) {
+  fs::create_directories(directory_ / "jobs");
+  const fs::path opened = directory_ / "jobs" / "look.json";
+  writeText(opened, json{{"kiln", 2},
+                         {"volume", store_.string()},
+                         {"image", {{"aov", {"depth"}}}},
+                         {"exr", {{"compression", "zip"}}},
+                         {"outputs", {{{"path", "a_####.exr"}}, {{"path", "../b_####.png"}, {"content", "color"}}}},
+                         {"camera", {{"turntable", {{"frames", 4}}}}},
+                         {"frames", "2-3"}}
+                        .dump());
+  ViewSource given = source();
+  given.drawn = given.named = readJob(opened);
+  given.kept_keys = keptKeys(opened);
+  ViewSession session(given, silent_);
+  RecordedClient facts, save;
+  session.answer("session", "", facts);
+  json job = facts.json().at("job");
+  job["camera"]["elevation"] = 10;
+  session.answer("save", bodyOf(job).dump(), save);
+  const json saved = json::parse(readTextFile(directory_ / "look.view.json", 1 << 20));
+  EXPECT_EQ(saved.at("image").at("aov"), json({"depth"}));
+  EXPECT_EQ(saved.at("exr"), json({{"compression", "zip"}}));
+  EXPECT_EQ(saved.at("outputs").at(0).at("path"), "jobs/a_####.exr");
+  EXPECT_EQ(saved.at("outputs").at(1).at("path"), "b_####.png");
+  EXPECT_EQ(saved.at("frames"), "2-3");
+  EXPECT_EQ(saved.at("camera").at("elevation"), 10);
+}
+
+// A volume of labels 3 and 7. Known: a slice has the palette's colours, then the request's, and no hidden label.
+TEST_F(ViewSessionTest, SlicesOfLabels_haveTheirColours) {
+  const DenseVolume volume = fill({.dims = {8, 8, 8}, .type = VoxelType::u8},
+                                  [](std::int64_t x, std::int64_t, std::int64_t) { return x < 4 ? 3 : 7; });
+  ViewSource given = source();
+  given.drawn.volume = given.named.volume = makeStore(volume, "view_labels", 8, true);
+  ViewSession session(given, silent_);
+  RecordedClient facts, plain, own;
+  session.answer("session", "", facts);
+  const auto slice = [&](RecordedClient& client, const json& keys) {
+    json body = {{"axis", "z"}, {"index", 4}};
+    body.update(keys);
+    session.answer("slice", body.dump(), client);
+    return decodePng(client.records.front().payload, {});
+  };
+  const auto hexAt = [](const Image& image, int x) {
+    return hexText({image.pixel(x, 4)[0], image.pixel(x, 4)[1], image.pixel(x, 4)[2]});
+  };
+  const Image first = slice(plain, json::object());
+  const json labels = facts.json().at("volumes").at(0).at("labels");
+  EXPECT_EQ(hexAt(first, 1), labels.at(0).at("color"));
+  EXPECT_EQ(hexAt(first, 6), labels.at(1).at("color"));
+  const json function = {
+      {"labels", {{{"label", 3}, {"color", "#ff0000"}, {"opacity", 0}}, {{"label", 7}, {"color", "#00ff00"}}}}};
+  const Image second = slice(own, {{"transferFunction", function}});
+  EXPECT_EQ(second.pixel(1, 4)[3], 0);
+  EXPECT_EQ(hexAt(second, 6), "#00ff00");
 }
 
 // Known: a batch render of an equal job file refuses these jobs, with this sentence.

@@ -15,6 +15,7 @@
 #include "scene_arguments.h"
 #include "sequence/sequence_frames.h"
 #include "sequence/series_volumes.h"
+#include "view/view_job.h"
 #include "view/view_server.h"
 #include "view/view_session.h"
 
@@ -80,6 +81,7 @@ ViewSource sourceOf(const ViewArguments& a, Context& context) {
   ViewSource out;
   out.named = jobOf(a);
   out.job_file = jobFileOf(a);
+  if (extensionOf(a.input) == ".json") out.kept_keys = keptKeys(a.input);
   OutputFiles outputs;
   if (!out.job_file.empty() && extensionOf(a.input) != ".json") outputs.add(out.job_file, "--job");
   const InputOptions input(a.source, out.named);
