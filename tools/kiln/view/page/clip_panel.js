@@ -6,6 +6,7 @@ import { hasSeveralVolumes, volumeOf, withKeys, withVolume } from './job.js';
 import { dot, scale } from './vector.js';
 
 const kAxes = ['x', 'y', 'z'];
+const kSections = { off: 'none', tf: 'colours of the function', gray: 'grey values', viridis: 'viridis', plasma: 'plasma', inferno: 'inferno', 'cool-to-warm': 'cool to warm', fire: 'fire' };
 
 export function clipPanel(app) {
   const { state } = app;
@@ -28,7 +29,7 @@ export function clipPanel(app) {
   const worldRegion = html('div', { class: 'row' }, html('span', { class: 'dim' }, 'The job also has a box of the world.'),
     button('Remove', () => state.change('box of the world', (job) => withKeys(withVolume(job, app.active, { worldRegion: undefined }), { worldRegion: undefined })), { class: 'small' }));
 
-  const scopeChoice = choice({ name: 'Planes cut', options: { all: 'all volumes', one: 'this volume' }, onInput: (value) => { scope = value; update(state.job); app.redrawOverlay(); } });
+  const scopeChoice = choice({ name: 'Planes and faces cut', options: { all: 'all volumes', one: 'this volume' }, onInput: (value) => { scope = value; update(state.job); app.redrawOverlay(); } });
   const list = html('ul', { class: 'planes', 'aria-label': 'Clip planes' });
   let rows = [];
 
@@ -78,7 +79,43 @@ export function clipPanel(app) {
     return { node, numbers, offset };
   }
 
+  // Cut faces, of all volumes or of the active volume.
+  const sectionOf = (job) => (isCommon() ? job.section : volumeOf(job, app.active).section ?? job.section) ?? false;
+  const sectionObject = (job) => (typeof sectionOf(job) === 'object' ? sectionOf(job) : {});
+  const setSection = (section, label, merge = null) => state.change(label, (job) => (isCommon() ? withKeys(job, { section }) : withVolume(job, app.active, { section })), { merge });
+  const editSection = (keys, label) => setSection({ ...sectionObject(state.job), ...keys }, label, label);
+  const section = choice({ name: 'Cut faces', options: kSections, onInput: (value) => {
+    const { opacity } = sectionObject(state.job);
+    const kept = opacity === undefined ? {} : { opacity };
+    if (value === 'off') setSection(isCommon() ? undefined : false, 'cut faces');
+    else if (value === 'tf') setSection(opacity === undefined ? true : kept, 'cut faces');
+    else setSection({ ...kept, colormap: value }, 'cut faces');
+  } });
+  const windowOf = (job) => {
+    const [low, high] = app.volume.range;
+    return sectionObject(job).window ?? [(low + high) / 2, Math.max(high - low, 1e-6)];
+  };
+  const sectionWindow = ['centre', 'width'].map((end, place) => numberField({ name: null, label: `Window of the cut faces, ${end}`, unit: end, spokenUnit: 'value',
+    onInput: (value) => {
+      const window = windowOf(state.job).map((v, i) => (i === place ? value : v));
+      if (window[1] > 0) editSection({ window }, 'window of cut faces');
+    }, onDone: done }));
+  const sectionOpacity = numberField({ name: 'Opacity', label: 'Opacity of the cut faces', min: 0, max: 1, step: 0.05, slider: { min: 0, max: 1, step: 0.05 },
+    onInput: (opacity) => editSection({ opacity }, 'opacity of cut faces'), onDone: done });
+  const sectionWindowRow = html('div', { class: 'row' }, html('span', { class: 'name' }, 'Values'), html('span', { class: 'controls' }, sectionWindow.map((field) => field.node)));
+
+  function updateSection(job) {
+    const given = sectionOf(job);
+    const colormap = sectionObject(job).colormap ?? (sectionObject(job).window ? 'gray' : null);
+    section.set(given === false ? 'off' : colormap ?? 'tf');
+    sectionWindowRow.hidden = given === false || colormap === null;
+    sectionOpacity.node.hidden = given === false;
+    sectionWindow.forEach((field, i) => field.set(sectionObject(job).window?.[i] ?? null));
+    sectionOpacity.set(sectionObject(job).opacity ?? 1);
+  }
+
   function update(job) {
+    updateSection(job);
     const box = boxOf();
     boxOn.set(box !== null);
     boxRows.hidden = box === null;
@@ -103,7 +140,7 @@ export function clipPanel(app) {
     html('div', { class: 'row wrap' }, html('span', { class: 'name' }, 'New plane'), html('span', { class: 'controls' },
       button('Facing', facing, { class: 'small', title: 'Cuts off the half towards the viewer' }),
       ...kAxes.map((axis, i) => button(axis, () => addPlane([0, 1, 2].map((a) => (a === i ? 1 : 0))), { class: 'small', 'aria-label': `New plane across ${axis}` })))),
-    scopeChoice.node, animated, list);
+    scopeChoice.node, animated, list, section.node, sectionWindowRow, sectionOpacity.node);
   return { node, update, boxOf, planesOf: () => planesOf(state.job), setBox, setPlane };
 }
 

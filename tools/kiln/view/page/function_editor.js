@@ -2,6 +2,7 @@
 // fields for the selected item. Opacity has an axis of square roots, because useful opacities of tissue begin at a hundredth.
 import { at, hasSurfaces, itemsOf, rangeOf, simplified, withItem, withNewItem, withoutItem } from './transfer_function.js';
 import { hexOf, hexOfLinear } from './color.js';
+import { GradientList } from './gradient_list.js';
 import { button, colorField, follow, html, newId, numberField, replace, svg } from './element.js';
 import { short, ticks } from './numbers.js';
 import { clamp } from './vector.js';
@@ -52,7 +53,7 @@ export class FunctionEditor {
     const per = html('span', { class: 'controls' }, html('span', { class: 'unit' }, 'per'), this.unit.node);
     const windowName = html('span', { class: 'name' }, 'Window'), windowFields = html('span', { class: 'controls' }, this.centre.node, this.breadth.node);
     this.ofPoints = [per, windowName, windowFields];
-    this.gradient = html('div', { class: 'gradient-opacity' });
+    this.gradient = new GradientList({ onDone, onFactors: (factors, label, key) => this.#editFactors(factors, label, key) });
     this.node = html('div', { class: 'function-editor' }, this.plot,
       html('div', { class: 'point-row' }, this.previous, this.count, this.next,
         html('span', { class: 'spacer' }),
@@ -62,7 +63,7 @@ export class FunctionEditor {
         this.name, html('span', { class: 'controls' }, this.value.node, this.color.node),
         html('span', { class: 'name' }, 'Opacity'), html('span', { class: 'controls' }, this.opacity.node, per),
         windowName, windowFields),
-      this.gradient);
+      this.gradient.node);
     new ResizeObserver(([entry]) => {
       const width = Math.round(entry.contentRect.width);
       if (width > 0 && width !== this.#width) { this.#width = width; this.#draw(); }
@@ -82,6 +83,7 @@ export class FunctionEditor {
     if (fresh || !this.#view) this.#view = this.#whole;
     this.#selected = clamp(this.#selected, 0, this.#items.length - 1);
     this.unit.setUnit(lengthUnit);
+    this.gradient.describe(lengthUnit, (histogram.high - histogram.low) / (fn.unit || 1));
     this.#draw();
   }
 
@@ -283,8 +285,7 @@ export class FunctionEditor {
     this.next.disabled = this.#selected === points.length - 1;
     this.fewer.hidden = !isPoint || points.length <= 16;
     const factors = this.#fn.gradientOpacity ?? [];
-    replace(this.gradient, factors.length === 0 ? [] : [html('span', { class: 'dim' }, `Opacity also depends on the gradient, by ${factors.length} points.`),
-      button('Remove', () => { const { gradientOpacity: _, ...rest } = this.#fn; this.#emit(rest, 'gradient opacity'); }, { class: 'small' })]);
+    this.gradient.show(isPoint && !this.#fn.regions && !this.#fn.table ? factors : null);
   }
 
   #select(index) {
@@ -296,6 +297,11 @@ export class FunctionEditor {
 
   #editPoint(changes, label) {
     this.#emit(withItem(this.#fn, this.#selected, changes), label, `${label}-${this.#selected}`);
+  }
+
+  #editFactors(factors, label, key) {
+    const { gradientOpacity: _, ...rest } = this.#fn;
+    this.#emit(factors.length > 0 ? { ...rest, gradientOpacity: factors } : rest, label, key);
   }
 
   #dragPoint(down, index) {

@@ -1,7 +1,7 @@
 // Mode, look, exposure, shading, shadows, occlusion and lights.
 import { button, check, choice, colorField, html, numberField, replace } from './element.js';
 import { hexOf } from './color.js';
-import { withKeys, withPart } from './job.js';
+import { hasSeveralVolumes, volumeOf, withKeys, withPart, withVolume } from './job.js';
 
 const kModes = { composite: 'light of the volume', mip: 'greatest value (MIP)', minip: 'least value (MinIP)', average: 'mean value' };
 const kLights = { headlight: 'at the eye', camera: 'far, with the camera', directional: 'far, in the world', point: 'near, in the world' };
@@ -12,14 +12,27 @@ export function lightPanel(app) {
 
   // The values that a look stands for come from the server.
   const look = (job) => app.session.looks[job.look ?? 'plain'];
-  const shadingOf = (job) => ({ ...look(job).shading, ...job.shading });
+  let scope = 'all'; // shading of all volumes, or of the active volume
+  const isCommon = () => !hasSeveralVolumes(state.job) || scope === 'all';
+  const commonShading = (job) => ({ ...look(job).shading, ...job.shading });
+  // A volume's shading has the picture's values where it states none.
+  const shadingOf = (job) => (isCommon() ? commonShading(job) : { ...commonShading(job), ...volumeOf(job, app.active).shading });
   const occlusionOf = (job) => {
     const given = shadingOf(job).ambientOcclusion ?? { strength: 0 };
     return typeof given === 'number' ? { strength: given } : given;
   };
   const lightsOf = (job) => (Array.isArray(job.lights) ? job.lights : job.lights ? [] : look(job).lights);
 
-  const setShading = (keys, label) => state.change(label, (job) => withPart(job, 'shading', keys), { merge: `shading-${label}` });
+  const setShading = (keys, label) => state.change(label, (job) => (isCommon() ? withPart(job, 'shading', keys)
+    : withVolume(job, app.active, { shading: withKeys(shadingOf(job), keys) })), { merge: `shading-${label}` });
+  // Shadows and occlusion are the picture's; a volume's own shading has a copy.
+  const setCommon = (job, keys) => {
+    const out = withPart(job, 'shading', keys);
+    return hasSeveralVolumes(out) ? { ...out, volumes: out.volumes.map((volume) => (volume.shading ? withPart(volume, 'shading', keys) : volume)) } : out;
+  };
+  const scopeChoice = choice({ name: 'Shading of', options: { all: 'all volumes', one: 'this volume' }, onInput: (value) => { scope = value; update(state.job); } });
+  const asOthers = button('As the others', () => state.change('shading of a volume', (job) => withVolume(job, app.active, { shading: undefined })), { class: 'small' });
+  const asOthersRow = html('div', { class: 'row' }, html('span', { class: 'dim' }, 'This volume has a shading of its own.'), asOthers);
   const slider = (key, name, max, step, unit = '') => numberField({ name, unit, min: 0, max: key === 'power' ? 1e4 : 1000, slider: { min: 0, max, step }, step,
     onInput: (value) => setShading({ [key]: value }, name.toLowerCase()), onDone: done });
 
@@ -36,10 +49,10 @@ export function lightPanel(app) {
   const shaded = check({ name: 'Shaded by lights', onInput: (on) => setShading({ model: on ? 'phong' : 'none' }, 'shading') });
   const ambient = slider('ambient', 'Ambient', 1, 0.01, '×'), diffuse = slider('diffuse', 'Diffuse', 1.5, 0.01, '×');
   const specular = slider('specular', 'Highlights', 1, 0.01, '×'), power = slider('power', 'Sharpness', 128, 1, 'power');
-  const shadows = check({ name: 'All lights cast shadows', onInput: (on) => setShading({ shadows: on || undefined }, 'shadows') });
+  const shadows = check({ name: 'All lights cast shadows', onInput: (on) => state.change('shadows', (job) => setCommon(job, { shadows: on || undefined })) });
   const setOcclusion = (keys, label) => state.change(label, (job) => {
     const next = Object.fromEntries(Object.entries({ ...occlusionOf(job), ...keys }).filter(([, v]) => v !== undefined && v !== ''));
-    return withPart(job, 'shading', { ambientOcclusion: next });
+    return setCommon(job, { ambientOcclusion: next });
   }, { merge: label });
   const occlusion = numberField({ name: 'Occlusion', unit: '×', label: 'Ambient occlusion', min: 0, max: 1, step: 0.05, slider: { min: 0, max: 1, step: 0.05 },
     onInput: (strength) => setOcclusion({ strength }, 'ambient occlusion'), onDone: done });
@@ -107,14 +120,18 @@ export function lightPanel(app) {
     note.hidden = !job.lights?.keyframes;
   }
 
-  const composite = html('div', {}, lookChoice.node, exposure.node, tone.node, shaded.node, ambient.node, diffuse.node, specular.node, power.node,
-    html('h3', {}, 'Shadows and occlusion'), shadows.node, occlusion.node, radius.node, occludes.node,
+  const common = html('div', {}, html('h3', {}, 'Shadows and occlusion'), shadows.node, occlusion.node, radius.node, occludes.node);
+  const composite = html('div', {}, lookChoice.node, exposure.node, tone.node, scopeChoice.node, asOthersRow, shaded.node, ambient.node, diffuse.node, specular.node, power.node, common,
     html('h3', {}, 'Lights'), note, list, html('div', { class: 'row' }, button('Add light', () => setLights((lights) => [...lights, { type: 'camera', direction: [-1, 1, 1] }], 'new light'), { class: 'small' })));
 
   function update(job) {
     const shading = shadingOf(job);
     const around = occlusionOf(job);
     mode.set(job.mode ?? 'composite');
+    scopeChoice.node.hidden = !hasSeveralVolumes(job);
+    scopeChoice.set(scope);
+    asOthersRow.hidden = isCommon() || !volumeOf(job, app.active).shading;
+    common.hidden = !isCommon();
     composite.hidden = (job.mode ?? 'composite') !== 'composite';
     lookChoice.set(job.look ?? 'plain');
     exposure.set(job.display?.exposure ?? 0);

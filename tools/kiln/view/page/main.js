@@ -338,6 +338,7 @@ class App {
     // Presets other than "auto" colour values, and the values of labels mean nothing.
     this.presets.offer((name) => this.volume.classes !== 'labels' || name === 'auto');
     this.surface.hidden = this.volume.classes === 'labels';
+    this.slices.color(hasLabels ? fn : null);
     this.presets.mark(typeof own.transferFunction === 'string' ? own.transferFunction : own.transferFunction === undefined ? 'auto' : null);
     for (const panel of [this.lightPanel, this.clipPanel, this.cameraPanel, this.imagePanel, this.keysPanel]) panel.update(job);
   }

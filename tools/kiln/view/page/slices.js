@@ -18,6 +18,7 @@ export class Slices {
   #index = 0;
   #cross = [0, 0, 0];
   #window = null;
+  #labels = null; // function with labels, whose colours the slices have
   #views;
   #probing = false;
   #nextProbe = null;
@@ -35,11 +36,20 @@ export class Slices {
     this.centre = field('Centre', 'centre', 0);
     this.breadth = field('Width', 'width', 1);
     this.centre.input.placeholder = this.breadth.input.placeholder = 'auto';
+    this.greyFields = html('span', { class: 'grey-fields' }, html('span', { class: 'dim' }, 'Grey'), this.centre.node, this.breadth.node,
+      button('Auto', () => this.#setWindow(null), { class: 'small', 'aria-label': 'Auto grey values' }));
     this.node = html('div', { class: 'slices-inside' },
       html('div', { class: 'slices-bar' }, html('h2', {}, 'Slices'), this.readout, html('span', { class: 'spacer' }),
-        html('span', { class: 'grey-fields' }, html('span', { class: 'dim' }, 'Grey'), this.centre.node, this.breadth.node,
-          button('Auto', () => this.#setWindow(null), { class: 'small', 'aria-label': 'Auto grey values' }))),
+        this.greyFields),
       html('div', { class: 'slice-row' }, this.#views.map((view) => view.node)));
+  }
+
+  /** Colours the slices by a function with labels; null is grey. */
+  color(fn) {
+    if (JSON.stringify(fn) === JSON.stringify(this.#labels)) return;
+    this.#labels = fn;
+    this.greyFields.hidden = fn !== null;
+    for (const view of this.#views) this.#draw(view);
   }
 
   get cross() { return this.#cross; }
@@ -185,7 +195,8 @@ export class Slices {
       if (!view.size) break;
       const index = this.#cross[view.axis];
       const body = { volume: this.#index, axis: view.name, index, size: view.size };
-      if (this.#window) body.window = this.#window;
+      if (this.#labels) body.transferFunction = this.#labels;
+      else if (this.#window) body.window = this.#window;
       try {
         await this.#app.server.records('slice', body, undefined, async (head, payload) => {
           if (head.kind === 'error') throw new Error(head.error);
