@@ -229,9 +229,10 @@ TEST_F(ViewSessionTest, AClientThatLeavesAtAnyMoment_stopsTheWork) {
   json keys = json::array();
   for (int i = 0; i < 40; ++i) keys.push_back(key(i + 1, 120 + i));
   const json many = jobWith({{"transferFunction", {{"keyframes", keys}}}});
-  const json lit =
-      jobWith({{"lights", {{{"type", "directional"}, {"direction", {1, -1, 1}}, {"shadow", {{"softness", 20}}}}}},
-               {"shading", {{"ambientOcclusion", 1}}}});
+  const json lit = jobWith(
+      {{"lights",
+        {{{"type", "directional"}, {"direction", {1, -1, 1}}, {"shadow", {{"softness", 20}, {"resolution", 64}}}}}},
+       {"shading", {{"ambientOcclusion", 1}}}});
   const json turning = jobWith({{"camera", {{"turntable", {{"frames", 60}}}}}});
   struct Case {
     const char* request;
@@ -271,7 +272,7 @@ TEST_F(ViewSessionTest, AClientThatLeavesAtAnyMoment_stopsTheWork) {
     EXPECT_TRUE(ended);
     EXPECT_GE(all, given.least) << given.request;
     const int threads = static_cast<int>(ThreadLimit::active());
-    for (int at = 1; at < all; at += std::max(1, all / 12)) {
+    for (int at = 1; at < all; at += std::max(1, all / 6)) {
       const int looks = looksOf(at, ended);
       if (!ended) EXPECT_LE(looks, at + 2 * threads + 2) << given.request << " at look " << at << " of " << all;
     }
