@@ -122,6 +122,9 @@ def test_voxels(head):
     assert s.read(1, ((1, 4), (2, 9), (3, 5))).shape == (3, 7, 2)
     with pytest.raises(IndexError):
         s[64]
+    for box in ((0, 0, 0, 8, 8, 8), ((0, 8), (0, 8)), ((0, 8), (0, 8), ("a", 8))):
+        with pytest.raises(ValueError, match="expected 3 pairs"):
+            s.read(1, box)
     with pytest.raises(kiln.Error) as failure:
         s.read(0, ((0, 65), (0, 1), (0, 1)))
     assert failure.value.code == "usage"

@@ -109,9 +109,11 @@ class Volume:
             if not 0 <= level < len(self.levels):
                 raise IndexError(f"level: expected 0 to {len(self.levels) - 1} (found {level})")
             box = [(0, length) for length in self.levels[level]]
-        edges = [(int(low), int(high)) for low, high in box]
-        if len(edges) != 3:
-            raise ValueError(f"box: expected 3 pairs, along z, y and x (found {len(edges)})")
+        try:
+            (z0, z1), (y0, y1), (x0, x1) = box
+            edges = [(int(low), int(high)) for low, high in ((z0, z1), (y0, y1), (x0, x1))]
+        except (TypeError, ValueError):
+            raise ValueError(f"box: expected 3 pairs, ((z0, z1), (y0, y1), (x0, x1)) (found {box!r})") from None
         data = self._volume.read(level, edges, progress)
         return numpy.frombuffer(data, dtype=self.dtype).reshape([high - low for low, high in edges])
 
