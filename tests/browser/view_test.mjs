@@ -450,6 +450,77 @@ onPage('the final picture has the pixels of kiln render of the saved job', 'ct',
   assert.ok(shown.data.equals(again.data));
 });
 
+onPage('gradient opacity is added, edited and removed', 'ct', async (viewer, page) => {
+  await page.getByRole('button', { name: 'ct-skin', exact: true }).click();
+  await viewer.settled();
+  const before = await viewer.picture();
+  await page.getByRole('button', { name: 'Add a point of gradient opacity' }).click();
+  await viewer.settled();
+  const factors = () => viewer.job().transferFunction.gradientOpacity;
+  assert.deepEqual(factors().map((point) => point.factor), [0, 1]);
+  await page.getByLabel('Factor of the opacity at gradient 2').fill('0.1');
+  await viewer.settled();
+  assert.equal(factors()[1].factor, 0.1);
+  assert.notEqual(await viewer.picture(), before);
+  for (const _ of [0, 1]) {
+    await page.getByRole('button', { name: 'Remove gradient 1' }).click();
+    await viewer.settled();
+  }
+  assert.equal(factors(), undefined);
+});
+
+onPage('cut faces take colours, a window and an opacity', 'ct', async (viewer, page) => {
+  await viewer.section('clip');
+  await page.getByRole('button', { name: 'Facing' }).click();
+  await viewer.settled();
+  const plain = await viewer.picture();
+  await page.selectOption('[aria-label="Cut faces"]', 'fire');
+  await viewer.settled();
+  assert.deepEqual(viewer.job().section, { colormap: 'fire' });
+  const fire = await viewer.picture();
+  assert.notEqual(fire, plain);
+  await page.getByLabel('Window of the cut faces, width').fill('500');
+  await viewer.settled();
+  assert.equal(viewer.job().section.window[1], 500);
+  await page.getByLabel('Opacity of the cut faces', { exact: true }).fill('0.5');
+  await viewer.settled();
+  assert.equal(viewer.job().section.opacity, 0.5);
+  assert.notEqual(await viewer.picture(), fire);
+  await page.selectOption('[aria-label="Cut faces"]', 'off');
+  await viewer.settled();
+  assert.equal(viewer.job().section, undefined);
+  assert.equal(await viewer.picture(), plain);
+});
+
+onPage('slices of labels have the colours of the list', 'labels', async (viewer, page) => {
+  await page.check('#show-slices');
+  await page.locator('.labels input[type=color]').nth(1).fill('#00ff00');
+  await viewer.settled();
+  // Across y, label 7 is the upper half.
+  const isGreen = () => {
+    const canvas = document.querySelector('.slice.axis-1 canvas');
+    const [r, g, b] = canvas.getContext('2d').getImageData(canvas.width / 2, canvas.height / 4, 1, 1).data;
+    return r === 0 && g === 255 && b === 0;
+  };
+  await page.waitForFunction(isGreen);
+});
+
+onPage('one of several volumes has a shading of its own', 'two', async (viewer, page) => {
+  await viewer.section('light');
+  const before = await viewer.picture();
+  await page.selectOption('[aria-label="Shading of"]', 'one');
+  await page.getByLabel('Ambient, ×').fill('0.9');
+  await viewer.settled();
+  assert.equal(viewer.job().volumes[0].shading.ambient, 0.9);
+  assert.equal(viewer.job().volumes[1].shading, undefined);
+  assert.equal(viewer.job().shading, undefined);
+  assert.notEqual(await viewer.picture(), before);
+  await page.getByRole('button', { name: 'As the others' }).click();
+  await viewer.settled();
+  assert.equal(viewer.job().volumes[0].shading, undefined);
+  assert.equal(await viewer.picture(), before);
+});
+
 onPage('each of several volumes has a function of its own', 'two', async (viewer, page) => {
   assert.equal(await page.getByRole('tab').count(), 2);
   await page.getByRole('button', { name: 'ct-skin', exact: true }).click();
