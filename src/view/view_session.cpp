@@ -48,6 +48,8 @@ constexpr double kAtOnce = 0.06;
 constexpr double kOvertaken = 0.1;
 // A picture of a render that frames have interrupted for so long goes before frames. unit: seconds.
 constexpr double kPatience = 2;
+// A slice that waits for an exact picture goes before the picture. unit: seconds.
+constexpr double kSlicePatience = 0.2;
 
 // Height of the smallest picture for which a session has memory. unit: pixels.
 constexpr int kLeastSide = 256;
@@ -509,12 +511,15 @@ void ViewSession::slice(const Body& body, ViewClient& client) {
   const VolumeGeometry& level = store.level(request.level).geometry;
   request.index = std::min(index / store.manifest().spanOf(request.level)[request.axis], level.dims[request.axis] - 1);
   request.memory_bytes = source_.drawn.speed.memory_bytes;
-  const std::vector<std::byte> png = inTurn(client, [&](OtherStops& stops) {
-    const auto brick = [&](const BrickKey& key) { return painter_.brick({key, static_cast<int>(volume)}); };
-    const Image image = renderSlice(store, request, brick, stops);
-    RowsOfImage rows(image);
-    return encodedPng(rows, {});
-  });
+  const std::vector<std::byte> png = inTurn(
+      client,
+      [&](OtherStops& stops) {
+        const auto brick = [&](const BrickKey& key) { return painter_.brick({key, static_cast<int>(volume)}); };
+        const Image image = renderSlice(store, request, brick, stops);
+        RowsOfImage rows(image);
+        return encodedPng(rows, {});
+      },
+      kSlicePatience);
   const auto [width, height] = sliceSize(level, request.axis);
   const glm::dvec3 spacing = level.spacing();
   const int right = request.axis == 0 ? 1 : 0, down = request.axis == 2 ? 1 : 2;

@@ -519,6 +519,13 @@ onPage('one of several volumes has a shading of its own', 'two', async (viewer, 
   await viewer.settled();
   assert.equal(viewer.job().volumes[0].shading, undefined);
   assert.equal(await viewer.picture(), before);
+  // Cut faces are each volume's own.
+  await viewer.section('clip');
+  await page.getByRole('button', { name: 'Facing' }).click();
+  await page.selectOption('[aria-label="Cut faces"]', 'gray');
+  await viewer.settled();
+  assert.deepEqual(viewer.job().volumes[0].section, { colormap: 'gray' });
+  assert.equal(viewer.job().volumes[1].section, undefined);
 });
 
 onPage('each of several volumes has a function of its own', 'two', async (viewer, page) => {

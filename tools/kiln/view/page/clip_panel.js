@@ -29,7 +29,7 @@ export function clipPanel(app) {
   const worldRegion = html('div', { class: 'row' }, html('span', { class: 'dim' }, 'The job also has a box of the world.'),
     button('Remove', () => state.change('box of the world', (job) => withKeys(withVolume(job, app.active, { worldRegion: undefined }), { worldRegion: undefined })), { class: 'small' }));
 
-  const scopeChoice = choice({ name: 'Planes and faces cut', options: { all: 'all volumes', one: 'this volume' }, onInput: (value) => { scope = value; update(state.job); app.redrawOverlay(); } });
+  const scopeChoice = choice({ name: 'Planes cut', options: { all: 'all volumes', one: 'this volume' }, onInput: (value) => { scope = value; update(state.job); app.redrawOverlay(); } });
   const list = html('ul', { class: 'planes', 'aria-label': 'Clip planes' });
   let rows = [];
 
@@ -79,15 +79,15 @@ export function clipPanel(app) {
     return { node, numbers, offset };
   }
 
-  // Cut faces, of all volumes or of the active volume.
-  const sectionOf = (job) => (isCommon() ? job.section : volumeOf(job, app.active).section ?? job.section) ?? false;
+  // Cut faces of the active volume.
+  const sectionOf = (job) => volumeOf(job, app.active).section ?? false;
   const sectionObject = (job) => (typeof sectionOf(job) === 'object' ? sectionOf(job) : {});
-  const setSection = (section, label, merge = null) => state.change(label, (job) => (isCommon() ? withKeys(job, { section }) : withVolume(job, app.active, { section })), { merge });
+  const setSection = (section, label, merge = null) => state.change(label, (job) => withVolume(job, app.active, { section }), { merge });
   const editSection = (keys, label) => setSection({ ...sectionObject(state.job), ...keys }, label, label);
   const section = choice({ name: 'Cut faces', options: kSections, onInput: (value) => {
     const { opacity } = sectionObject(state.job);
     const kept = opacity === undefined ? {} : { opacity };
-    if (value === 'off') setSection(isCommon() ? undefined : false, 'cut faces');
+    if (value === 'off') setSection(undefined, 'cut faces');
     else if (value === 'tf') setSection(opacity === undefined ? true : kept, 'cut faces');
     else setSection({ ...kept, colormap: value }, 'cut faces');
   } });
@@ -106,6 +106,8 @@ export function clipPanel(app) {
 
   function updateSection(job) {
     const given = sectionOf(job);
+    // A window of labels means nothing.
+    for (const option of section.select.options) option.hidden = app.volume.classes === 'labels' && !['off', 'tf'].includes(option.value);
     const colormap = sectionObject(job).colormap ?? (sectionObject(job).window ? 'gray' : null);
     section.set(given === false ? 'off' : colormap ?? 'tf');
     sectionWindowRow.hidden = given === false || colormap === null;
