@@ -35,6 +35,7 @@ enum class Format {
   kMrc,
   kMgh,
   kAmira,
+  kVgi,
   kVti,
   kLegacyVtk,
   kVdb,
@@ -144,6 +145,7 @@ Finding byName(const fs::path& path) {
   if (endsWith(path, {".mrc", ".mrcs", ".ccp4", ".mrc.gz", ".mrcs.gz", ".ccp4.gz"})) return {Format::kMrc, "MRC"};
   if (endsWith(path, {".mgh", ".mgz", ".mgh.gz"})) return {Format::kMgh, "MGH"};
   if (endsWith(path, {".am"})) return {Format::kAmira, "AmiraMesh"};
+  if (endsWith(path, {".vgi"})) return {Format::kVgi, "VGI"};
   if (endsWith(path, {".vti"})) return {Format::kVti, "VTK"};
   if (endsWith(path, {".vtk"})) return {Format::kLegacyVtk, "VTK"};
   if (endsWith(path, {".npy"})) return {Format::kNpy, "NumPy"};
@@ -228,7 +230,7 @@ void requireRegularFile(const fs::path& path) {
 
 // Returns " or give 'engine.nhdr', …" if a header with the raw file's name lies beside the raw file.
 std::string headerBeside(const fs::path& path) {
-  for (const char* extension : {".nhdr", ".mhd"}) {
+  for (const char* extension : {".nhdr", ".mhd", ".vgi"}) {
     const fs::path header = fs::path(path).replace_extension(extension);
     std::error_code ignored;
     if (header != path && fs::is_regular_file(header, ignored)) {
@@ -385,6 +387,8 @@ std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOp
       return openMgh(input, options);
     case Format::kAmira:
       return openAmira(input, options);
+    case Format::kVgi:
+      return openVgi(input, options);
     case Format::kVti:
       return openVti(input, options);
     case Format::kLegacyVtk:
@@ -413,8 +417,9 @@ std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOp
     requireHeaderOfImage(input);
     throw Error(
         ErrorCode::kUsage, input, "",
-        "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, MRC, MGH, AmiraMesh, VTK, TIFF, DICOM, OpenVDB, "
-        "HDF5, Zarr); if it is headerless raw voxels, give --dims and --type, for example --dims 256,256,113 --type "
+        "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, MRC, MGH, AmiraMesh, VGI, VTK, TIFF, DICOM, "
+        "OpenVDB, HDF5, Zarr); if it is headerless raw voxels, give --dims and --type, for example --dims 256,256,113 "
+        "--type "
         "u16" +
             headerBeside(input));
   }

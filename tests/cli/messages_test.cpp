@@ -220,6 +220,7 @@ TEST_F(Messages, VolumeInPlaceOfAStoreOrAPicture_IsNamedWithItsCommands) {
   writeText(in("a.mrc"), std::string(208, '\0') + "MAP ");
   writeText(in("a.mgh"), "");
   writeText(in("a.am"), "# AmiraMesh BINARY 2.1\n");
+  writeText(in("a.vgi"), "{volume1}\n");
   writeText(in("a.vti"), "<VTKFile type=\"ImageData\">");
   writeText(in("a.vtk"), "# vtk DataFile Version 3.0\n");
   const auto commandsFor = [&](const std::string& name) {
@@ -229,7 +230,8 @@ TEST_F(Messages, VolumeInPlaceOfAStoreOrAPicture_IsNamedWithItsCommands) {
   const std::pair<std::string, std::string> volumes[] = {
       {"a.nrrd", "a NRRD"},     {"a.nii", "a NIfTI"},     {"a.vdb", "an OpenVDB"}, {"a.tif", "a TIFF"},
       {"a.mha", "a MetaImage"}, {"a.npy", "a NumPy"},     {"a.h5", "an HDF5"},     {"a.mrc", "an MRC"},
-      {"a.mgh", "an MGH"},      {"a.am", "an AmiraMesh"}, {"a.vti", "a VTK"},      {"a.vtk", "a VTK"}};
+      {"a.mgh", "an MGH"},      {"a.am", "an AmiraMesh"}, {"a.vgi", "a VGI"},      {"a.vti", "a VTK"},
+      {"a.vtk", "a VTK"}};
   for (const auto& [name, format] : volumes) {
     const std::string is = in(name) + ": is " + format + " volume, not ";
     refused({"compare", in(name), in("a.nii")}, 2, is + "a picture" + commandsFor(name));

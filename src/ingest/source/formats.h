@@ -14,6 +14,7 @@ std::unique_ptr<VolumeSource> openNifti(const std::filesystem::path& input, cons
 std::unique_ptr<VolumeSource> openNpy(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openMrc(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openAmira(const std::filesystem::path& input, const SourceOptions& options);
+std::unique_ptr<VolumeSource> openVgi(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openMgh(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openVti(const std::filesystem::path& input, const SourceOptions& options);
 std::unique_ptr<VolumeSource> openLegacyVtk(const std::filesystem::path& input, const SourceOptions& options);

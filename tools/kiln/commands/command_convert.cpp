@@ -225,7 +225,7 @@ void addConvert(CLI::App& app, Context& context) {
   auto a = std::make_shared<ConvertArguments>();
   CLI::App* command =
       app.add_subcommand("convert",
-                         "convert a volume (raw, NRRD, MetaImage, NIfTI, MRC, MGH, AmiraMesh, VTK, NumPy, TIFF, "
+                         "convert a volume (raw, NRRD, MetaImage, NIfTI, MRC, MGH, AmiraMesh, VGI, VTK, NumPy, TIFF, "
                          "DICOM, OpenVDB, Zarr, N5, HDF5) to a brick store");
   command
       ->add_option("INPUT", a->input,
