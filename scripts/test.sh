@@ -39,7 +39,7 @@ scripts/install_packages.sh build mpi test
 scripts/example_head.sh out/head  # for the test of the manual's pictures, which should need no network
 # A reader of Zarr that judges Zarr files in a test. The test is left out where npm is not installed.
 if command -v npm >/dev/null && [ ! -e out/zarrita/node_modules/zarrita ]; then
-  npm install --silent --no-audit --no-fund --prefix out/zarrita zarrita@0.7.5
+  npm install --silent --prefer-offline --no-audit --no-fund --prefix out/zarrita zarrita@0.7.5
 fi
 scripts/check_includes.sh
 scripts/check_definitions.sh
