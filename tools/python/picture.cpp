@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/progress.h"
 #include "frame/background.h"
 #include "image/file/image_file.h"
 #include "image/image_rows.h"
@@ -71,7 +72,7 @@ std::vector<std::uint8_t> Picture::srgbBytes(std::size_t view) const {
 std::vector<std::byte> Picture::png() const {
   RenderJob job = job_;
   job.picture.aovs = {};  // no PNG holds planes
-  return pngOf(job, drawn_, *volume_);
+  return pngOf(job, drawn_, *volume_, Progress());
 }
 
 void Picture::save(const std::filesystem::path& path, const GivenFlags& flags) const {

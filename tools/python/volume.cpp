@@ -121,7 +121,7 @@ std::shared_ptr<Picture> Drawing::draw(const RenderJob& job, const Volumes& volu
   }
   const Relay::Scope scope(session_->relay, progress);
   ViewPainter& painter = session_->painter;
-  const std::unique_ptr<ViewedJob> ready = painter.prepare(job);
+  const std::unique_ptr<ViewedJob> ready = painter.prepare(job, progress);
   for (const Doubt& doubt : painter.doubts(*ready)) progress.warn(doubt.sentence);
   DrawnFrame drawn = painter.exact(*ready, progress);
   noteDamage(drawn.statistics, progress);
