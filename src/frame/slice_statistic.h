@@ -21,7 +21,7 @@ class SliceStatistic {
   void add(double value, GatheredValue& pixel) const;
   /// Returns the value of a pixel that has at least one sample.
   virtual double valueOf(const GatheredValue& pixel) const { return pixel.value; }
-  /// Whether the result may differ from all samples, so that labels have no such statistic.
+  /// Returns true if the result may differ from all samples: labels have no such statistic.
   virtual bool mixesValues() const { return false; }
 
  private:

@@ -23,6 +23,11 @@ bool isBarelyBegun(const fs::path& folder) {
 
 }  // namespace
 
+Leftover leftoverFor(bool resume, bool overwrite) {
+  if (resume) return Leftover::kContinue;
+  return overwrite ? Leftover::kRemove : Leftover::kRefuse;
+}
+
 PendingFolder::PendingFolder(const fs::path& out, const std::string& contents, Leftover leftover, FileSystem& disk)
     : out_(behindLinks(withoutTrailingSlash(out))),
       path_(out_.string() + ".partial"),
@@ -63,7 +68,18 @@ PendingFolder::~PendingFolder() {
   if (!kept_) fs::remove_all(path_, ignored);
 }
 
-void PendingFolder::sync() { disk_.syncAll(path_); }
+void PendingFolder::moveOut(const std::vector<fs::path>& files) {
+  sync();
+  std::size_t moved = 0;
+  try {
+    for (; moved < files.size(); ++moved) disk_.rename(path_ / files[moved].filename(), files[moved]);
+  } catch (...) {
+    std::error_code ignored;
+    while (moved-- > 0) fs::remove(files[moved], ignored);
+    throw;
+  }
+  kept_ = false;
+}
 
 // After an exchange the destructor removes the old folder.
 void PendingFolder::publish() {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "base/file/file.h"
 #include "base/file/file_lock.h"
@@ -15,13 +16,16 @@ inline constexpr const char* kUnfinishedMark = "kiln-export.txt";
 /// The treatment of a folder that an interrupted export left.
 enum class Leftover { kRefuse, kRemove, kContinue };
 
+/// Returns the treatment that the options --resume and --overwrite choose.
+Leftover leftoverFor(bool resume, bool overwrite);
+
 class PendingFolder {
  public:
   /// Makes the folder, or continues one of equal `contents`, a text of one line that describes what is written. Holds
   /// the lock of `out` from here on. throws: Error kExists if another process holds the lock, or if the folder
   /// is no export, is refused, or has other contents; kIo, kNoSpace.
   PendingFolder(const std::filesystem::path& out, const std::string& contents, Leftover leftover, FileSystem& disk);
-  /// Removes the folder, unless it was kept, continued or moved away, or if discarded.
+  /// Removes the folder, unless it was kept, continued or moved away.
   ~PendingFolder();
   PendingFolder(const PendingFolder&) = delete;
   PendingFolder& operator=(const PendingFolder&) = delete;
@@ -31,15 +35,15 @@ class PendingFolder {
   bool continued() const { return continued_; }
   /// Leaves the folder to a later export.
   void keep() { kept_ = true; }
-  /// Has the destructor remove the folder, whose files have been moved away.
-  void discard() { kept_ = false; }
   /// Brings all files onto the disk and gives the folder the name `out`; a folder of this name is replaced in one step
   /// where the disk can. throws: Error kIo, kNoSpace.
   void publish();
-  /// Brings all files onto the disk, before they are moved away one by one.
-  void sync();
+  /// Brings all files onto the disk and moves the files named like `files` to `files`, together: after a failure none
+  /// is there. The destructor then removes the folder. throws: Error kIo, kNoSpace.
+  void moveOut(const std::vector<std::filesystem::path>& files);
 
  private:
+  void sync() { disk_.syncAll(path_); }
   void begin(const std::string& contents, Leftover leftover);
 
   const std::filesystem::path out_, path_;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <vector>
 
 #include "base/error.h"
 #include "base/file/folder.h"
@@ -61,16 +62,9 @@ class TiffSlicesWriter : public VolumeWriter {
     }
   }
   WrittenFiles finish() override {
-    folder_.sync();
-    std::int64_t named = 0;
-    try {
-      for (; named < volumes_.front().geometry.dims.z; ++named)
-        disk_.rename(folder_.path() / names_.name(named), names_.path(named));
-    } catch (...) {
-      std::error_code ignored;
-      while (named-- > 0) fs::remove(names_.path(named), ignored);
-      throw;
-    }
+    std::vector<fs::path> slices;
+    for (std::int64_t z = 0; z < volumes_.front().geometry.dims.z; ++z) slices.push_back(names_.path(z));
+    folder_.moveOut(slices);
     return {bytes_, {}};
   }
 

@@ -1,8 +1,8 @@
 // Colours beside the active voxels of a grid.
-// Problem. A renderer interpolates density and colour each by itself. Where a surface begins between an empty and a
-// visible voxel, the colour of the empty voxel counts, and a colour of 0 darkens the surface. Method. Each voxel that
-// touches an active voxel gets the mean colour of its active neighbours, and becomes active. Invariant. The result does
-// not depend on the order of bricks. No active voxel changes.
+// Problem. A renderer interpolates density and colour each by itself. The colour of an empty voxel counts beside a
+// visible voxel, and black there darkens surfaces.
+// Method. Each voxel that touches an active voxel gets the mean colour of its active neighbours, and becomes active.
+// Invariant. The result does not depend on the order of bricks. No active voxel changes.
 #pragma once
 
 #include <cstdint>

@@ -62,19 +62,8 @@ class TileFolder {
     disk_.writeOwn(noteOf(tile), fmt::format("{} {} {:.17g}\n", report.voxels, report.bytes, report.largest_error));
     folder_.keep();
   }
-  /// Gives all tiles their names; none keeps a name after a failure.
-  void publish(const std::vector<fs::path>& tiles) {
-    folder_.sync();
-    std::size_t named = 0;
-    try {
-      for (; named < tiles.size(); ++named) disk_.rename(pathOf(tiles[named]), tiles[named]);
-    } catch (...) {
-      std::error_code ignored;
-      while (named-- > 0) fs::remove(tiles[named], ignored);
-      throw;
-    }
-    folder_.discard();
-  }
+  /// Gives all tiles their names.
+  void publish(const std::vector<fs::path>& tiles) { folder_.moveOut(tiles); }
   const fs::path& path() const { return folder_.path(); }
 
  private:
@@ -83,11 +72,6 @@ class TileFolder {
   FileSystem& disk_;
   PendingFolder folder_;
 };
-
-Leftover leftoverOf(const VdbRequest& request, bool resume) {
-  if (resume) return Leftover::kContinue;
-  return request.overwrite ? Leftover::kRemove : Leftover::kRefuse;
-}
 
 }  // namespace
 
@@ -100,7 +84,7 @@ VdbReport exportTiles(const StoreReader& store, const ExportedVolume& whole, con
   }
   const std::vector<ExportedVolume> tiles = tilesOf(whole, choices.tiles, request.out);
   TileFolder folder(request.out, contentsText(store, whole, request, choices.tiles),
-                    leftoverOf(request, choices.resume), disk);
+                    leftoverFor(choices.resume, request.overwrite), disk);
   VdbReport sum;
   std::size_t done = 0;
   try {

@@ -7,7 +7,7 @@
 
 namespace kiln {
 
-/// What an export of tiles may find.
+/// Number of tiles, and the choice to continue an interrupted export.
 struct TileChoices {
   int tiles = 2;
   bool resume = false;

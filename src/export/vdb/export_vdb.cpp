@@ -174,17 +174,13 @@ FilledGrids filledBy(Filler filler, const GridExport& parts) {
 // allocation would end the process. The allocator gives the freed memory to the next call of this thread.
 void requireBloscMemory(std::size_t bytes) { requireMemory(3 * bytes + 4096); }
 
-// Writes the bytes of openvdb::io::File, which ignores failed writes: a full disk would go unnoticed.
-class CheckedArchive final : public GridArchive {
+// Writes the bytes of openvdb::io::File.
+class OpenVdbArchive final : public GridArchive {
  public:
-  void write(const openvdb::GridPtrVec& grids, const fs::path& path) const override {
+  void write(const openvdb::GridPtrVec& grids, std::ostream& file) const override {
     constexpr std::size_t kLargestLeaf = 512 * sizeof(double);
     requireBloscMemory(kLargestLeaf);
-    std::ofstream file;
-    file.exceptions(std::ios::badbit | std::ios::failbit);
-    file.open(path, std::ios::binary | std::ios::trunc);
     Writer().write(grids, file);
-    file.close();
   }
   std::uint64_t copies() const override { return 1; }
 
@@ -197,11 +193,20 @@ class CheckedArchive final : public GridArchive {
   };
 };
 
+// The libraries' own files ignore failed writes: a full disk would go unnoticed.
+void writeChecked(const openvdb::GridPtrVec& grids, const GridArchive& archive, const fs::path& path) {
+  std::ofstream file;
+  file.exceptions(std::ios::badbit | std::ios::failbit);
+  file.open(path, std::ios::binary | std::ios::trunc);
+  archive.write(grids, file);
+  file.close();
+}
+
 void publish(const openvdb::GridPtrVec& grids, const GridArchive& archive, const fs::path& out, FileSystem& disk) {
   disk.replace(out, [&](const fs::path& temporary) {
     try {
       errno = 0;
-      archive.write(grids, temporary);
+      writeChecked(grids, archive, temporary);
     } catch (const std::exception& error) {
       const int error_number = errno;
       rethrowRefusal();
@@ -273,7 +278,7 @@ void requireBakeable(const VdbRequest& request) {
 }  // namespace
 
 const GridArchive& openVdbArchive() {
-  static const CheckedArchive archive;
+  static const OpenVdbArchive archive;
   return archive;
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
+#include <ostream>
 
 #include "grid/openvdb_glue.h"
 
@@ -12,8 +12,8 @@ class GridArchive {
  public:
   virtual ~GridArchive() = default;
 
-  /// Writes all grids to a new file at `path`. throws: exceptions of streams and of the library.
-  virtual void write(const openvdb::GridPtrVec& grids, const std::filesystem::path& path) const = 0;
+  /// Writes all grids to a stream that throws where writing fails. throws: also the library's exceptions.
+  virtual void write(const openvdb::GridPtrVec& grids, std::ostream& file) const = 0;
   /// Memory while a file is written, in multiples of the grids' own.
   virtual std::uint64_t copies() const = 0;
 };

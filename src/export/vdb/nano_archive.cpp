@@ -6,8 +6,8 @@
 
 #ifdef KILN_NANOVDB
 
-#include <fstream>
-#include <ios>
+#include <ostream>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -45,15 +45,11 @@ class NanoVdbArchive final : public GridArchive {
  public:
   explicit NanoVdbArchive(bool compress) : compress_(compress) {}
 
-  void write(const openvdb::GridPtrVec& grids, const std::filesystem::path& path) const override {
+  void write(const openvdb::GridPtrVec& grids, std::ostream& file) const override {
     std::vector<Handle> handles;
     for (const openvdb::GridBase::Ptr& grid : grids) handles.push_back(converted(grid));
-    std::ofstream file;
-    file.exceptions(std::ios::badbit | std::ios::failbit);
-    file.open(path, std::ios::binary | std::ios::trunc);
     nanovdb::io::writeGrids<nanovdb::HostBuffer, std::vector>(
         file, handles, compress_ ? nanovdb::io::Codec::ZIP : nanovdb::io::Codec::NONE);
-    file.close();
   }
   // The grid of NanoVDB beside the grid of OpenVDB; zlib compresses to a buffer of the whole grid.
   std::uint64_t copies() const override { return compress_ ? 3 : 2; }

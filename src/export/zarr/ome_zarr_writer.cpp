@@ -58,11 +58,6 @@ std::string contentsText(const ExportTarget& target, const ExportedVolume& volum
                      box.lo.z, box.hi.x, box.hi.y, box.hi.z);
 }
 
-Leftover leftoverOf(const ExportTarget& target) {
-  if (target.resume) return Leftover::kContinue;
-  return target.overwrite ? Leftover::kRemove : Leftover::kRefuse;
-}
-
 void requireReplaceable(const ExportTarget& target) {
   ExportInputs(target.store).requireNone(target.out);
   if (!isThere(target.out)) return;
@@ -76,7 +71,7 @@ class OmeZarrWriter : public VolumeWriter {
       : volumes_(exportedPyramid(target, finest)),
         group_text_(omeGroupText(volumes_, nameOfImage(target.out), notes)),
         disk_(target.disk),
-        folder_(target.out, contentsText(target, finest), leftoverOf(target), target.disk) {
+        folder_(target.out, contentsText(target, finest), leftoverFor(target.resume, target.overwrite), target.disk) {
     background_.resize(inflatedChunkBytes(finest.type));
     withVoxelType(finest.type, [&]<class T>(std::type_identity<T>) {
       const T value = static_cast<T>(finest.background);
