@@ -93,6 +93,29 @@ std::string textOf(const RenderJob& of_file, const FrameScene& scene) {
   return resolvedJobText(of_file, scene.camera, scene.transfer_function);
 }
 
+// Returns the current folder as seen from the picture's. Nothing where both share only the root: the name of a folder
+// such as /home/ann would enter a picture that may be published.
+std::optional<std::string> currentFolderFrom(const fs::path& picture) {
+  std::error_code unknown;
+  const fs::path here = fs::current_path(unknown),
+                 folder = fs::weakly_canonical(fs::absolute(picture, unknown).parent_path(), unknown);
+  const fs::path way = unknown ? fs::path() : here.lexically_relative(folder);
+  const auto topOf = [](const fs::path& path) { return *path.relative_path().begin(); };
+  const bool climbs = std::all_of(way.begin(), way.end(), [](const fs::path& step) { return step == ".."; });
+  const bool share = here.has_relative_path() && folder.has_relative_path() && topOf(here) == topOf(folder);
+  if (way.empty() || !(climbs || share)) return std::nullopt;
+  return way.string();
+}
+
+bool namesRelatively(RenderJob job) {
+  bool out = false;
+  forEachVolume(job, [&](const fs::path& volume) {
+    out = out || (!volume.empty() && volume.is_relative());
+    return volume;
+  });
+  return out;
+}
+
 ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const DrawnFrame& drawn, const View& view,
                          const BrickedVolume& store) {
   RenderJob of_file = jobOfFile(job, file, drawn.scene);
@@ -111,6 +134,8 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
   out.panorama = view.projection == Projection::kEquirectangular;
   if (!out.panorama) out.world_to_ndc = exrWorldToNdc(view);
   out.text[ImageMetadata::kJob] = textOf(of_file, drawn.scene);
+  if (const auto folder = namesRelatively(of_file) ? currentFolderFrom(file.path) : std::nullopt)
+    out.text[ImageMetadata::kFolder] = *folder;
   out.text["kiln:version"] = KILN_VERSION;
   if (job.series) out.text[kSeriesKey] = job.series->frames;
   if (drawsPart(of_file.picture)) out.text["kiln:volume"] = partOriginText(store.manifest());
@@ -348,6 +373,7 @@ std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, cons
   const DrawnView& first = drawn.views.front();
   // The ending alone enters the header.
   ImageMetadata metadata = metadataOf(job, {"picture.png", Content::kPicture, {}}, drawn, first.view, store);
+  metadata.text.erase(ImageMetadata::kFolder);  // the picture has no folder yet
   const Annotators annotators = annotatorsOf(job, drawn);
   if (drawn.views.size() > 1) {
     metadata.views_beside = 2;

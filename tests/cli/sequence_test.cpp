@@ -436,5 +436,31 @@ TEST_F(SequenceCli, Picture_isDrawnFromItsJobBesideItsVolume) {
   refused({"render", in("plot.png"), "-o", in("x.png")}, 2, "is a picture without a job of Kiln");
 }
 
+// The header leads from the picture's folder to the folder of the command: also in a tree that was moved as a whole,
+// from any current folder, and through a link. No absolute path enters the header.
+TEST_F(SequenceCli, PictureOfARelativeName_isDrawnFromWhereTheVolumeWas) {
+  for (const std::string ending : {".exr", ".png"}) {
+    SCOPED_TRACE(ending);
+    fs::create_directories(in("tree/data"));
+    fs::create_directories(in("tree/out/deep"));
+    fs::copy(in("h.kiln"), in("tree/data/h.kiln"), fs::copy_options::recursive);
+    const std::string name = "out/deep/p" + ending;
+    ASSERT_EQ(runTool({"render", "data/h.kiln", "-o", name, "--size", "40x36"}, {.directory = in("tree")}).exit_code,
+              0);
+    const std::map<std::string, std::string> texts = readImageText(in("tree/" + name));
+    EXPECT_EQ(texts.at("kiln:folder"), "../..");
+    for (const auto& [key, text] : texts) EXPECT_EQ(text.find(in("tree")), std::string::npos) << key;
+    fs::rename(in("tree"), in("moved"));
+    fs::create_directory_symlink(in("moved/out/deep"), in("link"));
+    for (const std::string& picture : {in("moved/" + name), in("link/p" + ending)}) {
+      SCOPED_TRACE(picture);
+      done({"render", picture, "-o", in("again" + ending)});
+      EXPECT_EQ(readImage(in("again" + ending)).rgba, readImage(picture).rgba);
+    }
+    fs::remove_all(in("moved"));
+    fs::remove(in("link"));
+  }
+}
+
 }  // namespace
 }  // namespace kiln::test

@@ -19,20 +19,28 @@ namespace kiln::tool {
 namespace fs = std::filesystem;
 namespace {
 
-// Returns the places at which a volume of the picture may be, the likeliest first.
-std::vector<fs::path> placesOf(const fs::path& volume, const fs::path& picture) {
+// Returns the places at which a volume of the picture may be, the likeliest first. `drawn_from` is the folder of the
+// command that drew the picture, as seen from the picture's folder; empty if unknown.
+std::vector<fs::path> placesOf(const fs::path& volume, const fs::path& picture, const fs::path& drawn_from) {
   const fs::path folder = picture.parent_path();
   const fs::path named = withoutTrailingSlash(volume);
-  std::vector<fs::path> out{folder / named, folder / named.filename(), named};
+  std::vector<fs::path> out{folder / drawn_from / named, folder / named, folder / named.filename(), named};
   for (auto place = out.begin() + 1; place != out.end();)
     place = std::find(out.begin(), place, *place) != place ? out.erase(place) : place + 1;
   return out;
 }
 
-fs::path foundVolume(const fs::path& volume, const fs::path& picture) {
-  const std::vector<fs::path> places = placesOf(volume, picture);
+// Returns "a" for "out/../a", unless `out` is a link to a folder with another parent.
+fs::path spelledShortly(const fs::path& there) {
+  std::error_code unknown;
+  fs::path out = there.lexically_normal();
+  return fs::equivalent(there, out, unknown) ? out : there;
+}
+
+fs::path foundVolume(const fs::path& volume, const fs::path& picture, const fs::path& drawn_from) {
+  const std::vector<fs::path> places = placesOf(volume, picture, drawn_from);
   const auto found = std::find_if(places.begin(), places.end(), [](const fs::path& place) { return isThere(place); });
-  if (found != places.end()) return *found;
+  if (found != places.end()) return spelledShortly(*found);
   std::vector<std::string> names;
   for (const fs::path& place : places) names.push_back(place.string());
   throw Error(
@@ -61,12 +69,14 @@ std::optional<std::string> jobTextOf(const fs::path& picture, std::uint64_t memo
 }
 
 RenderJob jobOfPicture(const fs::path& picture, std::uint64_t memory_bytes) {
-  const std::optional<std::string> text = jobTextOf(picture, memory_bytes);
-  if (!text)
+  const std::map<std::string, std::string> texts = readImageText(picture, memory_bytes);
+  if (!texts.contains(ImageMetadata::kJob))
     throw Error(ErrorCode::kUsage, picture, "",
                 "is a picture without a job of Kiln; name a store, a volume file or a job");
-  RenderJob job = parsedFrom(picture, *text);
-  forEachVolume(job, [&](const fs::path& volume) { return foundVolume(volume, picture); });
+  RenderJob job = parsedFrom(picture, texts.at(ImageMetadata::kJob));
+  const auto folder = texts.find(ImageMetadata::kFolder);
+  const fs::path drawn_from = folder == texts.end() ? fs::path() : fs::path(folder->second);
+  forEachVolume(job, [&](const fs::path& volume) { return foundVolume(volume, picture, drawn_from); });
   return job;
 }
 

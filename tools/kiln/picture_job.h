@@ -14,10 +14,10 @@ namespace kiln::tool {
 /// `memory_bytes`; kFormat.
 std::optional<std::string> jobTextOf(const std::filesystem::path& picture, std::uint64_t memory_bytes);
 
-/// Returns the picture's job. A volume with a relative name is sought from the picture's folder, then beside the
-/// picture, then from the current folder. An absolute name is sought first as it is, then beside the picture.
-/// throws: as jobTextOf; Error kUsage for a picture without a job; kNotFound naming all places of a volume that is in
-/// none.
+/// Returns the picture's job. A volume with a relative name is sought from the folder that the header names, then from
+/// the picture's folder, beside the picture and from the current folder. An absolute name is sought first as it is,
+/// then beside the picture. throws: as jobTextOf; Error kUsage for a picture without a job; kNotFound naming all places
+/// of a volume that is in none.
 RenderJob jobOfPicture(const std::filesystem::path& picture, std::uint64_t memory_bytes);
 
 }  // namespace kiln::tool

@@ -36,6 +36,8 @@ struct ImageMetadata {
   std::map<std::string, std::string> text;
   /// Key of the job that draws the picture again.
   static constexpr const char* kJob = "kiln:job";
+  /// Key of the folder from which relative names in the job count, as seen from the picture's folder, such as "..".
+  static constexpr const char* kFolder = "kiln:folder";
   /// Key of the number of unreadable bricks, drawn as empty space; absent if zero. A composite of partial images holds
   /// an upper bound, because two parts may have met the same brick.
   static constexpr const char* kDamagedBricks = "kiln:damagedBricks";
