@@ -26,6 +26,7 @@ kiln_find_library(Highway libhwy-dev hwy/highway.h hwy)
 kiln_find_library(Blosc libblosc-dev blosc.h blosc)
 kiln_find_library(LZ4 liblz4-dev lz4.h lz4)
 kiln_find_library(Zstd libzstd-dev zstd.h zstd)
+kiln_find_library(Libdeflate libdeflate-dev libdeflate.h deflate)
 
 # OpenVDB's find module lies beside its library, outside CMake's own search path. It ends CMake where a package that
 # OpenVDB links is absent: it is called where nothing is missing so far, else the header alone is looked for.
@@ -47,8 +48,9 @@ set(kiln_library_debian ${kiln_debian})
 if(NOT kiln_missing AND NOT TARGET kiln_dependencies)
   add_library(kiln_dependencies INTERFACE)
   target_include_directories(kiln_dependencies SYSTEM INTERFACE ${XXHASH_INCLUDE_DIR} ${HIGHWAY_INCLUDE_DIR}
-                             ${BLOSC_INCLUDE_DIR} ${LZ4_INCLUDE_DIR} ${ZSTD_INCLUDE_DIR})
+                             ${BLOSC_INCLUDE_DIR} ${LZ4_INCLUDE_DIR} ${ZSTD_INCLUDE_DIR} ${LIBDEFLATE_INCLUDE_DIR})
   target_link_libraries(kiln_dependencies INTERFACE OpenVDB::openvdb TBB::tbb OpenEXR::OpenEXR Imath::Imath fmt::fmt
                         nlohmann_json::nlohmann_json PNG::PNG TIFF::TIFF ZLIB::ZLIB JPEG::JPEG BZip2::BZip2 LibLZMA::LibLZMA
-                        EXPAT::EXPAT ${XXHASH_LIBRARY} ${HIGHWAY_LIBRARY} ${BLOSC_LIBRARY} ${LZ4_LIBRARY} ${ZSTD_LIBRARY})
+                        EXPAT::EXPAT ${XXHASH_LIBRARY} ${HIGHWAY_LIBRARY} ${BLOSC_LIBRARY} ${LZ4_LIBRARY} ${ZSTD_LIBRARY}
+                        ${LIBDEFLATE_LIBRARY})
 endif()

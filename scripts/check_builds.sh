@@ -77,8 +77,8 @@ check_configure() {
   for package in "${required[@]}"; do
     disabled+=(-D "CMAKE_DISABLE_FIND_PACKAGE_$package=ON")
   done
-  for library in XXHASH HIGHWAY BLOSC LZ4 ZSTD HDF5_READER OPENJPEG_READER; do disabled+=(-D "${library}_LIBRARY="); done
-  configure missing_all 'not found: TBB, Boost, OpenEXR, Imath, glm, fmt, nlohmann_json, PNG, TIFF, ZLIB, JPEG, BZip2, LibLZMA, EXPAT, xxHash, Highway, Blosc, LZ4, Zstd, CLI11, GDCM, MPI, HDF5, OpenJPEG, NanoVDB, Beast, Freetype, DejaVu Sans, pybind11, GTest, benchmark; install them \(Debian: apt-get install libtbb-dev .* libcli11-dev libgdcm-dev libopenmpi-dev libhdf5-dev libopenjp2-7-dev libnanovdb-dev libboost-iostreams-dev libfreetype-dev fonts-dejavu-core pybind11-dev python3-dev libgtest-dev libbenchmark-dev\)' \
+  for library in XXHASH HIGHWAY BLOSC LZ4 ZSTD LIBDEFLATE HDF5_READER OPENJPEG_READER; do disabled+=(-D "${library}_LIBRARY="); done
+  configure missing_all 'not found: TBB, Boost, OpenEXR, Imath, glm, fmt, nlohmann_json, PNG, TIFF, ZLIB, JPEG, BZip2, LibLZMA, EXPAT, xxHash, Highway, Blosc, LZ4, Zstd, Libdeflate, CLI11, GDCM, MPI, HDF5, OpenJPEG, NanoVDB, Beast, Freetype, DejaVu Sans, pybind11, GTest, benchmark; install them \(Debian: apt-get install libtbb-dev .* libcli11-dev libgdcm-dev libopenmpi-dev libhdf5-dev libopenjp2-7-dev libnanovdb-dev libboost-iostreams-dev libfreetype-dev fonts-dejavu-core pybind11-dev python3-dev libgtest-dev libbenchmark-dev\)' \
     "${disabled[@]}" -D GDCM_INCLUDE_DIR= -D KILN_MPI=ON -D KILN_HDF5=ON -D KILN_OPENJPEG=ON -D KILN_NANOVDB=ON -D NANOVDB_INCLUDE_DIR= -D KILN_VIEW=ON -D BEAST_INCLUDE_DIR= -D KILN_FREETYPE=ON -D KILN_FONT_FILE= -D KILN_PYTHON=ON -D PYBIND11_INCLUDE_DIR= -D KILN_TESTS=ON -D KILN_BENCH=ON
   configure missing_openvdb 'not found: OpenVDB; install them \(Debian: apt-get install libopenvdb-dev\)' \
     -D CMAKE_DISABLE_FIND_PACKAGE_OpenVDB=ON

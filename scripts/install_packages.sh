@@ -5,7 +5,7 @@ set -euo pipefail
 
 # blosc, zlib, boost and pkg-config are what OpenVDB's own FindOpenVDB.cmake asks for. With boost come Beast's headers.
 build=(g++ cmake ninja-build pkg-config
-       libopenvdb-dev libnanovdb-dev libtbb-dev libboost-iostreams-dev libblosc-dev liblz4-dev libzstd-dev zlib1g-dev
+       libopenvdb-dev libnanovdb-dev libtbb-dev libboost-iostreams-dev libblosc-dev liblz4-dev libzstd-dev libdeflate-dev zlib1g-dev
        libopenexr-dev libimath-dev libpng-dev libtiff-dev libjpeg-dev libbz2-dev liblzma-dev libexpat1-dev libgdcm-dev libhdf5-dev libopenjp2-7-dev libfreetype-dev fonts-dejavu-core libxxhash-dev libhwy-dev
        libglm-dev libfmt-dev libcli11-dev nlohmann-json3-dev)
 mpi=(libopenmpi-dev openmpi-bin)

@@ -173,6 +173,17 @@ TEST(Codec, GzipOfSeveralMembersIsOneStream) {
             std::nullopt);
 }
 
+// No bytes at all, and chunks without bytes.
+TEST(Codec, DeflateOfNothing) {
+  for (const CodecChain& chain : {chainOf(gzipCodec()), chainOf(zlibCodec())}) {
+    EXPECT_EQ(decoded(chain, "", 0), std::nullopt);
+    EXPECT_EQ(decoded(chain, "", 10), std::nullopt);
+  }
+  EXPECT_EQ(decoded(chainOf(gzipCodec()), gzipped(""), 0), "");
+  EXPECT_EQ(decoded(chainOf(zlibCodec()), zlibbed(""), 0), "");
+  EXPECT_EQ(decoded(chainOf(zlibCodec()), zlibbed("x"), 0), std::nullopt);
+}
+
 TEST(Codec, SeveralZstdFramesAreOneStream) {
   const std::string data = smoothBytes(1000);
   const std::string frames = zstdFrame(data.substr(0, 300), false) + zstdFrame(data.substr(300));

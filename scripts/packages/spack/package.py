@@ -46,6 +46,7 @@ class Kiln(CMakePackage):
     depends_on("c-blosc")
     depends_on("lz4")
     depends_on("zstd")
+    depends_on("libdeflate")
     depends_on("cli11@2:", type="build")
     depends_on("gdcm@3:")
     depends_on("mpi@3:", when="+mpi")
