@@ -21,6 +21,7 @@
 #include "support/files/packed_bytes.h"
 #include "support/files/picture_files.h"
 #include "support/files/tiff_files.h"
+#include "support/files/vgi_files.h"
 #include "support/files/vti_files.h"
 #include "support/files/zarr_files.h"
 #include "support/system/run_tool.h"
@@ -265,6 +266,7 @@ std::vector<BudgetRow> moreConversionRows() {
       converted("convert MRC", 48, "IN/noise.mrc"),
       converted("convert gzip MGH", 48, "IN/packed.mgz"),
       converted("convert AmiraMesh", 48, "IN/noise.am"),
+      converted("convert VGI", 48, "IN/noise.vgi"),
       converted("convert VTK", 48, "IN/noise.vti"),
       converted("convert zlib VTK", 48, "IN/packed.vti"),
       converted("convert legacy VTK", 48, "IN/noise.vtk"),
@@ -367,6 +369,8 @@ class BudgetTable : public ::testing::Test {
     writeText(in("noise.mrc"), mrcFile(volume));
     writeText(in("packed.mgz"), gzipped(mghFile(volume)));
     writeText(in("noise.am"), amiraFile(volume));
+    writeText(in("noise.vgi"), vgiHeader(volume.dims, "unsigned integer", 16));
+    writeText(in("a.vol"), voxels);
     writeText(in("noise.vti"), vtiFile(volume));
     VtiLayout blocks;
     blocks.codec = 1, blocks.block_bytes = 32768;

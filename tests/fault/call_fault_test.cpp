@@ -24,6 +24,7 @@
 #include "support/files/picture_files.h"
 #include "support/files/tiff_files.h"
 #include "support/files/vdb_files.h"
+#include "support/files/vgi_files.h"
 #include "support/files/vti_files.h"
 #include "support/files/zarr_files.h"
 #include "support/system/sanitized.h"
@@ -194,6 +195,10 @@ std::vector<Scenario> readers() {
   out.push_back(file("a.mrc", [] { return mrcFile(volume()); }));
   out.push_back(file("a.mgz", [] { return gzipped(mghFile(volume())); }));
   out.push_back(file("a.am", [] { return amiraFile(volume()); }));
+  out.push_back(reader("vgi", "a.vgi", [=](const fs::path& f) {
+    put(f / "a.vgi", vgiHeader(kDims, "unsigned integer", 16));
+    put(f / "a.vol", stored());
+  }));
   VtiLayout zlib;
   zlib.codec = 1;
   out.push_back(file("a.vti", [=] { return vtiFile(volume(), zlib); }));

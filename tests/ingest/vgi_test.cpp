@@ -1,22 +1,13 @@
 // VGI. Known because the test writes the header's text and the voxels beside it.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "base/error.h"
 #include "ingest/open_source.h"
 #include "support/files/foreign_files.h"
+#include "support/files/vgi_files.h"
 
 namespace kiln::test {
 namespace {
-
-std::string vgiHeader(const Extent3& dims, const std::string& type, int bits) {
-  return fmt::format(
-      "{{volume1}}\n[representation]\nsize = {0} {1} {2}\ndatatype = {3}\nbitsperelement = {4}\n[file1]\n"
-      "RegionOfInterestStart = 0 0 0\nFileFormat = raw\nSize = {0} {1} {2}\nName = a.vol\nDatatype = {3}\n"
-      "BitsPerElement = {4}\n{{volumeprimitive12}}\n[geometry]\nresolution = 0.5 0.75 2\nunit = mm\n[volume]\n"
-      "volume = volume1\n",
-      dims.x, dims.y, dims.z, type, bits);
-}
 
 TEST(IngestVgi, EveryTypeReadsBack) {
   const ForeignFiles files;
