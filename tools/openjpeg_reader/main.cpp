@@ -1,5 +1,5 @@
-// A worker (base/worker_loop.h) that decodes files of JPEG 2000 of a single component: openjpeg_reader MEMORY_BYTES
-// SECONDS. Requests: ingest/pictures/openjpeg_protocol.h.
+// A worker (base/worker_loop.h) for JPEG 2000 files of a single component: openjpeg_reader MEMORY_BYTES SECONDS.
+// Requests: ingest/pictures/openjpeg_protocol.h.
 #include <openjpeg.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ OPJ_BOOL seekBytes(OPJ_OFF_T place, void* from) {
   return OPJ_TRUE;
 }
 
-/// Decodes one file; keeps the first message of OpenJPEG.
+/// Decodes a file; keeps the first message of OpenJPEG.
 class Decoder {
  public:
   Decoder(const Jpeg2000Head& head, const char* data, std::size_t size)
@@ -102,7 +102,7 @@ class Decoder {
             (values.sgnd != 0) == (head_.is_signed != 0));
   }
 
-  // Signed values keep their bits.
+  // Signed values keep all bits.
   template <class T>
   std::string values() const {
     const std::size_t count = std::size_t{head_.columns} * head_.rows;
