@@ -156,9 +156,11 @@ void requireOptions(const EngineChoice& engine, const EngineOptions& options) {
   if (options.coarser > 0)
     requireCapability(engine, &EngineCapabilities::coarser_levels,
                       fmt::format("--level auto+{}: needs", options.coarser), "choose a level by its number");
-  if (options.aovs.depth || options.aovs.normal)
+  if (options.aovs.depth || options.aovs.normal) {
+    const bool has_values = engine.capabilities().value && !engine.several_volumes;
     requireCapability(engine, &EngineCapabilities::depth_and_normal, "--aov: depth and normal need",
-                      "choose --aov value");
+                      has_values ? "choose --aov value" : "leave --aov out");
+  }
   if (options.aovs.value && engine.several_volumes)
     throw Error(ErrorCode::kUsage, "--aov: value is of one projected volume (found several); leave --aov out");
   if (options.aovs.value)

@@ -58,6 +58,10 @@ TEST(Capabilities, Refusal_namesConstraintFoundEngineAndRemedy) {
       "--aov: depth and normal need --lattice pixel, --lattice voxel, or several volumes (found --mode mip); choose "
       "--aov value");
   EXPECT_EQ(
+      engineRefusal({Mode::kMip, Lattice::kPixel, true}, {.aovs = {.depth = true}}),
+      "--aov: depth and normal need --lattice pixel, --lattice voxel, or several volumes (found --mode mip); leave "
+      "--aov out");
+  EXPECT_EQ(
       engineRefusal({}, {.aovs = {.value = true}}),
       "--aov: value needs --mode mip, minip, average or attenuated-mip (found --lattice pixel); choose one of these "
       "modes");
