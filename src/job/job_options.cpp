@@ -10,6 +10,7 @@
 #include "job/job_names.h"
 #include "job/job_parts.h"
 #include "job/json/points_text.h"
+#include "job/look.h"
 #include "job/stated_job.h"
 #include "scene/sampling.h"
 #include "scene/scene_limits.h"
@@ -319,9 +320,7 @@ void readQuality(const JobObject& root, std::string_view key, RenderJob& job) {
 
 // Sets the options that a look stands for.
 void readLook(const JobObject& root, std::string_view key, RenderJob& job) {
-  const bool studio = *root.choice(key, kLookNames) == 1;
-  job.picture.shading = studio ? studioShading() : Shading();
-  job.picture.display.tone = studio ? Tone::kSoft : Tone::kClip;
+  setLook(static_cast<Look>(*root.choice(key, kLookNames)), job.picture);
   job.animation.lights.clear();
 }
 

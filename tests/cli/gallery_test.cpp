@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "image/display.h"
 #include "image/file/image_file.h"
 #include "image/srgb.h"
 #include "support/system/tool_test.h"
@@ -20,38 +21,51 @@ class GalleryCli : public ToolTest {
   void SetUp() override { done({"convert", "phantom:head:40x40x40", in("h.kiln"), "--brick-size", "16"}); }
 };
 
-// The sheet's layout is found by its first thumbnail: 8 pixels from the left, below a title and a caption.
+// The sheet's layout is found by its first thumbnail: 8 pixels from the left, below a title and a caption. A sheet
+// shows light as a PNG does.
 TEST_F(GalleryCli, Thumbnails_areThePicturesOfTheirOptions) {
   constexpr int kEdge = 48, kLeft = 8, kTop = 24 + 16, kColumn = kEdge + 8, kRow = 16 + kEdge + 8;
-  done({"gallery", in("h.kiln"), "-o", in("sheet.exr"), "--tf", "ct-bone", "--tf", "viridis", "--thumbnail", "48"});
-  const Image sheet = readImage(in("sheet.exr"));
-  ASSERT_EQ(sheet.width, 4 * kColumn + 8);
-  ASSERT_EQ(sheet.height, 24 + 2 * kRow);
-  const float paper[3] = {sheet.pixel(kLeft, kTop)[0], sheet.pixel(kLeft, kTop)[1], sheet.pixel(kLeft, kTop)[2]};
-  const std::string presets[] = {"ct-bone", "viridis"}, sides[] = {"front", "left", "top"};
-  for (int row = 0; row < 2; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      std::vector<std::string> options = {"render", in("h.kiln"), "-o", in("one.exr"), "--tf", presets[row], "--size",
-                                          "48x48",  "--samples",  "1",  "--exr-type",  "float"};
-      if (column > 0) options.insert(options.end(), {"--view", sides[column - 1]});
-      done(options);
-      const Image one = readImage(in("one.exr"));
-      int shown = 0;
-      for (int y = 0; y < kEdge; ++y) {
-        for (int x = 0; x < kEdge; ++x) {
-          const float* const pixel = one.pixel(x, y);
-          shown += pixel[3] > 0.1f ? 1 : 0;
-          for (int channel = 0; channel < 3; ++channel) {
-            const float over = pixel[channel] + (1 - pixel[3]) * paper[channel];
-            // The sheet is written in halves.
-            ASSERT_NEAR(sheet.pixel(kLeft + column * kColumn + x, kTop + row * kRow + y)[channel], over, 1e-3)
-                << presets[row] << " " << column << " " << x << "," << y;
+  const std::string sides[] = {"front", "left", "top"};
+  const auto check = [&](const std::vector<std::string>& presets, const std::string& look, const Display& display) {
+    SCOPED_TRACE(look);
+    std::vector<std::string> gallery = {"gallery",     in("h.kiln"), "-o",     in("sheet.exr"),
+                                        "--thumbnail", "48",         "--look", look};
+    for (const std::string& preset : presets) gallery.insert(gallery.end(), {"--tf", preset});
+    done(gallery);
+    const Image sheet = readImage(in("sheet.exr"));
+    ASSERT_EQ(sheet.width, 4 * kColumn + 8);
+    ASSERT_EQ(sheet.height, 24 + static_cast<int>(presets.size()) * kRow);
+    const float* const corner = sheet.pixel(kLeft, kTop);
+    const float paper[3] = {corner[0], corner[1], corner[2]};
+    for (int row = 0; row < static_cast<int>(presets.size()); ++row) {
+      for (int column = 0; column < 4; ++column) {
+        std::vector<std::string> options = {
+            "render", in("h.kiln"), "-o",        in("one.exr"), "--tf",       presets[static_cast<std::size_t>(row)],
+            "--size", "48x48",      "--samples", "1",           "--exr-type", "float",
+            "--look", look};
+        if (column > 0) options.insert(options.end(), {"--view", sides[column - 1]});
+        done(options);
+        Image one = readImage(in("one.exr"));
+        show(display, one);
+        int shown = 0;
+        for (int y = 0; y < kEdge; ++y) {
+          for (int x = 0; x < kEdge; ++x) {
+            const float* const pixel = one.pixel(x, y);
+            shown += pixel[3] > 0.1f ? 1 : 0;
+            for (int channel = 0; channel < 3; ++channel) {
+              const float over = pixel[channel] + (1 - pixel[3]) * paper[channel];
+              // The sheet is written in halves.
+              ASSERT_NEAR(sheet.pixel(kLeft + column * kColumn + x, kTop + row * kRow + y)[channel], over, 1e-3)
+                  << row << " " << column << " " << x << "," << y;
+            }
           }
         }
+        EXPECT_GT(shown, 200) << row << " " << column;
       }
-      EXPECT_GT(shown, 200) << presets[row] << " " << column;
     }
-  }
+  };
+  check({"ct-bone", "viridis"}, "plain", {});
+  check({"ct-bone"}, "studio", {0, Tone::kSoft});
 }
 
 TEST_F(GalleryCli, AllPresets_haveACommandEach) {
@@ -60,6 +74,9 @@ TEST_F(GalleryCli, AllPresets_haveACommandEach) {
   EXPECT_NE(result.out.find("--tf ct-bone -o ct-bone.png\n"), std::string::npos) << result.out;
   EXPECT_EQ(result.out.find("levelset"), std::string::npos) << "a solid box of a volume that is no level set";
   EXPECT_NE(result.out.find("bricks read ("), std::string::npos) << result.out;
+  const ToolResult studio = done(
+      {"gallery", in("h.kiln"), "-o", in("sheet.png"), "--thumbnail", "32", "--tf", "ct-bone", "--look", "studio"});
+  EXPECT_NE(studio.out.find("--tf ct-bone --look studio -o ct-bone.png\n"), std::string::npos) << studio.out;
 }
 
 // The printed command runs in a shell.
@@ -75,6 +92,7 @@ TEST_F(GalleryCli, TheStoresName_isOneWordOfTheCommand) {
 
 TEST_F(GalleryCli, WrongRequests_areOneLine) {
   refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--tf", "ct-bones"}, 2, "ct-bones");
+  refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--look", "grand"}, 2, "--look");
   refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--memory", "1M"}, 1, "--memory");
   refused({"gallery", in("h.kiln"), "-o", in("h.kiln/sheet.png")}, 2, "h.kiln");
   refused({"gallery", in("none.kiln"), "-o", in("sheet.png")}, 1, "none.kiln");

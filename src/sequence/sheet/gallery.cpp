@@ -8,8 +8,11 @@
 #include "base/error.h"
 #include "base/thread/parallel.h"
 #include "frame/empty_frame.h"
+#include "image/display.h"
 #include "image/thumbnail_sheet.h"
 #include "job/frame/frame_scene.h"
+#include "job/job_facts.h"
+#include "job/job_names.h"
 #include "scene/transfer/presets.h"
 #include "sequence/frame_requests.h"
 #include "sequence/opened_job.h"
@@ -74,7 +77,9 @@ class GalleryPainter {
       Progress silent;
       FrameRequest request = requestOf(scene, job_.speed, memory_);
       volumes_.dress(request);
-      out.pictures.push_back(renderFrame(cache_, request, silent, statistics));
+      Image picture = renderFrame(cache_, request, silent, statistics);
+      show(displayOf(scene.picture), picture);
+      out.pictures.push_back(std::move(picture));
       if (isVisible(out.pictures.back())) ++out.shown;
       progress_.advance("drawing", "thumbnails", ++done_, total_);
     }
@@ -88,6 +93,7 @@ class GalleryPainter {
     out.speed = request.speed;
     out.picture.size = {request.thumbnail_px, request.thumbnail_px};
     out.picture.samples = kThumbnailSamples;
+    setLook(request.look, out.picture);
     out.animation.camera = viewsOfRow();
     return out;
   }
@@ -102,9 +108,9 @@ class GalleryPainter {
   BrickCache cache_;
 };
 
-Image sheetOf(const std::vector<Thumbnails>& rows, const std::filesystem::path& store, int thumbnail_px) {
-  ThumbnailSheet sheet(layoutOf(rows.size(), thumbnail_px),
-                       "kiln render " + store.filename().string() + " -o PICTURE.png");
+Image sheetOf(const std::vector<Thumbnails>& rows, const GalleryRequest& request) {
+  ThumbnailSheet sheet(layoutOf(rows.size(), request.thumbnail_px),
+                       "kiln render " + request.store.filename().string() + optionOf(request.look) + " -o PICTURE.png");
   for (std::size_t row = 0; row < rows.size(); ++row) {
     for (std::size_t column = 0; column < galleryViews().size(); ++column) {
       const bool first = column == 0;
@@ -116,6 +122,11 @@ Image sheetOf(const std::vector<Thumbnails>& rows, const std::filesystem::path& 
 }
 
 }  // namespace
+
+std::string optionOf(Look look) {
+  if (look == Look::kPlain) return "";
+  return fmt::format(" --look {}", nameIn(kLookNames, look));
+}
 
 const std::vector<std::string>& galleryViews() {
   static const std::vector<std::string> views = {"", "--view front", "--view left", "--view top"};
@@ -143,7 +154,7 @@ Gallery drawGallery(const GalleryRequest& request, Progress& progress) {
     throw Error(ErrorCode::kUsage, request.store, "",
                 "no preset shows anything of the volume (kiln info prints its values); draw with --tf of your own");
   Gallery out;
-  out.sheet = sheetOf(rows, request.store, request.thumbnail_px);
+  out.sheet = sheetOf(rows, request);
   for (const Thumbnails& row : rows) out.rows.push_back({row.preset, row.shown});
   const CacheCounts counts = painter.counts();
   out.bricks_read = counts.reads + painter.fit().files;

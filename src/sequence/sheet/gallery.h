@@ -9,6 +9,7 @@
 
 #include "base/progress.h"
 #include "image/image.h"
+#include "job/look.h"
 #include "job/render_job.h"
 
 namespace kiln {
@@ -17,6 +18,7 @@ struct GalleryRequest {
   std::filesystem::path store;
   std::vector<std::string> presets;  // empty: all presets that fit the volume
   int thumbnail_px = 192;            // edge of a thumbnail
+  Look look = Look::kPlain;
   SpeedOptions speed;
 };
 
@@ -32,11 +34,14 @@ struct Gallery {
   std::uint64_t bricks_read = 0, read_bytes = 0;
 };
 
+/// The look as an option of render: " --look studio"; "" for the default.
+std::string optionOf(Look look);
+
 /// The views of a row, as options of render: "", "--view front", ….
 const std::vector<std::string>& galleryViews();
 
-/// Draws the sheet. throws: as renderFrame; Error kUsage if a named preset does not fit the volume, or no preset shows
-/// anything; kBudget if the sheet does not fit in the memory.
+/// Draws the sheet; pictures have the light that a PNG shows. throws: as renderFrame; Error kUsage if a named preset
+/// does not fit the volume, or no preset shows anything; kBudget if the sheet does not fit in the memory.
 Gallery drawGallery(const GalleryRequest& request, Progress& progress);
 
 }  // namespace kiln

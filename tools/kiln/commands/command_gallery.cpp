@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/file/file.h"
 #include "base/memory/memory.h"
 #include "base/process.h"
@@ -8,6 +10,7 @@
 #include "examples.h"
 #include "foreign_store.h"
 #include "image/file/image_file.h"
+#include "job/job_names.h"
 #include "output_files.h"
 #include "say.h"
 #include "sequence/sheet/gallery.h"
@@ -17,7 +20,7 @@ namespace kiln::tool {
 namespace {
 
 struct GalleryArguments {
-  std::string store, output, memory = kDefaultMemory;
+  std::string store, output, memory = kDefaultMemory, look{kLookNames.front()};
   GalleryRequest request;
   ForeignArguments source;
 };
@@ -28,6 +31,7 @@ void run(const GalleryArguments& a, Context& context) {
   OutputFiles outputs;
   outputs.add(a.output);
   GalleryRequest request = a.request;
+  request.look = static_cast<Look>(std::find(kLookNames.begin(), kLookNames.end(), a.look) - kLookNames.begin());
   request.speed.memory_bytes = parseBytes(a.memory, "--memory");
   request.store = storeOfInput(a.source.volume(a.store), request.speed.memory_bytes, outputs, context);
   const Gallery gallery = drawGallery(request, context.progress);
@@ -35,7 +39,8 @@ void run(const GalleryArguments& a, Context& context) {
   context.progress.clear();
   noteBlack(gallery.sheet, a.output, context.progress);
   for (const GalleryRow& row : gallery.rows)
-    say("kiln render {} --tf {} -o {}.png\n", shellText(request.store.string()), row.preset, row.preset);
+    say("kiln render {} --tf {}{} -o {}.png\n", shellText(request.store.string()), row.preset, optionOf(request.look),
+        row.preset);
   say("{}: {} x {} pixels, {} preset{} from {} sides; {} bricks read ({})\n", a.output, gallery.sheet.width,
       gallery.sheet.height, gallery.rows.size(), gallery.rows.size() == 1 ? "" : "s", galleryViews().size(),
       gallery.bricks_read, formatBytes(gallery.read_bytes));
@@ -45,21 +50,24 @@ void run(const GalleryArguments& a, Context& context) {
 
 void addGallery(CLI::App& app, Context& context) {
   auto a = std::make_shared<GalleryArguments>();
-  CLI::App* command = app.add_subcommand("gallery", "draw a sheet of thumbnails: every preset from four sides");
-  command->add_option("STORE", a->store, "the store, or a volume file (converted to a store beside it first)")
+  CLI::App* command = app.add_subcommand("gallery", "Draw a sheet of thumbnails: every preset from four sides.");
+  command->add_option("STORE", a->store, "The store, or a volume file (converted to a store beside it first).")
       ->required();
-  command->add_option("-o,--output", a->output, "the sheet, .png or .exr")->required();
-  command->add_option("--tf", a->request.presets, "draw these presets only")->type_name("PRESET");
-  command->add_option("--thumbnail", a->request.thumbnail_px, "edge of a thumbnail")
+  command->add_option("-o,--output", a->output, "The sheet, .png or .exr.")->required();
+  command->add_option("--tf", a->request.presets, "Draw these presets only.")->type_name("PRESET");
+  command->add_option("--look", a->look, "Light of the pictures, as for render.")
+      ->check(CLI::IsMember(std::vector<std::string>(kLookNames.begin(), kLookNames.end())))
+      ->capture_default_str();
+  command->add_option("--thumbnail", a->request.thumbnail_px, "Edge of a thumbnail.")
       ->type_name("PIXELS")
       ->check(wholeNumberFrom(32, 1024))
       ->capture_default_str();
   addMemory(*command, a->memory, "the sheet, the index and bricks")->capture_default_str();
-  command->add_option("--threads", a->request.speed.threads, "threads; 0 uses all processors")
+  command->add_option("--threads", a->request.speed.threads, "Threads; 0 uses all processors.")
       ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
   addForeignArguments(*command, a->source);
-  addExamples(*command, {"kiln gallery head.kiln -o gallery.png",
+  addExamples(*command, {"kiln gallery head.kiln -o gallery.png", "kiln gallery head.kiln -o studio.png --look studio",
                          "kiln gallery head.kiln -o bones.png --tf ct-bone --tf ct-teeth --thumbnail 256"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
