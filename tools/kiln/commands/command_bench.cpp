@@ -56,10 +56,10 @@ void run(const BenchArguments& a, Context& context) {
 void addBench(CLI::App& app, Context& context) {
   auto a = std::make_shared<BenchArguments>();
   CLI::App* command =
-      app.add_subcommand("bench", "measure the visibility methods over a suite of volumes and write a report");
-  command->add_option("SUITE", a->suite, "what to measure: JSON")->required();
-  command->add_option("-o,--output", a->output, "the report's directory, new or with an earlier report")->required();
-  command->add_flag("--quick", a->quick, "fewer views and sizes: a look, not a measurement");
+      app.add_subcommand("bench", "Measure the visibility methods over a suite of volumes and write a report.");
+  command->add_option("SUITE", a->suite, "What to measure: JSON.")->required();
+  command->add_option("-o,--output", a->output, "The report's directory, new or with an earlier report.")->required();
+  command->add_flag("--quick", a->quick, "Fewer views and sizes: a look, not a measurement.");
   addExamples(*command, {"kiln bench suite.json -o report --quick"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }

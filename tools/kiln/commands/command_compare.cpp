@@ -69,12 +69,12 @@ void run(const CompareArguments& arguments) {
 void addCompare(CLI::App& app, Context& context) {
   auto a = std::make_shared<CompareArguments>();
   CLI::App* command =
-      app.add_subcommand("compare", "say how far the colours of two pictures are apart, of several views the first's");
-  command->add_option("A", a->a, "a picture, .exr or .png")->required();
-  command->add_option("B", a->b, "another")->required();
+      app.add_subcommand("compare", "Say how far the colours of two pictures are apart, of several views the first's.");
+  command->add_option("A", a->a, "A picture, .exr or .png.")->required();
+  command->add_option("B", a->b, "The other picture.")->required();
   command->add_option("-o,--output", a->output,
-                      "the difference as a picture, in the colours of Lee and Ihm's Figure 11");
-  command->add_flag("--json", a->json, "for programs");
+                      "The difference as a picture, in the colours of Lee and Ihm's Figure 11.");
+  command->add_flag("--json", a->json, "For programs.");
   addMemory(*command, a->memory, "both pictures and their difference")->capture_default_str();
   addExamples(*command, {"kiln compare face.png mip.png", "kiln compare face.png mip.png -o difference.png --json"});
   command->callback([a, &context] { context.action = [a] { run(*a); }; });

@@ -50,13 +50,14 @@ void run(const CompositeArguments& a, Context& context) {
 void addComposite(CLI::App& app, Context& context) {
   auto a = std::make_shared<CompositeArguments>();
   CLI::App* command =
-      app.add_subcommand("composite", "put partial images of a volume, drawn with render --part, together");
-  command->add_option("PARTS", a->parts, "the partial images, in any order")->required();
-  command->add_option("-o,--output", a->output, "the whole picture, such as .exr or .png")->required();
-  command->add_option("--exr-type", a->exr_type, "half (default) or float")->check(CLI::IsMember({"half", "float"}));
+      app.add_subcommand("composite", "Put partial images of a volume, drawn with render --part, together.");
+  command->add_option("PARTS", a->parts, "The partial images, in any order.")->required();
+  command->add_option("-o,--output", a->output, "The whole picture, such as .exr or .png.")->required();
+  command->add_option("--exr-type", a->exr_type, "Numbers of an EXR: half (default) or float.")
+      ->check(CLI::IsMember({"half", "float"}));
   command
       ->add_option("--compression", a->exr_compression,
-                   fmt::format("of an EXR: {}; zip if not given", fmt::join(kExrCompressionNames, ", ")))
+                   fmt::format("Compression of an EXR: {}; zip if not given.", fmt::join(kExrCompressionNames, ", ")))
       ->check(CLI::IsMember(std::vector<std::string>(kExrCompressionNames.begin(), kExrCompressionNames.end())));
   addMemory(*command, a->memory, "the picture and a part")->capture_default_str();
   addNumber(*command, "--png-bits", a->png_bits, "8 (default) or 16")->check(CLI::IsMember({8, 16}));

@@ -225,42 +225,42 @@ void addConvert(CLI::App& app, Context& context) {
   auto a = std::make_shared<ConvertArguments>();
   CLI::App* command =
       app.add_subcommand("convert",
-                         "convert a volume (raw, NRRD, MetaImage, NIfTI, MRC, MGH, AmiraMesh, VGI, VTK, NumPy, TIFF, "
-                         "DICOM, OpenVDB, Zarr, N5, HDF5) to a brick store");
+                         "Convert a volume (raw, NRRD, MetaImage, NIfTI, MRC, MGH, AmiraMesh, VGI, VTK, NumPy, TIFF, "
+                         "DICOM, OpenVDB, Zarr, N5, HDF5) to a brick store.");
   command
       ->add_option("INPUT", a->input,
-                   "the volume to read: a file, a directory of slices (TIFF, DICOM, PNG, JPEG, JPEG 2000), a DICOMDIR, "
+                   "The volume to read: a file, a directory of slices (TIFF, DICOM, PNG, JPEG, JPEG 2000), a DICOMDIR, "
                    "or a computed one: "
-                   "phantom:body:XxYxZ, head, brain or engine")
+                   "phantom:body:XxYxZ, head, brain or engine.")
       ->required();
-  command->add_option("OUT", a->output, "the store to write, by custom NAME.kiln");
+  command->add_option("OUT", a->output, "The store to write, by custom NAME.kiln.");
   addMemory(*command, a->memory, "buffers; under mpirun of each rank")->capture_default_str();
-  command->add_option("--threads", a->threads, "threads; 0 takes all")
+  command->add_option("--threads", a->threads, "Threads; 0 takes all.")
       ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
   addNumber(*command, "--brick-size", a->brick_size, "voxels along a brick's edge, a power of two")
       ->capture_default_str();
   command
-      ->add_option("--levels", a->levels, "the most levels of resolution; as many as it takes to one brick by default")
+      ->add_option("--levels", a->levels, "The most levels of resolution; as many as it takes to one brick by default.")
       ->check(wholeNumberFrom(1));
-  command->add_flag("--half", a->half, "round values to 16-bit floats: smaller bricks; the largest error is printed");
+  command->add_flag("--half", a->half, "Round values to 16-bit floats: smaller bricks; the largest error is printed.");
   command
       ->add_flag("--labels", a->labels,
-                 "values are labels, whole numbers: a coarser voxel is the most frequent of those below it (of equally "
-                 "frequent ones the smallest that is not 0), and pictures have a colour for each")
+                 "Values are labels, whole numbers: a coarser voxel is the most frequent of those below it (of equally "
+                 "frequent ones the smallest that is not 0), and pictures have a colour for each.")
       ->excludes("--half");
   command->add_flag("--dry-run", a->dry_run,
-                    "write nothing; say how it would be read, what memory, disk and time it takes");
+                    "Write nothing; say how it would be read, what memory, disk and time it takes.");
   CLI::Option* const list =
       command->add_flag("--list", a->list,
-                        "convert nothing; list the volumes in the file or folder, their sizes, and the option that "
-                        "chooses each");
-  command->add_flag("--json", a->json, "print the list for programs")->needs(list);
+                        "Convert nothing; list the volumes in the file or folder, their sizes, and the option that "
+                        "chooses each.");
+  command->add_flag("--json", a->json, "Print the list for programs.")->needs(list);
   auto* overwrite =
-      command->add_flag("--overwrite", a->overwrite, "replace a store that is there, once the new one is whole");
+      command->add_flag("--overwrite", a->overwrite, "Replace a store that is there, once the new one is whole.");
   command
       ->add_flag("--resume", a->resume,
-                 "go on with an interrupted conversion of the same input with the same options, or begin")
+                 "Go on with an interrupted conversion of the same input with the same options, or begin.")
       ->excludes(overwrite);
   addRankTimeout(*command, context);
   addSourceArguments(*command, a->source);

@@ -51,25 +51,25 @@ void run(const ExportArguments& a, Context& context) {
 
 void addExport(CLI::App& app, Context& context) {
   auto a = std::make_shared<ExportArguments>();
-  CLI::App* command = app.add_subcommand("export", "write a store, or a part of it, as a file of another format");
-  command->add_option("STORE", a->store, "the store")->required();
-  command->add_option("OUT", a->request.out, "the file to write, by its ending: " + exportEndings())->required();
+  CLI::App* command = app.add_subcommand("export", "Write a store, or a part of it, as a file of another format.");
+  command->add_option("STORE", a->store, "The store.")->required();
+  command->add_option("OUT", a->request.out, "The file to write, by its ending: " + exportEndings() + ".")->required();
   addNumber(*command, "--level", a->request.level, "0 is finest")->capture_default_str();
-  command->add_option("--region", a->region, "write this box of voxels of level 0 only; X0 is inside, X1 outside")
+  command->add_option("--region", a->region, "Write this box of voxels of level 0 only; X0 is inside, X1 outside.")
       ->type_name("X0,Y0,Z0,X1,Y1,Z1");
   command->add_flag("--compress", a->request.compress,
-                    "compress the voxels of a .nrrd by gzip, the grid of a .nvdb by zlib");
+                    "Compress the voxels of a .nrrd by gzip, the grid of a .nvdb by zlib.");
   addNumber(*command, "--tiles", a->request.tiles,
             ".vdb, .nvdb: files side by side, each within the memory; the name has a # for the tile's number")
       ->check(wholeNumberFrom(1, kMostTiles))
       ->capture_default_str();
-  command->add_option("--type", a->type, ".vdb: numbers of the grid; those of the store if not given")
+  command->add_option("--type", a->type, ".vdb: numbers of the grid; those of the store if not given.")
       ->type_name("float|half")
       ->check(CLI::IsMember({"float", "half"}));
   command
       ->add_option(
           "--tf", a->tf,
-          ".vdb, .nvdb: bake a transfer function into the grids density and Cd; a preset or a file, as for render")
+          ".vdb, .nvdb: bake a transfer function into the grids density and Cd; a preset or a file, as for render.")
       ->type_name("NAME");
   addNumber(*command, "--background", a->request.values.background,
             ".vdb, .nvdb: value of inactive space; the store's background if not given");
@@ -78,11 +78,11 @@ void addExport(CLI::App& app, Context& context) {
       ->check(numberFrom(0, std::numeric_limits<double>::max()));
   addMemory(*command, a->memory, "a box of voxels, a brick for each thread and the index; the grid of a .vdb or .nvdb")
       ->capture_default_str();
-  command->add_option("--threads", a->threads, "threads; 0 takes all")
+  command->add_option("--threads", a->threads, "Threads; 0 takes all.")
       ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
-  command->add_flag("--resume", a->request.resume, "continue an interrupted export to .zarr or of --tiles");
-  command->add_flag("--overwrite", a->request.overwrite, "replace files that are there");
+  command->add_flag("--resume", a->request.resume, "Continue an interrupted export to .zarr or of --tiles.");
+  command->add_flag("--overwrite", a->request.overwrite, "Replace files that are there.");
   addExamples(*command,
               {"kiln export head.kiln head.nrrd", "kiln export head.kiln head.nii.gz",
                "kiln export head.kiln head.ome.zarr", "kiln export head.kiln part.mhd --region 0,0,0,32,32,32",

@@ -263,11 +263,11 @@ void addInfo(CLI::App& app, Context& context) {
   auto json = std::make_shared<bool>(false);
   auto memory = std::make_shared<std::string>(kDefaultMemory);
   auto source = std::make_shared<ForeignArguments>();
-  CLI::App* command = app.add_subcommand("info", "show what a store or volume file holds, or how a picture was made");
-  command->add_option("STORE", *path, "the store, a volume file, or a picture that Kiln drew")->required();
+  CLI::App* command = app.add_subcommand("info", "Show what a store or volume file holds, or how a picture was made.");
+  command->add_option("STORE", *path, "The store, a volume file, or a picture that Kiln drew.")->required();
   command->add_flag("--json", *json,
-                    "for programs: a store's manifest, and what it takes on disk; the header of a volume file, and "
-                    "values of a sample; a picture's job, which kiln render draws again");
+                    "For programs: a store's manifest, and what it takes on disk; the header of a volume file, and "
+                    "values of a sample; a picture's job, which kiln render draws again.");
   addMemory(*command, *memory, "the index of a store, a volume file, or the texts of a picture")->capture_default_str();
   addForeignArguments(*command, *source);
   addExamples(*command, {"kiln info head.kiln", "kiln info scan.nrrd --json", "kiln info face.png"});

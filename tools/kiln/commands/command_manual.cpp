@@ -26,9 +26,10 @@ void writeManual(const CLI::App& app, const fs::path& share) {
 
 void addManual(CLI::App& app, Context& context) {
   auto share = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("manual", "write the manual pages and what bash completes");
+  CLI::App* command = app.add_subcommand("manual", "Write the manual pages and what bash completes.");
   command
-      ->add_option("DIR", *share, "a directory such as /usr/local/share: DIR/man/man1, DIR/bash-completion/completions")
+      ->add_option("DIR", *share,
+                   "A directory such as /usr/local/share: DIR/man/man1, DIR/bash-completion/completions.")
       ->required();
   addExamples(*command, {"kiln manual share"});
   command->callback([&app, share, &context] { context.action = [&app, share] { writeManual(app, *share); }; });

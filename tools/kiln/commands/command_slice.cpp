@@ -159,29 +159,29 @@ void run(const SliceArguments& a, Context& context) {
 
 void addSlice(CLI::App& app, Context& context) {
   auto a = std::make_shared<SliceArguments>();
-  CLI::App* command = app.add_subcommand("slice", "draw slices, the first look after converting");
-  command->add_option("STORE", a->store, "the store, or a volume file (converted to a store beside it first)")
+  CLI::App* command = app.add_subcommand("slice", "Draw slices, the first look after converting.");
+  command->add_option("STORE", a->store, "The store, or a volume file (converted to a store beside it first).")
       ->required();
-  command->add_option("-o,--output", a->output, "the picture, .png or .exr; a run of # becomes the slice's number")
+  command->add_option("-o,--output", a->output, "The picture, .png or .exr; a run of # becomes the slice's number.")
       ->required();
-  CLI::Option* const axis = command->add_option("--axis", a->axis, "x, y or z")->capture_default_str();
+  CLI::Option* const axis = command->add_option("--axis", a->axis, "One of x, y and z.")->capture_default_str();
   CLI::Option* const level = addNumber(*command, "--level", a->level, "0 is finest")->capture_default_str();
   CLI::Option* const index =
       command
           ->add_option("--index", a->index,
-                       "the slice, in voxels of the level: 7, 0-100, 0-100x10 or 3,20; the middle one if not given, or "
-                       "all if the name has a place for a number")
+                       "The slice, in voxels of the level: 7, 0-100, 0-100x10 or 3,20; the middle one if not given, or "
+                       "all if the name has a place for a number.")
           ->type_name("SLICES");
   command
-      ->add_flag("--sheet", a->sheet, "draw three slices through a voxel, the histogram and the voxel's value instead")
+      ->add_flag("--sheet", a->sheet, "Draw three slices through a voxel, the histogram and the voxel's value instead.")
       ->excludes(axis)
       ->excludes(level)
       ->excludes(index);
-  command->add_option("--at", a->at, "the voxel of a sheet; the middle if not given")->type_name("X,Y,Z");
+  command->add_option("--at", a->at, "The voxel of a sheet; the middle if not given.")->type_name("X,Y,Z");
   CLI::Option* const plane =
       command
           ->add_option("--plane", a->plane,
-                       "any plane: where NX x + NY y + NZ z + OFFSET = 0 in the world, seen along its normal")
+                       "Any plane: where NX x + NY y + NZ z + OFFSET = 0 in the world, seen along its normal.")
           ->type_name("NX,NY,NZ,OFFSET")
           ->excludes(axis)
           ->excludes(index)
@@ -194,12 +194,12 @@ void addSlice(CLI::App& app, Context& context) {
             "edge of a pixel of --plane, in the volume's unit of length; the shortest edge of a voxel if not given")
       ->type_name("LENGTH")
       ->needs(plane);
-  command->add_option("--mode", a->mode, "the value of a pixel of a thick slice: average, mip or minip")
+  command->add_option("--mode", a->mode, "The value of a pixel of a thick slice: average, mip or minip.")
       ->type_name("MODE")
       ->needs(plane)
       ->capture_default_str();
-  command->add_option("--window", a->window, "values shown: the middle 99 % if not given")->type_name("CENTRE,WIDTH");
-  command->add_option("--colormap", a->colormap, fmt::format("colours: {}", fmt::join(displayMapNames(), ", ")))
+  command->add_option("--window", a->window, "Values shown: the middle 99 % if not given.")->type_name("CENTRE,WIDTH");
+  command->add_option("--colormap", a->colormap, fmt::format("Colours: {}.", fmt::join(displayMapNames(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
   addMemory(*command, a->memory, "the picture, a brick and the index")->capture_default_str();

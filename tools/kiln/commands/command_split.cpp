@@ -45,16 +45,16 @@ void run(const SplitArguments& a, Context& context) {
 void addSplit(CLI::App& app, Context& context) {
   auto a = std::make_shared<SplitArguments>();
   CLI::App* command = app.add_subcommand(
-      "split", "cut a store into parts for the disks of many machines, for render --distribute bricks --store-local");
-  command->add_option("STORE", a->store, "the store")->required();
+      "split", "Cut a store into parts for the disks of many machines, for render --distribute bricks --store-local.");
+  command->add_option("STORE", a->store, "The store.")->required();
   command
       ->add_option("-o,--output", a->output,
-                   "the parts, in whose name a run of # is the part's number: 1 is the first rank's")
+                   "The parts, in whose name a run of # is the part's number: 1 is the first rank's.")
       ->required();
   addNumber(*command, "--parts", a->parts, "how many, one a rank")->required()->type_name("N");
   command
       ->add_option("--tf", a->tf,
-                   "the transfer function that is to be drawn: each part has an even share of what it shows")
+                   "The transfer function that is to be drawn: each part has an even share of what it shows.")
       ->capture_default_str();
   addMemory(*command, a->memory, "the index")->capture_default_str();
   addExamples(*command, {"kiln split head.kiln -o node_##.kiln --parts 2",

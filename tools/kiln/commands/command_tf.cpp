@@ -164,22 +164,23 @@ void run(const TfArguments& a, Context& context) {
 
 void addTf(CLI::App& app, Context& context) {
   auto a = std::make_shared<TfArguments>();
-  CLI::App* command = app.add_subcommand("tf", "show a transfer function as text, and as a picture over the histogram");
+  CLI::App* command =
+      app.add_subcommand("tf", "Show a transfer function as text, and as a picture over the histogram.");
   command
       ->add_option("INPUT", a->input,
-                   fmt::format("a store, a volume file (which is sampled), a transfer function file (FILE or "
+                   fmt::format("A store, a volume file (which is sampled), a transfer function file (FILE or "
                                "FILE#NAME), points VALUE:OPACITY[:COLOR],..., or "
                                "a preset: {}",
                                presetList()))
       ->required();
   command->add_option("--tf", a->tf,
-                      "the transfer function of the store or volume file: a file, points or a preset (default auto)");
+                      "The transfer function of the store or volume file: a file, points or a preset (default auto).");
   command
-      ->add_option("--window", a->window, "stretch the function so that it begins and ends with this window of values")
+      ->add_option("--window", a->window, "Stretch the function so that it begins and ends with this window of values.")
       ->type_name("CENTRE,WIDTH");
   command->add_flag("--json", a->json,
-                    "print the function as a transfer function file: the object transferFunction of a job");
-  command->add_option("-o,--output", a->output, "the picture, .png or .exr");
+                    "Print the function as a transfer function file: the object transferFunction of a job.");
+  command->add_option("-o,--output", a->output, "The picture, .png or .exr.");
   addExamples(*command, {"kiln tf ct-bone", "kiln tf scan.nrrd", "kiln tf head.kiln --tf viridis -o viridis.png",
                          "kiln tf head.kiln --tf ct-bone --json > bone.json"});
   addMemory(*command, a->memory, "the sample of a volume file")->capture_default_str();

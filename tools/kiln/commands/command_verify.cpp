@@ -57,10 +57,10 @@ void run(const VerifyArguments& a, Context& context) {
 void addVerify(CLI::App& app, Context& context) {
   auto a = std::make_shared<VerifyArguments>();
   CLI::App* command = app.add_subcommand(
-      "verify", "check every file of a store against its checksum, and every octree against its voxels");
-  command->add_option("STORE", a->store, "the store")->required();
+      "verify", "Check every file of a store against its checksum, and every octree against its voxels.");
+  command->add_option("STORE", a->store, "The store.")->required();
   addMemory(*command, a->memory, "bricks and the index")->capture_default_str();
-  command->add_option("--threads", a->threads, "threads; 0 takes all")
+  command->add_option("--threads", a->threads, "Threads; 0 takes all.")
       ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
   addExamples(*command, {"kiln verify head.kiln", "kiln verify head.kiln --threads 2 --memory 500M"});
