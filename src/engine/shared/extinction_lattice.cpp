@@ -1,7 +1,10 @@
 #include "engine/shared/extinction_lattice.h"
 
+#include <algorithm>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+
+#include "base/thread/parallel.h"
 
 namespace kiln {
 
@@ -19,6 +22,19 @@ LatticeView turned(const LatticeView& lattice) {
   out.view.eye_world = out.view.axis_world = back[3];
   out.view.forward_world = glm::normalize(glm::dvec3(back[2]));
   return out;
+}
+
+void ExtinctionLattice::turn() {
+  if (open_.empty()) open_.assign(sums_.size(), 255);
+  const auto slice = static_cast<std::size_t>(lattice_.cells().x * lattice_.cells().y);
+  parallelFor(sums_.size() / slice, [&](std::size_t z) {
+    for (std::size_t i = z * slice; i < (z + 1) * slice; ++i) {
+      const int open = (255 * (kClosed - sums_[i]) + kClosed / 2) / kClosed;
+      open_[i] = std::min(open_[i], static_cast<std::uint8_t>(open));
+      sums_[i] = 0;
+    }
+  });
+  ++turns_;
 }
 
 }  // namespace kiln

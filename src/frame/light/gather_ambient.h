@@ -1,9 +1,10 @@
-// Gathers the visibility of the surroundings of each cell of a grid from a lattice of opacities.
-// Method. From each cell near visible matter, cones march through coarser and coarser means of the lattice. Matter at
+// Gathers the visibility of the surroundings of each point of a grid from a lattice of opacities.
+// Method. From each point near visible matter, cones march through coarser and coarser means of the lattice. Matter at
 // distance s counts with the weight 1 - (s / radius)².
 // Source: Crassin et al. 2011 (cone tracing); Hernell, Ljung and Ynnerman 2010 (local ambient occlusion).
 // Differs: means over the three axes instead of one set of means for each direction.
-// Cost. At most 32 cones, with a look-up for each step, for each cell near matter; none for other cells.
+// Cost. 24 cones, with a look-up for each step, for each point of the grid near matter; none for other points.
+// Figures: frame/decisions/occlusion.md.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@ namespace kiln {
 /// `radius`: distance beyond which matter does not occlude. unit: world. thread: uses all. throws: Error kCancelled.
 AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius, const Progress& progress);
 
-/// Memory of the lattice, of what gathering takes, and of the grid, for so many cells along each axis. unit: bytes.
+/// Memory of the lattice, of what gathering takes, and of the grid, for a lattice of so many cells. unit: bytes.
 std::uint64_t ambientBytes(const Extent3& cells);
 
 }  // namespace kiln

@@ -20,8 +20,8 @@ constexpr int kLeastMapEdge = 512;
 // Distance from a sample to the nearest layer that shadows the sample. Shorter distances darken surfaces by their own
 // layers: a surface's opacity rises over some two voxels. unit: voxels or pixels of the map, the longer.
 constexpr double kShadowStart = 1.5;
-// Cells along the longest edge of the lattice for ambient occlusion.
-constexpr int kLatticeEdge = 256;
+// Rays along the longest edge of the lattice for ambient occlusion.
+constexpr int kLatticeEdge = 256 * kRaysOfCell;
 // Default radius of ambient occlusion. unit: longest edges of the volumes.
 constexpr double kOcclusionRadius = 0.1;
 // Rows of a light's view drawn at a time, which bounds the memory of the pixels. unit: pixels.
@@ -111,12 +111,12 @@ LatticeView latticeOf(const VolumeGeometry& first, const ShownExtent& extent) {
   const auto viewWith = [&](int edge) { return shadowViews(along, extent.corners, edge).front(); };
   ShadowView seen = viewWith(kLatticeEdge);
   const double depth = seen.depths.far - seen.depths.near;
-  // The longest of the three edges has kLatticeEdge cells, or a cell is a voxel.
-  const double cell = std::max({pixelEdge(seen), depth / kLatticeEdge, extent.voxel});
+  // The longest of the three edges has kLatticeEdge rays, or a ray each voxel.
+  const double ray = std::max({pixelEdge(seen), depth / kLatticeEdge, extent.voxel});
   const double plane = std::max(seen.view.size.width, seen.view.size.height) * pixelEdge(seen);
-  seen = viewWith(std::max(static_cast<int>(std::ceil(plane / cell)), 8));
-  const int cells = static_cast<int>(std::ceil(depth / pixelEdge(seen)));
-  return {seen.view, seen.depths.near, std::clamp(cells, 1, 2 * kLatticeEdge)};
+  seen = viewWith(std::max(static_cast<int>(std::ceil(plane / ray)), 8));
+  const int rays = static_cast<int>(std::ceil(depth / pixelEdge(seen)));
+  return {seen.view, seen.depths.near, std::clamp(rays, 1, 2 * kLatticeEdge)};
 }
 
 // Returns whether a transfer function of the picture has a property.
@@ -166,8 +166,8 @@ std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes
     drawing = std::max(drawing, DeepShadowMap::bytesFor(pixels, true) - finished + bandBytes(edge, edge));
   }
   if (shading.occlusion.strength > 0) {
-    const Extent3 cells = latticeOf(volumes.front()->manifest().geometry(), extent).cells();
-    kept += ambientBytes(cells) + bandBytes(static_cast<int>(cells.x), static_cast<int>(cells.y));
+    const LatticeView lattice = latticeOf(volumes.front()->manifest().geometry(), extent);
+    kept += ambientBytes(lattice.cells()) + bandBytes(lattice.view.size.width, lattice.view.size.height);
   }
   return kept + drawing;
 }
@@ -233,11 +233,10 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
       out->ambient = previous->ambient;
     } else {
       ExtinctionLattice lattice(latticeOf(cache.stores().front()->manifest().geometry(), extent));
-      bool first = true;
       for (FrameRequest& along : latticeRequests(cache.stores(), request)) {
-        if (!std::exchange(first, false)) lattice.turn();
         along.extinction = &lattice;
         drawOpacities(cache, std::move(along), silent, statistics);
+        lattice.turn();
       }
       out->ambient = std::make_shared<AmbientGrid>(gatherAmbient(lattice, out->ambient_radius, progress));
     }
