@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/file/file.h"
 #include "image/file/image_file.h"
+#include "image/file/jpeg_file.h"
 #include "image/file/text_block.h"
 #include "image/srgb.h"
 #include "support/system/expect_error.h"
@@ -134,6 +135,29 @@ TEST(TextBlocks, Blocks_keepTextsAndRefuseOtherBytes) {
   EXPECT_EQ(textBlock(text), "a=4:1:\n=\nb=0:\n");
   for (const char* const wrong : {"a", "a=1:", "a=9:b\n", "a=1:bc", "a=x:b\n", "ImageJ=1.53\n"})
     EXPECT_FALSE(textsOfBlock(wrong)) << wrong;
+}
+
+// Rows that end in an error, as those of a preview that a newer one replaces.
+class RowsUntilError : public ImageRows {
+ public:
+  RowsUntilError(const Image& image, int error_row)
+      : ImageRows(image.width, image.height), image_(image), error_row_(error_row) {}
+  Band bandAt(int row) override {
+    if (row >= error_row_) throw Error(ErrorCode::kCancelled, "stopped");
+    return {&image_, 0};
+  }
+
+ private:
+  const Image& image_;
+  const int error_row_;
+};
+
+TEST(JpegFile, AnErrorOfTheRowsAnywhere_isPassedOn) {
+  const Image image = smooth(640, 256, false);
+  for (const int row : {0, 16, 64, 240}) {
+    RowsUntilError rows(image, row);
+    expectError([&] { encodeJpeg(rows, 100); }, ErrorCode::kCancelled, "stopped");
+  }
 }
 
 }  // namespace

@@ -8,9 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <csetjmp>
+#include <cstddef>
 #include <cstdio>
-#include <cstdlib>
+#include <new>
+#include <span>
 #include <string_view>
+#include <utility>
 
 // jpeglib.h needs stdio.h in front.
 #include <jpeglib.h>
@@ -30,19 +33,49 @@ constexpr int kFullColorQuality = 90;
 constexpr std::string_view kTextMark = "kiln\n";
 constexpr std::size_t kMostOfComment = 65533;
 
+// libjpeg's own destination in memory owns its buffer until the end, and an encoding that an exception ends has none.
 struct JpegOutput {
   jpeg_error_mgr errors;
   jpeg_compress_struct jpeg;
+  jpeg_destination_mgr destination;
   std::jmp_buf jump;
   char complaint[JMSG_LENGTH_MAX] = "";
-  unsigned char* bytes = nullptr;
-  unsigned long count = 0;
+  bool out_of_memory = false;
+  std::vector<std::byte> file;     // what the buffer held when it was full
+  std::array<JOCTET, 16384> full;  // the buffer
   JpegOutput() { jpeg = {}; }
-  ~JpegOutput() {
-    jpeg_destroy_compress(&jpeg);
-    std::free(bytes);
-  }
+  ~JpegOutput() { jpeg_destroy_compress(&jpeg); }
 };
+
+// Appends the first `count` bytes of the buffer to the file.
+bool keep(JpegOutput& output, std::size_t count) noexcept {
+  try {
+    const auto bytes = std::as_bytes(std::span(output.full)).first(count);
+    output.file.insert(output.file.end(), bytes.begin(), bytes.end());
+  } catch (const std::bad_alloc&) {
+    output.out_of_memory = true;
+  }
+  return !output.out_of_memory;
+}
+
+void emptyBuffer(JpegOutput& output) noexcept {
+  output.destination.next_output_byte = output.full.data();
+  output.destination.free_in_buffer = output.full.size();
+}
+
+JpegOutput& outputOf(j_compress_ptr jpeg) { return *static_cast<JpegOutput*>(jpeg->client_data); }
+
+void onBegin(j_compress_ptr jpeg) { emptyBuffer(outputOf(jpeg)); }
+boolean onFull(j_compress_ptr jpeg) {
+  JpegOutput& output = outputOf(jpeg);
+  if (!keep(output, output.full.size())) std::longjmp(output.jump, 1);
+  emptyBuffer(output);
+  return TRUE;
+}
+void onEnd(j_compress_ptr jpeg) {
+  JpegOutput& output = outputOf(jpeg);
+  if (!keep(output, output.full.size() - output.destination.free_in_buffer)) std::longjmp(output.jump, 1);
+}
 
 [[noreturn]] void onEncodeError(j_common_ptr jpeg) {
   auto& output = *static_cast<JpegOutput*>(jpeg->client_data);
@@ -60,7 +93,10 @@ bool begin(JpegOutput& output, int width, int height, int quality) noexcept {
   jpeg.client_data = &output;
   if (setjmp(output.jump) != 0) return false;
   jpeg_create_compress(&jpeg);
-  jpeg_mem_dest(&jpeg, &output.bytes, &output.count);
+  output.destination.init_destination = &onBegin;
+  output.destination.empty_output_buffer = &onFull;
+  output.destination.term_destination = &onEnd;
+  jpeg.dest = &output.destination;
   jpeg.image_width = static_cast<JDIMENSION>(width);
   jpeg.image_height = static_cast<JDIMENSION>(height);
   jpeg.input_components = 3;
@@ -178,6 +214,7 @@ bool looksLikeJpeg(std::span<const std::byte> data) {
 std::vector<std::byte> encodeJpeg(ImageRows& rows, int quality, const std::map<std::string, std::string>& text) {
   JpegOutput output;
   const auto require = [&](bool done) {
+    if (output.out_of_memory) throw std::bad_alloc();
     if (!done) throw Error(ErrorCode::kIo, std::string("libjpeg cannot encode a picture: ") + output.complaint);
   };
   require(begin(output, rows.width, rows.height, quality));
@@ -203,8 +240,7 @@ std::vector<std::byte> encodeJpeg(ImageRows& rows, int quality, const std::map<s
     y += count;
   }
   require(end(output));
-  const auto bytes = std::as_bytes(std::span(output.bytes, output.count));
-  return {bytes.begin(), bytes.end()};
+  return std::move(output.file);
 }
 
 std::map<std::string, std::string> decodeJpegText(std::span<const std::byte> data, const std::filesystem::path& path) {
