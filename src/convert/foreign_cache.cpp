@@ -47,7 +47,7 @@ bool isYounger(const fs::path& store, const std::vector<fs::path>& files) {
 // Returns the command that made or began the store; nothing if the command is unknown.
 std::optional<std::string> makerOf(const fs::path& store) {
   try {
-    if (isStore(store)) return parseManifest(readTextFile(store / "manifest.json"), store).source.command;
+    if (isStore(store)) return readManifest(store).source.command;
     if (const std::optional<ConversionIdentity> begun = Journal::identityIn(store)) return begun->command;
   } catch (const Error&) {
   }
@@ -56,7 +56,7 @@ std::optional<std::string> makerOf(const fs::path& store) {
 
 // The commands that make a store of a volume file on the way. Only their stores may be replaced, never a store that a
 // user converted.
-constexpr std::array kDrawingCommands = {"kiln render ", "kiln slice ", "kiln gallery "};
+constexpr std::array kDrawingCommands = {"kiln render ", "kiln slice ", "kiln gallery ", "kiln view "};
 
 void requireOwn(const fs::path& store, const fs::path& input) {
   if (isNothing(store)) return;
@@ -66,7 +66,7 @@ void requireOwn(const fs::path& store, const fs::path& input) {
   if (maker && !isStore(store))
     throw Error(ErrorCode::kExists, store, "", "is an unfinished conversion; finish it first, by --resume: " + *maker);
   throw Error(ErrorCode::kExists, store, "",
-              "is no store that render, slice or gallery made of " + input.string() +
+              "is no store that render, slice, gallery or view made of " + input.string() +
                   ", and is not of it as it is now or as it is described; render that store itself, or convert " +
                   input.string() + " to another name");
 }

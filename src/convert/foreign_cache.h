@@ -34,7 +34,7 @@ std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const For
 /// need the store, a single process makes it. Calls opened(info), which may throw, once the source is open and before
 /// anything is written.
 /// throws: as openSource and convert; Error kExists if an existing store would be replaced that was not made by
-/// render, slice or gallery (Provenance::command); kIo, naming --store, if the folder cannot be written to.
+/// render, slice, gallery or view (Provenance::command); kIo, naming --store, if the folder cannot be written to.
 std::filesystem::path storeFor(const ForeignVolume& volume, const ConvertOptions& options, Progress& progress,
                                const std::function<void(const SourceInfo&)>& opened = {});
 
