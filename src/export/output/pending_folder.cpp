@@ -89,11 +89,27 @@ void PendingFolder::publish() {
   } else if (disk_.exchange(path_, out_)) {
     kept_ = false;
   } else {
-    disk_.removeAll(out_);
-    disk_.rename(path_, out_);
+    replaceInSteps();
   }
   std::error_code ignored;
   fs::remove(out_ / kUnfinishedMark, ignored);
+}
+
+// A failure leaves the old folder, under its name where the disk allows.
+void PendingFolder::replaceInSteps() {
+  const fs::path old = out_.string() + ".old";
+  if (isNameTaken(old))
+    throw Error(ErrorCode::kExists, old, "",
+                "has the name for the folder that is replaced; remove it or give it another name");
+  disk_.rename(out_, old);
+  try {
+    disk_.rename(path_, out_);
+  } catch (...) {
+    std::error_code ignored;
+    fs::rename(old, out_, ignored);
+    throw;
+  }
+  disk_.removeAll(old);
 }
 
 }  // namespace kiln

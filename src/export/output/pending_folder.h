@@ -44,6 +44,7 @@ class PendingFolder {
 
  private:
   void sync() { disk_.syncAll(path_); }
+  void replaceInSteps();
   void begin(const std::string& contents, Leftover leftover);
 
   const std::filesystem::path out_, path_;

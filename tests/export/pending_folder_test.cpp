@@ -1,0 +1,70 @@
+// Known: where a disk cannot exchange two names, the folder that is replaced is there until the new one has its name.
+#include "export/output/pending_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "support/system/expect_error.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+namespace fs = std::filesystem;
+
+// Cannot exchange names; a chosen rename fails.
+class PlainDisk : public FileSystem {
+ public:
+  explicit PlainDisk(int failing_rename) : failing_rename_(failing_rename) {}
+  bool exchange(const fs::path&, const fs::path&) override { return false; }
+  void rename(const fs::path& from, const fs::path& to) override {
+    if (++renames_ == failing_rename_) throw Error(ErrorCode::kIo, from, "", "cannot be renamed");
+    FileSystem::rename(from, to);
+  }
+
+ private:
+  const int failing_rename_;
+  int renames_ = 0;
+};
+
+class PendingFolderReplaces : public ::testing::Test {
+ protected:
+  PendingFolderReplaces() {
+    fs::create_directories(out_);
+    writeText(out_ / "old.txt", "old");
+  }
+  void replaceOn(FileSystem& disk) const {
+    PendingFolder folder(out_, "a test", Leftover::kRefuse, disk);
+    writeText(folder.path() / "new.txt", "new");
+    folder.publish();
+    folder.keep();
+  }
+  const fs::path out_ = freshDirectory("pending_folder") / "out";
+};
+
+TEST_F(PendingFolderReplaces, InSteps_removesTheOldFolderLast) {
+  PlainDisk disk(0);
+  replaceOn(disk);
+  EXPECT_TRUE(fs::exists(out_ / "new.txt"));
+  EXPECT_FALSE(fs::exists(out_ / "old.txt"));
+  EXPECT_FALSE(fs::exists(out_.string() + ".old"));
+}
+
+TEST_F(PendingFolderReplaces, InSteps_keepsTheOldFolderIfEitherRenameFails) {
+  for (const int failing : {1, 2}) {
+    PlainDisk disk(failing);
+    expectError([&] { replaceOn(disk); }, ErrorCode::kIo, "cannot be renamed");
+    EXPECT_TRUE(fs::exists(out_ / "old.txt")) << failing;
+    EXPECT_FALSE(fs::exists(out_.string() + ".old")) << failing;
+  }
+}
+
+TEST_F(PendingFolderReplaces, InSteps_refusesATakenNameForTheOldFolder) {
+  fs::create_directories(out_.string() + ".old");
+  PlainDisk disk(0);
+  expectError([&] { replaceOn(disk); }, ErrorCode::kExists, "out.old");
+  EXPECT_TRUE(fs::exists(out_ / "old.txt"));
+}
+
+}  // namespace
+}  // namespace kiln::test
