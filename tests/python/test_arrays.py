@@ -352,3 +352,5 @@ def test_damaged_words_are_refused():
         kiln.convert("a.npy", "a.kiln", dim="1,2,3")
     with pytest.raises(kiln.Error):
         kiln.open(numpy.zeros((0, 4, 4), "uint8"))
+    with pytest.raises(kiln.Error, match="at least one voxel"):
+        kiln.open(numpy.zeros((0, 4, 4), "int64"))

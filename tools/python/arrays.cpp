@@ -177,6 +177,10 @@ std::shared_ptr<ArraySource> ArraySource::sliced(const ArrayWords& words, const 
     throw Error(
         ErrorCode::kUnsupported, words.name, "dtype",
         fmt::format("expected whole numbers or floats of 8 to 64 bits (found {}); convert the array", words.number));
+  if (std::any_of(words.shape.begin(), words.shape.end(), [](auto length) { return length < 1; }))
+    throw Error(ErrorCode::kUsage, words.name, "shape",
+                fmt::format("expected at least one voxel along each axis (found {}); name an array that holds voxels",
+                            fmt::join(words.shape, " x ")));
   ChunkLayout layout;
   layout.number = *number;
   layout.shape = words.shape;

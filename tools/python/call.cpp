@@ -211,7 +211,14 @@ void runForCall(const py::object& on_progress, const std::function<void(Progress
     worker.join();
   }
   if (raised) throw py::error_already_set(*raised);
-  if (failure) std::rethrow_exception(failure);
+  if (failure) {
+    // Notes say what a failed call left. The error itself wins over a warning that a filter turned into an error.
+    try {
+      progress.tellSentences();
+    } catch (const py::error_already_set&) {
+    }
+    std::rethrow_exception(failure);
+  }
   progress.tellSentences();
 }
 
