@@ -86,14 +86,9 @@ void requireSameScene(const Part& first, const Part& other) {
 std::vector<Part> inOrder(std::vector<Part> parts, const View& view, const VolumeGeometry& volume) {
   std::vector<VoxelBox> boxes;
   for (const Part& part : parts) boxes.push_back(part.box);
-  const auto order = frontToBack(boxes, view, volume);
-  if (!order)
-    throw Error(ErrorCode::kUsage, parts.front().path, "",
-                fmt::format("there is no order of visibility among it and {} other parts, which hide one another in "
-                            "turn; cut the volume by --part I/N, or by planes through all of it",
-                            parts.size() - 1));
+  const std::vector<int> order = requiredOrder(boxes, view, volume, parts.front().path);
   std::vector<Part> out;
-  for (const int place : *order) out.push_back(std::move(parts[static_cast<std::size_t>(place)]));
+  for (const int place : order) out.push_back(std::move(parts[static_cast<std::size_t>(place)]));
   return out;
 }
 

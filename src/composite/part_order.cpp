@@ -1,7 +1,11 @@
 #include "composite/part_order.h"
 
+#include <fmt/format.h>
+
 #include <glm/matrix.hpp>
 #include <numeric>
+
+#include "base/error.h"
 
 namespace kiln {
 namespace {
@@ -50,6 +54,17 @@ std::optional<std::vector<int>> frontToBack(std::span<const VoxelBox> boxes, con
     left.erase(nearest);
   }
   return out;
+}
+
+std::vector<int> requiredOrder(std::span<const VoxelBox> boxes, const View& view, const VolumeGeometry& volume,
+                               const std::filesystem::path& first) {
+  std::optional<std::vector<int>> order = frontToBack(boxes, view, volume);
+  if (!order)
+    throw Error(ErrorCode::kUsage, first, "",
+                fmt::format("there is no order of visibility among it and {} other parts, which hide one another in "
+                            "turn; cut the volume by --part I/N, or by planes through all of it",
+                            boxes.size() - 1));
+  return *std::move(order);
 }
 
 }  // namespace kiln

@@ -2,6 +2,7 @@
 // axis that separates the boxes, the eye is on A's side. Differs: needs only boxes, no tree of cuts.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <vector>
@@ -16,5 +17,10 @@ namespace kiln {
 /// of voxels.
 std::optional<std::vector<int>> frontToBack(std::span<const VoxelBox> boxes, const View& view,
                                             const VolumeGeometry& volume);
+
+/// As frontToBack, for parts of a volume. throws: Error kUsage naming `first`, the place of the first part, if parts
+/// hide one another in a cycle.
+std::vector<int> requiredOrder(std::span<const VoxelBox> boxes, const View& view, const VolumeGeometry& volume,
+                               const std::filesystem::path& first);
 
 }  // namespace kiln

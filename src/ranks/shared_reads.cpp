@@ -73,8 +73,10 @@ void SharedReads::open(const std::vector<const StoreReader*>& stores, std::uint6
 
 void SharedReads::close() {
   Lock lock(mutex_);
-  stores_.clear();
+  closing_ = true;
   changed_.wait(lock, [&] { return serving_ == 0; });
+  closing_ = false;
+  stores_.clear();
   files_.reset();
 }
 
@@ -114,6 +116,7 @@ BrickFile SharedReads::readHere(const StoreReader& store, const BrickKey& key) {
 }
 
 const StoreReader* SharedReads::openedStore(const Hash128& index) const {
+  if (closing_) return nullptr;
   const auto store = std::find_if(stores_.begin(), stores_.end(),
                                   [&](const StoreReader* one) { return one->manifest().index_checksum == index; });
   return store != stores_.end() ? *store : nullptr;
@@ -233,7 +236,14 @@ void SharedReads::serve(const std::stop_token& stop) {
     const Question question = questions_.front();
     questions_.pop_front();
     ++serving_;
-    answer(question, lock);
+    try {
+      answer(question, lock);
+    } catch (...) {
+      if (!lock.owns_lock()) lock.lock();
+      if (!failure_) failure_ = std::current_exception();
+      asking_ = false;
+      abandoned_ = true;
+    }
     --serving_;
     changed_.notify_all();
   }

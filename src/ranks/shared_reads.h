@@ -92,16 +92,17 @@ class SharedReads : public BrickSupplier {
 
   Ranks& ranks_;
   std::map<BrickKey, BrickHome> homes_;
-  mutable std::mutex mutex_;  // guards all members below
+  mutable std::mutex mutex_;  // guards the members below; `stores_` and `files_` stay while a thread answers
   std::condition_variable_any changed_;
   bool asking_ = true;      // false: each rank reads for itself
   bool abandoned_ = false;  // no request will be answered
+  bool closing_ = false;    // new requests find no store
   std::exception_ptr failure_;
   std::vector<const StoreReader*> stores_;
   std::unique_ptr<EncodedBricks> files_;
   std::uint64_t largest_serving_bytes_ = 0, serving_bytes_ = 0;  // files read or sent for other ranks: limit, now
   int serving_ = 0;                                              // threads that are answering
-  std::uint64_t asked_ = 0;                                      // number of the last request
+  std::uint64_t asked_ = 0;                                      // number of the next request
   std::map<std::uint64_t, Answer> answers_;                      // by number of the request
   std::deque<Question> questions_;                               // requests of other ranks
   SharedReadCounts counts_;

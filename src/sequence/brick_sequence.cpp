@@ -166,10 +166,10 @@ class BrickSequence : public RankedSequence {
 
   void composite(DrawnFrame& drawn, FrameStatistics& statistics) {
     auto& [image, view] = drawn.views.front();
-    const auto order =
-        frontToBack(boxes_, view, frames_.openedFor(toDraw().front()).firstVolume().manifest().geometry());
+    const VolumeGeometry& volume = frames_.openedFor(toDraw().front()).firstVolume().manifest().geometry();
+    const std::vector<int> order = requiredOrder(boxes_, view, volume, job_.volume);
     const Aovs aovs = drawnAovs(job_);
-    Image made = compositeDirectly(ranks_, image, aovs, *order, static_cast<float>(job_.picture.opacity_threshold));
+    Image made = compositeDirectly(ranks_, image, aovs, order, static_cast<float>(job_.picture.opacity_threshold));
     if (!ranks_.first()) return;
     image = pixelsOf(made, drawn.scene.picture, aovs);
     statistics.visible = isVisible(image);

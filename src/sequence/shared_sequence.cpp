@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -177,6 +178,8 @@ class SharedSequence : public RankedSequence {
     const auto at = taker.take<PixelRect>();
     const std::optional<Image> pixels = takeTile(taker, at);
     requireTaken(taker);
+    // A tile of a frame that failed may arrive after the last report.
+    if (ended_.contains(i)) return;
     Assembly& frame = assemblies_[i];
     if (frame.image.rgba.empty()) frame.image = Image(crop_.width(), crop_.height());
     putTile(*pixels, at, crop_, frame.image);
@@ -212,6 +215,7 @@ class SharedSequence : public RankedSequence {
       });
     }
     assemblies_.erase(i);
+    ended_.insert(i);
     tellFirst(std::move(report));
   }
 
@@ -219,6 +223,7 @@ class SharedSequence : public RankedSequence {
   TilePlan split_;
   std::unique_ptr<SharedCounters> counters_;  // counter 0: finished frames; then the counters of WorkRanges
   std::map<std::uint32_t, Assembly> assemblies_;
+  std::set<std::uint32_t> ended_;  // frames that are written or failed
   std::map<std::uint32_t, Clock::time_point> begun_;
   Clock::time_point begin_;
 };
