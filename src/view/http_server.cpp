@@ -50,6 +50,7 @@ constexpr std::uint64_t kMostRequestBytes = kMostHeaderBytes + 2 * kMostBodyByte
 // Time for which a connection without a request is kept. unit: seconds.
 constexpr double kIdleSeconds = 60;
 constexpr int kBacklog = 64;
+constexpr int kPollEvery_ms = 100;
 constexpr std::string_view kServer = "kiln";
 constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
@@ -383,10 +384,9 @@ class HttpServer final : public ViewServer {
   const std::string& token() const override { return token_; }
 
   void run(const std::function<bool()>& stopped) override {
-    constexpr int kAskEvery_ms = 100;
     while (!stopped()) {
       pollfd one{listener_.get(), POLLIN, 0};
-      if (::poll(&one, 1, kAskEvery_ms) > 0)
+      if (::poll(&one, 1, kPollEvery_ms) > 0)
         take(Descriptor(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC)));
       reap();
     }
@@ -460,7 +460,12 @@ class HttpServer final : public ViewServer {
   }
 
   void take(Descriptor file) {
-    if (!file) return;
+    if (!file) {
+      // Without a free file descriptor poll would return at once, again and again.
+      reap();
+      if (!closeIdle()) std::this_thread::sleep_for(std::chrono::milliseconds(kPollEvery_ms));
+      return;
+    }
     const int on = 1;
     if (options_.socket.empty()) ::setsockopt(file.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     reap();

@@ -603,7 +603,7 @@ void ViewSession::command(const Body& body, ViewClient& client) {
     text += shellText(source_.named.volume.string());
     for (const std::string& option : *options) text.append(" ").append(shellText(option));
   } else {
-    text += shellText(source_.job_file.string());
+    text += shellText(jobFile().string());
   }
   const fs::path named = source_.job_file.empty() ? fs::path(source_.title + ".json") : source_.job_file;
   text += fmt::format(" -o {}", shellText(picturesBeside(named, moves(job)).string()));
