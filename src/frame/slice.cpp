@@ -26,6 +26,12 @@ struct Layout {
   std::int64_t width, height;
 };
 
+// Returns the pixels of a side, at least 1. Longer sides than the limit are refused, however long.
+std::int64_t pixelsOf(double pixels) {
+  constexpr double kMost = 1e8;
+  return std::llround(std::clamp(pixels, 1.0, kMost));
+}
+
 Layout layoutOf(const VolumeGeometry& volume, int axis) {
   Layout out{};
   out.axis = axis;
@@ -36,9 +42,8 @@ Layout layoutOf(const VolumeGeometry& volume, int axis) {
   const double pixel = std::min(spacing[out.right], spacing[out.down]);
   out.voxels_per_column = pixel / spacing[out.right];
   out.voxels_per_row = pixel / spacing[out.down];
-  out.width =
-      std::max<std::int64_t>(std::llround(static_cast<double>(volume.dims[out.right]) / out.voxels_per_column), 1);
-  out.height = std::max<std::int64_t>(std::llround(static_cast<double>(volume.dims[out.down]) / out.voxels_per_row), 1);
+  out.width = pixelsOf(static_cast<double>(volume.dims[out.right]) / out.voxels_per_column);
+  out.height = pixelsOf(static_cast<double>(volume.dims[out.down]) / out.voxels_per_row);
   return out;
 }
 

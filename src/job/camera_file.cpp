@@ -186,7 +186,7 @@ void readGltf(const JsonNode& document, CameraSpec& camera) {
 }  // namespace
 
 void readCameraFile(const fs::path& path, CameraSpec& camera) {
-  const std::string ending = path.extension().string();
+  const std::string ending = extensionOf(path);
   if (ending == ".pvcc") return readParaView(path, camera);
   if (ending == ".gltf") return readGltf(JsonNode(path, kJsonMemory), camera);
   if (ending == ".glb") return readGltf(JsonNode(path, jsonOfBinary(File(path)), kJsonMemory), camera);

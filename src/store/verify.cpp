@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <array>
 #include <mutex>
 #include <optional>
 
 #include "base/error.h"
 #include "base/file/folder.h"
 #include "base/memory/memory.h"
+#include "base/text.h"
 #include "base/thread/parallel.h"
 #include "store/codec/brick_ranges.h"
 #include "store/store_writer.h"
@@ -27,6 +28,19 @@ std::string textOf(const ValueRange& range) {
 // True if a stored range is right for voxels of the given range: a coarser level also covers finer levels.
 bool covers(int level, const ValueRange& stored, const ValueRange& voxels) {
   return level == 0 ? stored == voxels : stored.contains(voxels);
+}
+
+// Returns the brick whose file has this path in a store; nothing for other files.
+std::optional<BrickKey> brickKeyOf(const fs::path& file) {
+  const std::string level = file.parent_path().filename().string(), name = file.stem().string();
+  const std::vector<std::string_view> parts = splitAt(name, '_');
+  if (parts.size() != 3) return std::nullopt;
+  const std::array numbers = {decimalOf<int>(level), decimalOf<int>(parts[0]), decimalOf<int>(parts[1]),
+                              decimalOf<int>(parts[2])};
+  if (!std::all_of(numbers.begin(), numbers.end(), [](const auto& number) { return number.has_value(); }))
+    return std::nullopt;
+  const BrickKey key{*numbers[0], {*numbers[1], *numbers[2], *numbers[3]}};
+  return brickPath(key) == file ? std::optional(key) : std::nullopt;
 }
 
 class Verification {
@@ -157,10 +171,8 @@ class Verification {
 
   bool isOurs(const fs::path& file) const {
     if (file == "manifest.json" || file == "index.bin" || (holds_ && file == kPartFile)) return true;
-    BrickKey key;
-    const bool named =
-        std::sscanf(file.c_str(), "bricks/%d/%d_%d_%d.vdb", &key.level, &key.brick.x, &key.brick.y, &key.brick.z) == 4;
-    return named && brickPath(key) == file && store_.index().contains(key) && !store_.index().at(key).constant;
+    const std::optional<BrickKey> key = brickKeyOf(file);
+    return key && store_.index().contains(*key) && !store_.index().at(*key).constant;
   }
 
   void noteStrangers() {
