@@ -76,6 +76,7 @@ class GalleryPainter {
       FrameStatistics statistics;
       Progress silent;
       FrameRequest request = requestOf(scene, job_.speed, memory_);
+      request.last_illumination = &illumination_;
       volumes_.dress(request);
       Image picture = renderFrame(cache_, request, silent, statistics);
       show(displayOf(scene.picture), picture);
@@ -104,6 +105,7 @@ class GalleryPainter {
   const std::uint64_t total_;
   std::uint64_t done_ = 0;
   FitReads fit_;
+  std::shared_ptr<const Illumination> illumination_;  // ambient occlusion is equal from all sides
   const FrameMemory memory_;
   BrickCache cache_;
 };
