@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "base/thread/parallel.h"
 #include "engine/pixel/voxels/label_voxels.h"
 #include "engine/shared/view_box.h"
 
@@ -159,7 +160,6 @@ PixelRect SlabContext::boundsOf(const VoxelBox& box) const {
 }
 
 std::vector<SlabCell> visibleCells(const SlabContext& context, const BrickBlock& block) {
-  std::vector<SlabCell> out;
   const int n = block.supports.edge();
   // Cubic kernels and intervals of a coarser level reach one voxel beyond the supports stored with a brick.
   const SampleLattice& l = context.lattice();
@@ -170,7 +170,10 @@ std::vector<SlabCell> visibleCells(const SlabContext& context, const BrickBlock&
     along.resize(static_cast<std::size_t>(n));
     context.projector().order().axisOrder(a, block.core.lo[a] - kCellSize, n, along.data(), kCellSize);
   }
-  for (const int z : order[2]) {
+  // A small picture of a large volume has a single brick, so layers are examined in parallel.
+  std::vector<std::vector<SlabCell>> layers(order[2].size());
+  parallelFor(layers.size(), [&](std::size_t layer) {
+    const int z = order[2][layer];
     for (const int y : order[1]) {
       for (const int x : order[0]) {
         const VoxelCoord lo = {block.core.lo.x + (x - 1) * kCellSize, block.core.lo.y + (y - 1) * kCellSize,
@@ -184,10 +187,12 @@ std::vector<SlabCell> visibleCells(const SlabContext& context, const BrickBlock&
         const VoxelBox support = intersection(dilated(cell.box, kPatchMargin), block.extent);
         if (!near && !context.interesting(rangeOf(block.voxels, block.type, block.extent, support))) continue;
         cell.rect = context.boundsOf(cell.box);
-        if (!cell.rect.empty()) out.push_back(cell);
+        if (!cell.rect.empty()) layers[layer].push_back(cell);
       }
     }
-  }
+  });
+  std::vector<SlabCell> out;
+  for (const std::vector<SlabCell>& layer : layers) out.insert(out.end(), layer.begin(), layer.end());
   return out;
 }
 
