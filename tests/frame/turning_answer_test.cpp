@@ -165,6 +165,30 @@ TEST_P(Turn, OfShadowsChangesAsMuchAsItShould) {
   }
 }
 
+// Occlusion stays on the head: its grid depends on the volume alone.
+TEST_P(Turn, OfOcclusionChangesAsMuchAsItShould) {
+  const auto [lattice, projection] = GetParam();
+  if (lattice == Lattice::kVoxel) return;
+  Turning turning{
+      head({{48, 48, 36}, VoxelType::i16}, usualRange(VoxelType::i16)), {}, {}, {}, {2, 0.5, 0.9999}, 56, 3};
+  turning.store = makeStore(turning.volume, "head", 32);
+  turning.camera = cameraFrom(turning.volume.geometry, {0, -1, 0.2}, projection);
+  const ValueRange range = turning.volume.range();
+  const glm::dvec3 color(0.93, 0.74, 0.6);
+  turning.transfer_function.points = {{range.lo + 0.15 * (range.hi - range.lo), color, 0},
+                                      {range.lo + 0.3 * (range.hi - range.lo), color, 0.95}};
+  turning.reference.occlusion_rays = 32;
+  turning.reference.equal_occlusion_rays = true;
+  turning.reference.occlusion_start = turning.volume.geometry.meanSpacing();
+  FrameRequest request;
+  request.samples = 16;
+  request.shading.ambient = request.shading.diffuse = 0.5;
+  request.shading.occlusion = {1, 8 * turning.volume.geometry.meanSpacing(), true};
+  const Popping popping = poppingOf(turning, request, fmt::format("occlusion, {}", nameOf(projection)).c_str());
+  EXPECT_LT(popping.mean_ratio, 1.2);
+  EXPECT_GT(popping.mean_ratio, 0.7);
+}
+
 TEST_P(Turn, NightlyOfARealHead) {
   QualityVolume subject = qualityVolumes().front();
   const fs::path input = fs::path(KILN_TEST_DATA_DIR) / subject.file;

@@ -268,7 +268,8 @@ double ambientShare(Scenes scenes, const Shading& shading, const glm::dvec3& wor
   const glm::dvec3 beside = std::abs(normal.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 across = glm::normalize(glm::cross(normal, beside)), along = glm::cross(normal, across);
   std::uint64_t seed = 0;
-  for (int axis = 0; axis < 3; ++axis) seed = hashBits(seed, std::bit_cast<std::uint64_t>(world[axis]));
+  for (int axis = 0; axis < 3 && !settings.equal_occlusion_rays; ++axis)
+    seed = hashBits(seed, std::bit_cast<std::uint64_t>(world[axis]));
   const double radius = shading.occlusion.radius, n = settings.occlusion_rays;
   double sum = 0;
   for (int i = 0; i < settings.occlusion_rays; ++i) {

@@ -41,6 +41,8 @@ struct ReferenceSettings {
   double shadow_start = 0;
   /// Random directions for each sample's ambient light; 0: no ambient occlusion.
   int occlusion_rays = 0;
+  /// All samples have equal directions about their normals: pictures that differ a little have no noise between them.
+  bool equal_occlusion_rays = false;
   /// Distance from a sample at which matter begins to occlude the sample, across its surface. unit: world.
   double occlusion_start = 0;
   /// Number of voxels to either side over which opacities of labels are smoothed for their gradients.
