@@ -89,9 +89,10 @@ Plan planFor(const RenderJob& job, const SequenceOptions& options) {
   requireParts(job);
   if (!options.store_local.empty()) {
     if (isShaded(job.picture.shading))
-      throw Error(ErrorCode::kUsage,
-                  "--store-local: shadows and ambient occlusion need the whole volume (found a part of it); leave out "
-                  "--shadows and --ambient-occlusion, or give all ranks the whole store");
+      throw Error(
+          ErrorCode::kUsage,
+          "--store-local: shadows and ambient occlusion fall from parts that other ranks hold (found a part for each "
+          "rank); leave out --shadows and --ambient-occlusion, or --store-local on a disk that all ranks see");
     const std::filesystem::path part = pathOfFrame(options.store_local, options.ranks->rank() + 1);
     return {[part](const std::filesystem::path&) { return part; }, boxesOnDisks(part, job.volume, *options.ranks)};
   }
