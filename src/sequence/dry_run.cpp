@@ -6,6 +6,7 @@
 
 #include "base/thread/parallel.h"
 #include "frame/empty_frame.h"
+#include "frame/light/illuminate.h"
 #include "frame/pass/frame_progress.h"
 #include "job/frame/frame_scene.h"
 #include "job/job_facts.h"
@@ -18,6 +19,16 @@
 #include "traverse/brick_walk.h"
 
 namespace kiln {
+namespace {
+
+// Sorted, each brick once.
+void keepDistinct(std::vector<StoredBrick>& bricks) {
+  std::sort(bricks.begin(), bricks.end());
+  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+}
+
+}  // namespace
+
 DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
   RenderJob job = jobAtFrame(given, framesOf(given).front());
   if (!job.series) job.series = seriesLook(given, {});
@@ -53,8 +64,7 @@ DryRun dryRun(const RenderJob& given, const OpenedVolumes& opened, const MemoryB
     bricks.insert(bricks.end(), seen.begin(), seen.end());
   }
   // Both eyes see most bricks.
-  std::sort(bricks.begin(), bricks.end());
-  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+  keepDistinct(bricks);
   for (const StoredBrick& seen : bricks) {
     const BrickedVolume& volume = *volumes[static_cast<std::size_t>(seen.store)];
     const BrickEntry& entry = volume.index().at(seen.key);
@@ -62,6 +72,21 @@ DryRun dryRun(const RenderJob& given, const OpenedVolumes& opened, const MemoryB
     out.files_in_view += entry.constant ? 0 : 1;
     out.file_bytes_in_view += entry.file_bytes;
     out.decoded_bytes_in_view += volume.blockBytes(seen.key);
+  }
+  // Maps of lights see most bricks of the picture, and bricks behind, beside and in front of its frame.
+  std::vector<StoredBrick> of_lights;
+  BrickWalkCounts ignored;
+  for (const FrameRequest& request : lightRequests(volumes, requestOf(whole, job.speed))) {
+    progress.throwIfCancelled("counting bricks of lights");
+    const std::vector<StoredBrick> seen = bricksInView(volumes, request, ignored);
+    of_lights.insert(of_lights.end(), seen.begin(), seen.end());
+  }
+  keepDistinct(of_lights);
+  for (const StoredBrick& seen : of_lights) {
+    const BrickEntry& entry = volumes[static_cast<std::size_t>(seen.store)]->index().at(seen.key);
+    ++out.bricks_of_lights;
+    out.files_of_lights += entry.constant ? 0 : 1;
+    out.file_bytes_of_lights += entry.file_bytes;
   }
   out.empty = emptinessOf(out.bricks_in_view > 0, whole, requestOf(whole, job.speed), opened.manifests());
   out.one_colour = isOfOneColour(whole, opened.manifests());
@@ -79,7 +104,10 @@ std::string dryRunText(const DryRun& run) {
                                         {"in_view", run.bricks_in_view},
                                         {"files_in_view", run.files_in_view},
                                         {"file_bytes_in_view", run.file_bytes_in_view},
-                                        {"decoded_bytes_in_view", run.decoded_bytes_in_view}}},
+                                        {"decoded_bytes_in_view", run.decoded_bytes_in_view},
+                                        {"of_lights", run.bricks_of_lights},
+                                        {"files_of_lights", run.files_of_lights},
+                                        {"file_bytes_of_lights", run.file_bytes_of_lights}}},
                                       {"memory",
                                        {{"budget_bytes", run.budget_bytes},
                                         {"smallest_bytes", run.memory.smallest()},

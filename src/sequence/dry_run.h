@@ -21,6 +21,8 @@ struct DryRun {
   std::uint64_t file_bytes_in_view = 0;
   /// Size in memory of all bricks in view, decoded. unit: bytes.
   std::uint64_t decoded_bytes_in_view = 0;
+  /// Bricks that shadow maps and ambient occlusion of the frame read at most, also bricks in view. unit: bytes: stored.
+  std::uint64_t bricks_of_lights = 0, files_of_lights = 0, file_bytes_of_lights = 0;
   EmptyFrame empty = EmptyFrame::kShows;  // the reason for an empty picture
   bool one_colour = false;                // FrameStatistics::one_colour
   FrameMemory memory;

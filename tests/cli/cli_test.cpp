@@ -375,6 +375,19 @@ TEST_F(Cli, ADryRunForetellsTheRender) {
   EXPECT_LT(image_bytes, 120 * 90 * 24);
   EXPECT_LE(stats["memory"]["peak_cache_bytes"], cost["bricks"]["decoded_bytes_in_view"].get<std::uint64_t>() +
                                                      cost["memory"]["brick_bytes"].get<std::uint64_t>());
+  // Lights see all bricks that show something, also bricks beside the frame.
+  const std::vector<std::string> lit = {"--look", "studio"};
+  const auto runLit = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), lit.begin(), lit.end());
+    return run(arguments);
+  };
+  ASSERT_EQ(runLit({"--dry-run", "--stats", in("dl.json")}).exit_code, 0);
+  ASSERT_EQ(runLit({"-o", in("l.png"), "--stats", in("sl.json")}).exit_code, 0);
+  const Json lit_cost = Json::parse(readTextFile(in("dl.json"))), lit_stats = Json::parse(readTextFile(in("sl.json")));
+  EXPECT_EQ(cost["bricks"]["of_lights"], 0);
+  EXPECT_EQ(lit_cost["bricks"]["of_lights"], cost["bricks"]["interesting"]);
+  EXPECT_EQ(lit_cost["bricks"]["files_of_lights"], lit_stats["bricks"]["read"]);
+  EXPECT_EQ(lit_cost["bricks"]["file_bytes_of_lights"], lit_stats["bricks"]["read_bytes"]);
   // Another visibility method has another data structure: the printed memory holds for the chosen method.
   const std::uint64_t smallest = (cost["memory"]["smallest_bytes"].get<std::uint64_t>() + (1u << 20) - 1) >> 20;
   EXPECT_NE(dry.out.find(fmt::format("--memory {}M is the smallest that works", smallest)), std::string::npos)

@@ -78,8 +78,10 @@ int edgeOf(const Light& light, const ShownExtent& extent, const ImageSize& pictu
   return light.shadow.softness > 0 ? edge / 2 : edge;
 }
 
-// Draws a view for its opacities: the request has a place for them.
-void drawOpacities(BrickCache& cache, FrameRequest request, Progress& progress, FrameStatistics& statistics) {
+// Returns the request whose drawing has the opacities of a view only.
+FrameRequest ofOpacities(FrameRequest request, const View& view) {
+  request.view = view;
+  request.eyes.clear();
   request.shading.phong = false;
   // Cut faces are without light, and stop none.
   const auto without = [](Clipping& clipping) { clipping.part.reset(), clipping.section.reset(); };
@@ -96,6 +98,11 @@ void drawOpacities(BrickCache& cache, FrameRequest request, Progress& progress, 
   request.visibility = {};
   request.tile_px = kSquareEdge;
   request.node_log = nullptr;
+  return request;
+}
+
+// requires: ofOpacities, with a place for them.
+void drawOpacities(BrickCache& cache, const FrameRequest& request, Progress& progress, FrameStatistics& statistics) {
   FrameDrawing drawing(cache, request, progress);
   const ImageSize& size = request.view.size;
   for (int y = 0; y < size.height; y += kOpacityBand)
@@ -134,6 +141,22 @@ bool hasSurfaces(const FrameRequest& request) {
 // Returns whether samples of a volume reflect or scatter light.
 bool hasLight(const FrameRequest& request) {
   return anyFunction(request, [](const TransferFunction& function) { return function.shaded || function.scattering; });
+}
+
+bool isIlluminated(const FrameRequest& request) {
+  return hasLight(request) && request.engine().capabilities().composites && isShaded(request.shading);
+}
+
+// Returns the views of the shadow maps of a light, for each of its points; none if the light casts no shadows.
+std::vector<std::vector<ShadowView>> mapsOf(const Light& light, const FrameRequest& request,
+                                            const ShownExtent& extent) {
+  std::vector<std::vector<ShadowView>> out;
+  if (!castsShadows(request.shading, light)) return out;
+  glm::dvec3 centre(0);
+  for (const glm::dvec3& corner : extent.corners) centre += corner / static_cast<double>(extent.corners.size());
+  for (const Light& point : pointsOf(light, request.view, centre))
+    out.push_back(shadowViews(point, extent.corners, edgeOf(light, extent, request.view.size)));
+  return out;
 }
 
 double radiusOf(const AmbientOcclusion& occlusion, const ShownExtent& extent) {
@@ -175,10 +198,8 @@ std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes
 std::vector<FrameRequest> latticeRequests(const std::vector<const BrickedVolume*>& volumes,
                                           const FrameRequest& request) {
   LatticeView lattice = latticeOf(volumes.front()->manifest().geometry(), extentOf(volumes, clippingsOf(request)));
-  FrameRequest along = request;
-  along.view = lattice.view;
-  along.crop.reset();
-  if (along.volumes.empty()) along.volumes = {{request.transfer_function, request.shading, request.clipping}};
+  FrameRequest along = ofOpacities(request, lattice.view);
+  if (along.volumes.empty()) along.volumes = {{along.transfer_function, along.shading, along.clipping}};
   along.sample_distance = kMostSampleDistance;
   std::vector<FrameRequest> out = {along};
   // A ray misses surfaces that the ray runs along. Along some of three axes a surface is met.
@@ -211,12 +232,23 @@ std::shared_ptr<const Illumination> knownIllumination(const FrameRequest& reques
   return out;
 }
 
+std::vector<FrameRequest> lightRequests(const std::vector<const BrickedVolume*>& volumes, const FrameRequest& request) {
+  const ShownExtent extent = extentOf(volumes, clippingsOf(request));
+  if (!isIlluminated(request) || extent.corners.empty()) return {};
+  std::vector<FrameRequest> out;
+  if (request.shading.occlusion.strength > 0) out = latticeRequests(volumes, request);
+  for (const Light& light : request.shading.lights) {
+    for (const std::vector<ShadowView>& point : mapsOf(light, request, extent)) {
+      for (const ShadowView& map : point) out.push_back(ofOpacities(request, map.view));
+    }
+  }
+  return out;
+}
+
 void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& request, FrameStatistics& statistics) {
-  if (!hasLight(request)) return;
-  if (request.illumination || !request.engine().capabilities().composites || !isShaded(request.shading)) return;
+  if (request.illumination || !isIlluminated(request)) return;
   const std::vector<Light>& lights = request.shading.lights;
   const AmbientOcclusion& occlusion = request.shading.occlusion;
-  const auto casts = [&](const Light& light) { return castsShadows(request.shading, light); };
   auto out = std::make_shared<Illumination>();
   out->scene = sceneOf(request);
   const Illumination* previous = request.last_illumination != nullptr ? request.last_illumination->get() : nullptr;
@@ -235,7 +267,7 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
       ExtinctionLattice lattice(latticeOf(cache.stores().front()->manifest().geometry(), extent));
       for (FrameRequest& along : latticeRequests(cache.stores(), request)) {
         along.extinction = &lattice;
-        drawOpacities(cache, std::move(along), silent, statistics);
+        drawOpacities(cache, along, silent, statistics);
         lattice.turn();
       }
       out->ambient = std::make_shared<AmbientGrid>(gatherAmbient(lattice, out->ambient_radius, progress));
@@ -244,12 +276,10 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
   // A cancelled frame leaves the occlusion to the next frame: often only lights differ.
   if (previous == nullptr && request.last_illumination != nullptr)
     *request.last_illumination = std::make_shared<Illumination>(*out);
-  glm::dvec3 centre(0);
-  for (const glm::dvec3& corner : extent.corners) centre += corner / static_cast<double>(extent.corners.size());
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const Light& light = lights[i];
     ShadowedLight& shadowed = out->lights.emplace_back();
-    if (!casts(light)) continue;
+    if (!castsShadows(request.shading, light)) continue;
     shadowed.light = light;
     shadowed.place = standing(light, request.view).place;
     shadowed.edge_px = edgeOf(light, extent, request.view.size);
@@ -260,14 +290,13 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
         continue;
       }
     }
-    for (const Light& point : pointsOf(light, request.view, centre)) {
+    for (const std::vector<ShadowView>& point : mapsOf(light, request, extent)) {
       std::vector<std::shared_ptr<const DeepShadowMap>> maps;
-      for (const ShadowView& view : shadowViews(point, extent.corners, shadowed.edge_px)) {
+      for (const ShadowView& view : point) {
         auto map = std::make_shared<DeepShadowMap>(view.view, view.depths);
-        FrameRequest of_light = request;
-        of_light.view = view.view;
+        FrameRequest of_light = ofOpacities(request, view.view);
         of_light.shadows = map.get();
-        drawOpacities(cache, std::move(of_light), silent, statistics);
+        drawOpacities(cache, of_light, silent, statistics);
         map->finish();
         shadowed.start = std::max(shadowed.start, kShadowStart * std::max(extent.voxel, pixelEdge(view)));
         maps.push_back(std::move(map));

@@ -32,6 +32,9 @@ std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes
 std::vector<FrameRequest> latticeRequests(const std::vector<const BrickedVolume*>& volumes,
                                           const FrameRequest& request);
 
+/// Returns the requests whose drawings make the shadow maps and the ambient occlusion of a frame.
+std::vector<FrameRequest> lightRequests(const std::vector<const BrickedVolume*>& volumes, const FrameRequest& request);
+
 /// Returns the parts of an earlier illumination that are right for a preview, without drawing. A light without a map
 /// casts no shadow. Levels and interpolation may differ. `earlier` may be null.
 std::shared_ptr<const Illumination> knownIllumination(const FrameRequest& request, const Illumination* earlier);

@@ -250,6 +250,9 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
   say("disk         a frame reads at most {} files, {}{}; it does not read what is hidden behind opaque parts\n",
       cost.files_in_view, formatBytes(cost.file_bytes_in_view),
       memory.band > 0 ? ", once for each band of samples that finds them no longer in memory" : "");
+  if (cost.bricks_of_lights > 0)
+    say("             shadows and ambient occlusion read at most {} files of {} bricks, {}, before the frame\n",
+        cost.files_of_lights, cost.bricks_of_lights, formatBytes(cost.file_bytes_of_lights));
   const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
   say("memory       {} of image ({} x {} pixels{}), ", formatBytes(memory.image), drawn.width(), drawn.height(),
       cost.samples > 1 ? fmt::format(" of {} samples", cost.samples) : "");
