@@ -57,6 +57,13 @@ void expectAsShown(const Image& found, const Image& expected) {
   }
 }
 
+// Nothing is farther away than the volume's other end, and no time is spent beyond it.
+TEST_F(LookCli, OcclusionBeyondTheVolume_isThatOfTheWholeVolume) {
+  const Image far = drawn("far.exr", {"--ambient-occlusion", "0.5:1000000000"});
+  EXPECT_EQ(far.rgba, drawn("whole.exr", {"--ambient-occlusion", "0.5:100000"}).rgba);
+  EXPECT_NE(far.rgba, drawn("near.exr", {"--ambient-occlusion", "0.5:2"}).rgba);
+}
+
 TEST_F(LookCli, Studio_standsForItsOptions_andOptionsBesideItWin) {
   drawn("studio.png", {"--look", "studio"});
   EXPECT_EQ(jobIn("studio.png").picture.shading, studioShading());

@@ -159,8 +159,13 @@ std::vector<std::vector<ShadowView>> mapsOf(const Light& light, const FrameReque
   return out;
 }
 
+// Nothing is farther than the diagonal of all volumes.
 double radiusOf(const AmbientOcclusion& occlusion, const ShownExtent& extent) {
-  if (occlusion.radius > 0) return occlusion.radius;
+  if (occlusion.radius > 0) {
+    glm::dvec3 lo = extent.corners.front(), hi = lo;
+    for (const glm::dvec3& corner : extent.corners) lo = glm::min(lo, corner), hi = glm::max(hi, corner);
+    return std::min(occlusion.radius, glm::length(hi - lo));
+  }
   return kOcclusionRadius * static_cast<double>(extent.longest) * extent.voxel;
 }
 
