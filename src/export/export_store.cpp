@@ -109,6 +109,11 @@ ExportReport exportGrids(const GridArchive& archive, const ExportParts& parts) {
                                           : exportVdb(parts.store, whole, grids, parts.progress, parts.disk);
   if (!whole.geometry.unit.empty() || whole.geometry.frame != PatientFrame::kUnknown)
     parts.progress.note(request.out.string() + ": grids have no unit of length and no patient frame");
+  if (!request.baked && sum.voxels < static_cast<std::uint64_t>(whole.box.count()))
+    parts.progress.note(
+        fmt::format("{}: grids have no box; programs read the box of the active voxels, without the "
+                    "background around them",
+                    request.out.string()));
   ExportReport out = {fmt::format("{} active voxels", sum.voxels), sum.bytes, {}};
   if (!request.baked && (request.values.type != VdbType::kExact || request.values.tolerance > 0))
     out.lines.push_back(fmt::format("the largest error of a voxel is {:.6g}", sum.largest_error));

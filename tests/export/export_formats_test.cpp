@@ -527,7 +527,7 @@ TEST_F(ExportStore, ZarrNameOutsideUtf8_isEscapedInTheHeader) {
 }
 
 // OpenVDB has neither; a volume without both loses nothing.
-TEST_F(ExportStore, UnitAndFrameThatGridsLack_areANote) {
+TEST_F(ExportStore, UnitFrameAndBoxThatGridsLack_areANote) {
   struct Notes : Progress {
     void note(const std::string& sentence) override { all += sentence; }
     std::string all;
@@ -540,7 +540,9 @@ TEST_F(ExportStore, UnitAndFrameThatGridsLack_areANote) {
     exportStore(StoreReader(store(placedAt(exactAffine(), frame, unit))), request, notes);
     return notes.all;
   };
-  EXPECT_EQ(noteFor(PatientFrame::kUnknown, ""), "");
+  EXPECT_EQ(noteFor(PatientFrame::kUnknown, ""),
+            (directory_ / "v.vdb").string() +
+                ": grids have no box; programs read the box of the active voxels, without the background around them");
   EXPECT_NE(noteFor(PatientFrame::kUnknown, "mm").find("v.vdb: grids have no unit"), std::string::npos);
   EXPECT_NE(noteFor(PatientFrame::kRas, "").find("no patient frame"), std::string::npos);
 }

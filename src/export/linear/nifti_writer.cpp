@@ -120,11 +120,18 @@ double shiftInFloats(const ExportedVolume& volume, const NiftiPlace& place) {
   return most;
 }
 
+// NIfTI-2 has doubles.
+bool fitsFloats(const glm::dvec3& lengths) {
+  const double least = std::min({lengths.x, lengths.y, lengths.z}), most = std::max({lengths.x, lengths.y, lengths.z});
+  return least >= std::numeric_limits<float>::min() && most <= std::numeric_limits<float>::max();
+}
+
 std::unique_ptr<VolumeWriter> niftiWriter(const ExportTarget& target, const ExportedVolume& volume, Packing packing,
                                           ExportNotes& notes) {
   const NiftiPlace place = niftiPlaceOf(volume.geometry, notes);
   const Extent3& dims = volume.geometry.dims;
-  const bool fits = std::max({dims.x, dims.y, dims.z}) <= std::numeric_limits<std::int16_t>::max();
+  const bool fits =
+      std::max({dims.x, dims.y, dims.z}) <= std::numeric_limits<std::int16_t>::max() && fitsFloats(place.spacing);
   const double shift = fits ? shiftInFloats(volume, place) : 0;
   if (shift > 0)
     notes.push_back(fmt::format("NIfTI-1 rounds positions to 32-bit floats, by at most {:.2g} {}", shift,
