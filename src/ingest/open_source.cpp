@@ -414,6 +414,8 @@ std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOp
                   options.dims
                       ? "headerless raw voxels need a type, and none is given; add --type, for example --type u16"
                       : "headerless raw voxels need a size, and none is given; add --dims X,Y,Z");
+    if (File(input).size() == 0)
+      throw Error(ErrorCode::kFormat, input, "", "is empty (found 0 bytes); copy or write the file again");
     requireHeaderOfImage(input);
     throw Error(
         ErrorCode::kUsage, input, "",

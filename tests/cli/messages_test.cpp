@@ -243,6 +243,10 @@ TEST_F(Messages, VolumeInPlaceOfAStoreOrAPicture_IsNamedWithItsCommands) {
     refused(command, 2, in("a.nrrd") + ": is a NRRD volume, not a store" + commandsFor("a.nrrd"));
   refused({"composite", in("a.nrrd"), in("a.nii"), "-o", in("p.png")}, 2, "is a NRRD volume, not a partial image");
   refused({"render", in("none.nii"), "-o", in("p.png")}, 1, in("none.nii") + ": there is no such file or store");
+  for (const char* name : {"empty.tif", "empty.h5", "empty.dcm", "empty.png", "empty"}) {
+    writeText(in(name), "");
+    refused({"convert", in(name), in("p.kiln")}, 1, in(name) + ": is empty");
+  }
   writeText(in("a.json"), "{}");
   refused({"verify", in("a.json")}, 1, in("a.json") + ": is a file, not a store");
 }

@@ -43,7 +43,7 @@ void StandardOutput::take(OutputOptions& output) {
   sayToStandardError();
   // A closed pipe is an error of writing, after which the folder is removed.
   std::signal(SIGPIPE, SIG_IGN);
-  std::string name = (fs::temp_directory_path() / "kiln-XXXXXX").string();
+  std::string name = (temporaryFolder() / "kiln-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) throw systemError(errno, name, "making a folder for a picture");
   folder_ = name;
   file_ = folder_ / ("standard-output" + (output.path == "-" ? ".png" : output.path.extension().string()));

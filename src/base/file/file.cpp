@@ -217,6 +217,16 @@ std::string readTextFile(const fs::path& path, std::uint64_t limit_bytes) {
 
 std::string extensionOf(const fs::path& path) { return lowered(path.extension().string()); }
 
+fs::path temporaryFolder() {
+  std::error_code error;
+  fs::path out = fs::temp_directory_path(error);
+  if (!error) return out;
+  const char* const named = std::getenv("TMPDIR");
+  throw Error(ErrorCode::kNotFound, "TMPDIR", "",
+              fmt::format("there is no folder for temporary files (found '{}'); name a folder that exists",
+                          named != nullptr ? named : ""));
+}
+
 fs::path behindLinks(const fs::path& path) {
   requireWholeName(path);
   fs::path out = path;

@@ -53,6 +53,8 @@ inline std::span<const std::byte> bytesOf(std::string_view text) {
 
 /// Returns the extension of a file name in small letters, with the dot. The extension decides the kind of file.
 std::string extensionOf(const std::filesystem::path& path);
+/// Returns the folder of temporary files. throws: Error kNotFound naming TMPDIR.
+std::filesystem::path temporaryFolder();
 
 /// Follows a link, and a link to a link, to the last target, existing or not. Any path without a link is returned
 /// unchanged. Writing to the target keeps the link. throws: Error kIo if another user made a link or links lead to one

@@ -14,7 +14,7 @@ constexpr std::uint64_t kCopiedBytes = 1u << 20;  // copied at a time
 
 fs::path folderOf(const fs::path& path) {
   const fs::path folder = behindLinks(path).parent_path();
-  return isWrittenInPlace(path) ? fs::temp_directory_path() : folder.empty() ? fs::path(".") : folder;
+  return isWrittenInPlace(path) ? temporaryFolder() : folder.empty() ? fs::path(".") : folder;
 }
 
 // Calls f(). Errors of the scratch file, which has no name, are errors of the output.
