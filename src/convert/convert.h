@@ -61,7 +61,7 @@ struct ConvertReport {
   std::uint64_t nan_count = 0;
   std::uint64_t buffer_bytes = 0;  // planned memory of the buffers
   double decodings = 0;            // of a block of the source, on average; 0 if it decodes no blocks
-  double half_error = 0;           // largest rounding of a mean by `half`. unit: the volume's values
+  double half_error = 0;           // largest rounding of a mean of rounded values. unit: the volume's values
   double seconds = 0;
   std::vector<RankConversion> ranks;  // by rank
 };

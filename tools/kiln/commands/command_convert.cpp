@@ -176,7 +176,7 @@ void run(const ConvertArguments& a, Context& context) {
   // A folder of slices may hold a file of that name, too.
   if (std::error_code ignored; isStore(a.input) && std::filesystem::exists(a.input + "/index.bin", ignored))
     throw Error(ErrorCode::kUsage, a.input, "",
-                "is a store already: kiln render draws it, kiln export makes a file of OpenVDB of it");
+                "is a store already: kiln render draws it, kiln export makes a file of another format of it");
   keepFreedMemory();
   const ThreadLimit threads(a.threads);
   SourceOptions source_options = a.source.resolve();
@@ -213,7 +213,7 @@ void run(const ConvertArguments& a, Context& context) {
   printReport(a, source->info(), report);
   if (rounded != nullptr)
     say("rounded to half: no value changed by more than {:g}, no mean of a coarser level by more than {:g}\n",
-        loss.largest_error, report.half_error);
+        loss.largest_error, loss.largest_error + report.half_error);
   if (const std::string lost = loss.warning(); !lost.empty()) context.progress.warn(a.output + ": " + lost);
   if (makesLabels(source->info(), options)) warnOfLabels(a.output, context);
   if (report.nan_count > 0) say("{} voxels are NaN and will be transparent\n", report.nan_count);
