@@ -50,7 +50,7 @@ class VolumeCutter {
     const int axis = n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
     if (n[axis] < 2)
       throw Error(ErrorCode::kUsage,
-                  fmt::format("--distribute bricks: the volume has too few voxels for so many ranks; use fewer"));
+                  "the volume has fewer voxels along an axis than a part needs; use fewer ranks or parts");
     const int before = ranks / 2;
     VoxelBox first = box, second = box;
     first.hi[axis] = second.lo[axis] = cutAt(box, axis, static_cast<double>(before) / ranks);

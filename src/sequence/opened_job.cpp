@@ -98,8 +98,10 @@ std::vector<Doubt> doubtsOf(const RenderJob& job, const OpenedVolumes& volumes, 
   }
   for (const std::string& assumption : volumes.assumptions()) out.push_back({assumption, assumption});
   const Shading& shading = job.picture.shading;
-  if (shading.shadows && std::none_of(shading.lights.begin(), shading.lights.end(),
-                                      [&](const Light& light) { return castsShadows(shading, light); }))
+  const bool lit = engineOf(job).capabilities().composites;
+  if (lit && shading.shadows && std::none_of(shading.lights.begin(), shading.lights.end(), [&](const Light& light) {
+        return castsShadows(shading, light);
+      }))
     out.push_back({"headlights",
                    "--shadows: the eye sees no shadow of a headlight (found no other light); add a light, "
                    "such as --light cam:-1,1,1"});

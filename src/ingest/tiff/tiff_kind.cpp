@@ -103,7 +103,9 @@ std::string refusalOf(const TiffKind& kind, TiffColours colours) {
   const bool as_luminance = colours == TiffColours::kLuminance && kind.hasLuminance();
   if (const char* colour = colourName(kind.photometric); colour != nullptr && !as_luminance)
     return fmt::format("holds {}, not one value a pixel{}", colour,
-                       kind.hasLuminance() ? "; --luminance reads their luminance" : "");
+                       kind.hasLuminance()                    ? "; --luminance reads their luminance"
+                       : kind.planes == PLANARCONFIG_SEPARATE ? ", in planes of their own; save them pixel by pixel"
+                                                              : "");
   if (colours == TiffColours::kLuminance && !as_luminance)
     return "holds no colours, of which --luminance could be read; leave the option out";
   if (kind.samples != 1 && !as_luminance) return fmt::format("holds {} samples a pixel; Kiln reads one", kind.samples);

@@ -53,7 +53,7 @@ void addGallery(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("gallery", "Draw a sheet of thumbnails: every preset from four sides.");
   command->add_option("STORE", a->store, "The store, or a volume file (converted to a store beside it first).")
       ->required();
-  command->add_option("-o,--output", a->output, "The sheet, .png or .exr.")->required();
+  command->add_option("-o,--output", a->output, "The sheet, .png, .exr, .tif or .jpg.")->required();
   command->add_option("--tf", a->request.presets, "Draw these presets only.")->type_name("PRESET");
   command->add_option("--look", a->look, "Light of the pictures, as for render.")
       ->check(CLI::IsMember(std::vector<std::string>(kLookNames.begin(), kLookNames.end())))

@@ -162,7 +162,9 @@ void addSlice(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("slice", "Draw slices, the first look after converting.");
   command->add_option("STORE", a->store, "The store, or a volume file (converted to a store beside it first).")
       ->required();
-  command->add_option("-o,--output", a->output, "The picture, .png or .exr; a run of # becomes the slice's number.")
+  command
+      ->add_option("-o,--output", a->output,
+                   "The picture, .png, .exr, .tif or .jpg; a run of # becomes the slice's number.")
       ->required();
   CLI::Option* const axis = command->add_option("--axis", a->axis, "One of x, y and z.")->capture_default_str();
   CLI::Option* const level = addNumber(*command, "--level", a->level, "0 is finest")->capture_default_str();

@@ -180,7 +180,7 @@ void addTf(CLI::App& app, Context& context) {
       ->type_name("CENTRE,WIDTH");
   command->add_flag("--json", a->json,
                     "Print the function as a transfer function file: the object transferFunction of a job.");
-  command->add_option("-o,--output", a->output, "The picture, .png or .exr.");
+  command->add_option("-o,--output", a->output, "The picture, .png, .exr, .tif or .jpg.");
   addExamples(*command, {"kiln tf ct-bone", "kiln tf scan.nrrd", "kiln tf head.kiln --tf viridis -o viridis.png",
                          "kiln tf head.kiln --tf ct-bone --json > bone.json"});
   addMemory(*command, a->memory, "the sample of a volume file")->capture_default_str();
