@@ -17,6 +17,8 @@ namespace {
 
 // Smallest edge of a shadow map by default: a small picture of a large object has fine shadows, too. unit: pixels.
 constexpr int kLeastMapEdge = 512;
+// Pixels of a shadow map along a voxel's edge, at most. With one, borders of shadows on smooth surfaces are combs.
+constexpr int kMapPixelsOfVoxel = 2;
 // Distance from a sample to the nearest layer that shadows the sample. Shorter distances darken surfaces by their own
 // layers: a surface's opacity rises over some two voxels. unit: voxels or pixels of the map, the longer.
 constexpr double kShadowStart = 1.5;
@@ -73,7 +75,8 @@ ShownExtent extentOf(const std::vector<const BrickedVolume*>& volumes, const std
 int edgeOf(const Light& light, const ShownExtent& extent, const ImageSize& picture) {
   if (light.shadow.resolution > 0) return light.shadow.resolution;
   const int side = std::clamp(std::max(picture.width, picture.height), kLeastMapEdge, kShadowEdge);
-  const auto edge = static_cast<int>(std::min<std::int64_t>(side, std::max<std::int64_t>(extent.longest, 8)));
+  const auto edge =
+      static_cast<int>(std::min<std::int64_t>(side, std::max<std::int64_t>(kMapPixelsOfVoxel * extent.longest, 8)));
   // A penumbra needs fewer pixels, and each of its lights a map.
   return light.shadow.softness > 0 ? edge / 2 : edge;
 }
