@@ -21,6 +21,7 @@
 #include "ingest/open_source.h"
 #include "ingest/source/formats.h"
 #include "store/manifest/read_manifest.h"
+#include "store/store_files.h"
 #include "store/store_reader.h"
 
 namespace kiln {
@@ -38,7 +39,7 @@ bool sameVolume(const Manifest& manifest, const SourceInfo& info) {
 
 bool isYounger(const fs::path& store, const std::vector<fs::path>& files) {
   std::error_code error;
-  const auto finished = fs::last_write_time(store / "manifest.json", error);
+  const auto finished = fs::last_write_time(store / kManifestFile, error);
   return !error && std::all_of(files.begin(), files.end(), [&](const fs::path& file) {
     return namesPhantom(file) || (fs::last_write_time(file, error) <= finished && !error);
   });

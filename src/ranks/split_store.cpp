@@ -11,6 +11,7 @@
 #include "base/file/path_name.h"
 #include "base/file/same_file.h"
 #include "scene/clip_region.h"
+#include "store/store_files.h"
 #include "store/store_writer.h"
 
 namespace kiln {
@@ -60,7 +61,7 @@ class NewDirectory {
 bool isPartOf(const StoreReader& store, const VoxelBox& box, const fs::path& directory) {
   try {
     return boxOfStorePart(directory) == box &&
-           readFile(directory / "manifest.json") == readFile(store.path() / "manifest.json");
+           readFile(directory / kManifestFile) == readFile(store.path() / kManifestFile);
   } catch (const Error&) {
     return false;
   }
@@ -115,12 +116,12 @@ StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const fs
       bytes += store.index().at(key).file_bytes;
       progress.advance("splitting", "bricks", ++done, bricks);
     });
-    bring(store.path() / "index.bin", building / "index.bin");
+    bring(store.path() / kIndexFile, building / kIndexFile);
     disk.syncAll(building);
-    const std::vector<std::byte> manifest = readFile(store.path() / "manifest.json");
+    const std::vector<std::byte> manifest = readFile(store.path() / kManifestFile);
     // Files were copied by name; an unchanged store proves that all files belong to one store.
     store.requireUnchanged();
-    disk.writeOwn(building / "manifest.json", manifest);
+    disk.writeOwn(building / kManifestFile, manifest);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::kNotFound) store.requireUnchanged();
     throw;

@@ -19,6 +19,7 @@
 #include "store/brick_index.h"
 #include "store/codec/brick_codec.h"
 #include "store/manifest/read_manifest.h"
+#include "store/store_files.h"
 #include "store/store_writer.h"
 
 namespace kiln {
@@ -43,7 +44,7 @@ bool holdsStore(const fs::path& folder) {
   const auto holds_both = [&](const char* a, const char* b) {
     return fs::exists(folder / a, unknown) && fs::exists(folder / b, unknown);
   };
-  return holds_both("manifest.json", "index.bin") || holds_both("journal.bin", "bricks");
+  return holds_both(kManifestFile, kIndexFile) || holds_both("journal.bin", "bricks");
 }
 
 File opened(const fs::path& path, std::uint64_t bytes) {
@@ -99,13 +100,13 @@ void requireIndexWithin(const Manifest& manifest, std::uint64_t memory_bytes, st
 
 // Returns the manifest's path. throws: Error kNotFound, kFormat if `directory` is no store.
 fs::path manifestOf(const fs::path& directory) {
-  const fs::path path = directory / "manifest.json";
+  const fs::path path = directory / kManifestFile;
   if (!isThere(directory))
     throw Error(ErrorCode::kNotFound, directory, "", "there is no such file or store; check the name");
   if (!isFolder(directory))
     throw Error(ErrorCode::kFormat, directory, "", "is a file, not a store; name a store's folder");
   if (!isThere(path)) {
-    throw Error(ErrorCode::kFormat, directory, "manifest.json",
+    throw Error(ErrorCode::kFormat, directory, kManifestFile,
                 "is missing: not a store, or a conversion that did not finish; run kiln convert again");
   }
   return path;
@@ -136,7 +137,7 @@ void StoreReader::open(std::uint64_t memory_bytes, std::uint64_t held_bytes) {
   opened_ = std::make_shared<const std::optional<FileIdentity>>(identityOf(manifestOf(path())));
   Manifest manifest = readManifest(path());
   requireIndexWithin(manifest, memory_bytes, held_bytes, path());
-  const fs::path index = path() / "index.bin";
+  const fs::path index = path() / kIndexFile;
   const auto data = checkedFile<UnsetBytes>(index, manifest.index_bytes, manifest.index_checksum);
   BrickIndex entries = BrickIndex::decode(data, manifest.lattices(), index);
   hold(std::move(manifest), std::move(entries));
@@ -149,7 +150,7 @@ std::vector<std::byte> StoreReader::readFile(const BrickKey& key) const {
 }
 
 void StoreReader::requireUnchanged() const {
-  const std::optional<FileIdentity> now = identityOf(path() / "manifest.json");
+  const std::optional<FileIdentity> now = identityOf(path() / kManifestFile);
   if (now == *opened_) return;
   throw Error(ErrorCode::kReplaced, path(), "",
               fmt::format("the store was {} while it was read by this command; run the command again",
@@ -183,7 +184,7 @@ std::optional<double> StoreReader::constantOf(const BrickKey& key) const {
   if (!entry.constant) return std::nullopt;
   if (!holds(manifest().type, entry.core.lo))
     throw Error(
-        ErrorCode::kDamaged, path() / "index.bin", brickPath(key).string(),
+        ErrorCode::kDamaged, path() / kIndexFile, brickPath(key).string(),
         fmt::format("is all {}, which is no {}; convert the source again", entry.core.lo, nameOf(manifest().type)));
   return entry.core.lo;
 }
@@ -212,7 +213,7 @@ std::uint64_t StoreReader::largestFileBytes() const {
   return index().largest([this](const BrickKey& key) { return index().at(key).file_bytes; });
 }
 
-bool isStore(const fs::path& directory) { return isThere(directory) && isThere(directory / "manifest.json"); }
+bool isStore(const fs::path& directory) { return isThere(directory) && isThere(directory / kManifestFile); }
 
 void requireOutsideStores(const fs::path& path, const std::string& option) {
   if (isWrittenInPlace(path)) return;

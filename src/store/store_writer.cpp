@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/memory/memory.h"
+#include "store/store_files.h"
 #include "store/store_reader.h"
 
 namespace kiln {
@@ -124,7 +125,7 @@ void StoreWriter::finish(const ValueHistogram& histogram, std::uint64_t nan_coun
   std::uint64_t index_bytes = 0;
   BrickIndex::SubRangesAt missing;
   if (sub_ranges_) missing = [this](std::size_t place) { return subRangesAt(place); };
-  disk_.writeOwn(directory_ / "index.bin", [&](const fs::path& next) {
+  disk_.writeOwn(directory_ / kIndexFile, [&](const fs::path& next) {
     disk_.writeFile(next, {}, WritePolicy::kUnsynced);
     index_.encode(
         [&](std::span<const std::byte> piece) {
@@ -142,7 +143,7 @@ void StoreWriter::finish(const ValueHistogram& histogram, std::uint64_t nan_coun
   manifest_.index_checksum = hash.value();
   manifest_.histogram = histogram;
   manifest_.nan_count = nan_count;
-  disk_.writeOwn(directory_ / "manifest.json", manifestText(manifest_));
+  disk_.writeOwn(directory_ / kManifestFile, manifestText(manifest_));
   disk_.syncAll(directory_);
 }
 

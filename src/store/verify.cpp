@@ -13,6 +13,7 @@
 #include "base/text.h"
 #include "base/thread/parallel.h"
 #include "store/codec/brick_ranges.h"
+#include "store/store_files.h"
 #include "store/store_writer.h"
 
 namespace kiln {
@@ -50,8 +51,8 @@ class Verification {
       : store_(store), damaged_(damaged), progress_(progress), holds_(holds) {}
 
   VerifyReport run(std::size_t lanes) {
-    checkWithoutBricks("index.bin", [&] { checkConstants(); });
-    checkWithoutBricks("manifest.json", [&] { checkManifest(); });
+    checkWithoutBricks(kIndexFile, [&] { checkConstants(); });
+    checkWithoutBricks(kManifestFile, [&] { checkManifest(); });
     forEachEntry([&](const BrickKey& key, const BrickEntry&) { total_ += has(key) ? 1 : 0; });
     for (int level = 0; level < store_.index().levels(); ++level) {
       const Extent3& lattice = store_.index().lattice(level);
@@ -170,7 +171,7 @@ class Verification {
   }
 
   bool isOurs(const fs::path& file) const {
-    if (file == "manifest.json" || file == "index.bin" || (holds_ && file == kPartFile)) return true;
+    if (file == kManifestFile || file == kIndexFile || (holds_ && file == kPartFile)) return true;
     const std::optional<BrickKey> key = brickKeyOf(file);
     return key && store_.index().contains(*key) && !store_.index().at(*key).constant;
   }

@@ -14,6 +14,7 @@
 #include "base/file/same_file.h"
 #include "convert/resume/journal.h"
 #include "ingest/source/header_text.h"
+#include "store/store_files.h"
 #include "store/store_reader.h"
 
 namespace kiln {
@@ -39,7 +40,7 @@ namespace {
 bool isUnfinished(const fs::path& directory) { return !isStore(directory) && isThere(Journal::pathIn(directory)); }
 
 bool isNameInStore(const fs::path& name) {
-  for (const fs::path& known : {fs::path("manifest.json"), fs::path("index.bin"), fs::path("bricks"), fs::path("parts"),
+  for (const fs::path& known : {fs::path(kManifestFile), fs::path(kIndexFile), fs::path("bricks"), fs::path("parts"),
                                 Journal::pathIn({}).filename(), fs::path(kLockInside)})
     if (name == known || name == known.string() + ".tmp") return true;
   return name.string().starts_with("scratch_") && name.extension() == ".tmp";
@@ -235,7 +236,7 @@ void OutputDirectory::commit() {
   if (replaces) disk_.removeAll(old());
   if (!replaces || !exchange()) replaceInSteps(replaces);
   try {
-    if (replaces) disk_.removeAll(old() / "manifest.json");
+    if (replaces) disk_.removeAll(old() / kManifestFile);
     if (replaces) disk_.removeAll(old());
   } catch (const Error& error) {
     // The new store is in place; the next --overwrite removes the rest of the old store.
@@ -252,7 +253,7 @@ void OutputDirectory::tidy() noexcept {
 
 void OutputDirectory::keepForResuming() noexcept {
   std::error_code ignored;
-  fs::remove(building_ / "manifest.json", ignored);
+  fs::remove(building_ / kManifestFile, ignored);
 }
 
 void OutputDirectory::abandon() noexcept {

@@ -17,6 +17,7 @@
 #include "store/manifest/json_text.h"
 #include "store/manifest/volume_json.h"
 #include "store/ranges/minmax_octree.h"
+#include "store/store_files.h"
 
 namespace kiln {
 namespace {
@@ -371,7 +372,7 @@ std::string manifestText(const Manifest& m) {
       {"cellSize", kCellSize},
       {"levels", levels},
       {"codec", {{"container", m.container_version}, {"compression", "blosc"}}},
-      {"index", {{"file", "index.bin"}, {"bytes", m.index_bytes}, {"checksum", toHex(m.index_checksum)}}},
+      {"index", {{"file", kIndexFile}, {"bytes", m.index_bytes}, {"checksum", toHex(m.index_checksum)}}},
       {"source", sourceJson(m.source, m.format)},
   });
   if (m.format >= 5) json["look"] = lookJson(m.look);
@@ -460,7 +461,7 @@ Manifest parseManifest(const std::string& text, const std::filesystem::path& pat
   codec.same("compression", "blosc");
   codec.finish();
   Reader index(root.get("index"), "index.", path);
-  index.same("file", "index.bin");
+  index.same("file", kIndexFile);
   m.index_bytes = index.count("bytes");
   m.index_checksum = index.checksum("checksum");
   index.finish();
