@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/elapsed.h"
 #include "base/memory/memory.h"
 #include "base/thread/profile_scope.h"
 #include "base/thread/trace.h"
@@ -191,7 +192,7 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {
     read(slot, lock);
   }
   const bool first = !std::exchange(slot->second.asked_for, true);
-  counts_.load_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  counts_.load_seconds += secondsSince(begun);
   if (slot->second.state != State::kFailed) return slot->second.block;
   if (skip_) return skip(slot->second, first, lock);
   const std::exception_ptr failure = slot->second.failure;

@@ -20,6 +20,7 @@
 #include <thread>
 #include <utility>
 
+#include "base/elapsed.h"
 #include "base/error.h"
 #include "cluster/call_watch.h"
 #include "cluster/rank_watch.h"
@@ -149,8 +150,6 @@ class MpiRanks : public Ranks {
     MPI_Request request = MPI_REQUEST_NULL;
   };
 
-  static double seconds(Clock::time_point since) { return std::chrono::duration<double>(Clock::now() - since).count(); }
-
   static void requireSize(std::size_t bytes) {
     if (bytes > static_cast<std::size_t>(INT32_MAX))
       throw Error(ErrorCode::kUsage, "a message of 2 GiB or more between ranks; draw a smaller image, or more tiles");
@@ -179,7 +178,7 @@ class MpiRanks : public Ranks {
       std::this_thread::sleep_for(sleep);
       sleep = std::min(2 * sleep, std::chrono::microseconds(500));
     }
-    locked([&] { traffic_.waited_s += seconds(begin); });
+    locked([&] { traffic_.waited_s += secondsSince(begin); });
   }
 
   void wait(MPI_Request& request) {

@@ -29,15 +29,15 @@ constexpr std::uint64_t kLargestSent = std::uint64_t{1} << 30;
 }  // namespace
 
 // The last bytes of each message, behind the bytes of a file if the message carries a file.
-struct SharedReads::Letter {
-  Kind kind = Kind::kAsk;
+struct SharedReads::Trailer {
+  Kind kind = Kind::kRequest;
   std::int32_t from_disk = 0;
   std::uint64_t number = 0;  // of the request; in kTaken the file's size in bytes
   Hash128 store;             // checksum of the store's index
   BrickKey key;
 };
 
-struct SharedReads::Question {
+struct SharedReads::Request {
   int from = 0;
   std::uint64_t number = 0;
   Hash128 store;
@@ -45,7 +45,7 @@ struct SharedReads::Question {
 };
 
 SharedReads::SharedReads(Ranks& ranks) : ranks_(ranks) {
-  threads_.emplace_back([this](const std::stop_token& stop) { readMail(stop); });
+  threads_.emplace_back([this](const std::stop_token& stop) { receive(stop); });
   const unsigned servers = std::clamp(ThreadLimit::active(), 1u, kMostServers);
   for (unsigned i = 0; i < servers; ++i) threads_.emplace_back([this](const std::stop_token& stop) { serve(stop); });
 }
@@ -99,7 +99,7 @@ BrickHome SharedReads::homeOf(const StoreReader& store, const BrickKey& key) con
 BrickFile SharedReads::fetch(const StoreReader& store, const BrickKey& key) {
   const BrickHome home = homeOf(store, key);
   if (home.rank == ranks_.rank()) return readKept(store, key, home.others > 0);
-  if (std::optional<BrickFile> file = ask(home.rank, store, key)) return *std::move(file);
+  if (std::optional<BrickFile> file = requestFrom(home.rank, store, key)) return *std::move(file);
   return readHere(store, key);
 }
 
@@ -136,24 +136,24 @@ void SharedReads::countRead(const std::vector<std::byte>& file) {
 }
 
 // Requests a file from its home. Returns nothing if the home has no valid file.
-std::optional<BrickFile> SharedReads::ask(int home, const StoreReader& store, const BrickKey& key) {
+std::optional<BrickFile> SharedReads::requestFrom(int home, const StoreReader& store, const BrickKey& key) {
   ProfileScope span(Activity::kRead);
   if (span.traced()) {
     span.note("brick", brickPath(key).native());
     span.note("from rank", static_cast<std::uint64_t>(home));
   }
-  Letter letter{Kind::kAsk, 0, 0, store.manifest().index_checksum, key};
+  Trailer trailer{Kind::kRequest, 0, 0, store.manifest().index_checksum, key};
   {
     const Lock lock(mutex_);
-    if (!asking_) return std::nullopt;
-    letter.number = asked_++;
-    answers_[letter.number];
+    if (!requesting_) return std::nullopt;
+    trailer.number = next_request_++;
+    answers_[trailer.number];
   }
-  send(home, letter, nullptr);
+  send(home, trailer, nullptr);
   std::optional<BrickFile> out;
   {
     Lock lock(mutex_);
-    const auto place = answers_.find(letter.number);
+    const auto place = answers_.find(trailer.number);
     changed_.wait(lock, [&] { return place->second.there || abandoned_; });
     out = std::move(place->second.file);
     answers_.erase(place);
@@ -166,29 +166,29 @@ std::optional<BrickFile> SharedReads::ask(int home, const StoreReader& store, co
   return out;
 }
 
-void SharedReads::send(int to, const Letter& letter, const std::vector<std::byte>* file) {
+void SharedReads::send(int to, const Trailer& trailer, const std::vector<std::byte>* file) {
   std::vector<std::byte> message;
   const std::size_t bytes = file != nullptr ? file->size() : 0;
-  message.reserve(bytes + sizeof letter);
+  message.reserve(bytes + sizeof trailer);
   if (file != nullptr) message.assign(file->begin(), file->end());
-  message.resize(bytes + sizeof letter);
-  std::memcpy(message.data() + bytes, &letter, sizeof letter);
+  message.resize(bytes + sizeof trailer);
+  std::memcpy(message.data() + bytes, &trailer, sizeof trailer);
   ranks_.send(to, kReadsTag, std::move(message));
 }
 
-bool SharedReads::inARush() {
+bool SharedReads::isBusy() {
   const Lock lock(mutex_);
   return !answers_.empty() || serving_bytes_ > 0;
 }
 
-void SharedReads::readMail(const std::stop_token& stop) {
-  Trace::nameThread("mail");
+void SharedReads::receive(const std::stop_token& stop) {
+  Trace::nameThread("receives");
   try {
     while (!stop.stop_requested()) {
       if (std::optional<RankMessage> message = ranks_.poll(kReadsTag))
         handle(*std::move(message));
       else
-        std::this_thread::sleep_for(inARush() ? kShortPause : kLongPause);
+        std::this_thread::sleep_for(isBusy() ? kShortPause : kLongPause);
     }
   } catch (...) {
     {
@@ -200,29 +200,29 @@ void SharedReads::readMail(const std::stop_token& stop) {
 }
 
 void SharedReads::handle(RankMessage message) {
-  Letter letter;
-  if (message.bytes.size() < sizeof letter) return;
-  std::memcpy(&letter, message.bytes.data() + message.bytes.size() - sizeof letter, sizeof letter);
-  message.bytes.resize(message.bytes.size() - sizeof letter);
-  if (letter.kind == Kind::kAnswer && !message.bytes.empty())
-    send(message.from, {Kind::kTaken, 0, message.bytes.size(), letter.store, letter.key}, nullptr);
+  Trailer trailer;
+  if (message.bytes.size() < sizeof trailer) return;
+  std::memcpy(&trailer, message.bytes.data() + message.bytes.size() - sizeof trailer, sizeof trailer);
+  message.bytes.resize(message.bytes.size() - sizeof trailer);
+  if (trailer.kind == Kind::kAnswer && !message.bytes.empty())
+    send(message.from, {Kind::kTaken, 0, message.bytes.size(), trailer.store, trailer.key}, nullptr);
   {
     const Lock lock(mutex_);
-    switch (letter.kind) {
-      case Kind::kAsk:
-        questions_.push_back({message.from, letter.number, letter.store, letter.key});
+    switch (trailer.kind) {
+      case Kind::kRequest:
+        requests_.push_back({message.from, trailer.number, trailer.store, trailer.key});
         break;
       case Kind::kAnswer: {
-        const auto place = answers_.find(letter.number);
+        const auto place = answers_.find(trailer.number);
         if (place == answers_.end()) break;
         place->second.there = true;
         if (message.bytes.empty()) break;
         place->second.file =
-            BrickFile{std::make_shared<const std::vector<std::byte>>(std::move(message.bytes)), letter.from_disk != 0};
+            BrickFile{std::make_shared<const std::vector<std::byte>>(std::move(message.bytes)), trailer.from_disk != 0};
         break;
       }
       case Kind::kTaken:
-        serving_bytes_ -= letter.number;
+        serving_bytes_ -= trailer.number;
         break;
     }
   }
@@ -232,16 +232,16 @@ void SharedReads::handle(RankMessage message) {
 void SharedReads::serve(const std::stop_token& stop) {
   Trace::nameThread("serves");
   Lock lock(mutex_);
-  while (changed_.wait(lock, stop, [&] { return !questions_.empty(); })) {
-    const Question question = questions_.front();
-    questions_.pop_front();
+  while (changed_.wait(lock, stop, [&] { return !requests_.empty(); })) {
+    const Request request = requests_.front();
+    requests_.pop_front();
     ++serving_;
     try {
-      answer(question, lock);
+      answer(request, lock);
     } catch (...) {
       if (!lock.owns_lock()) lock.lock();
       if (!failure_) failure_ = std::current_exception();
-      asking_ = false;
+      requesting_ = false;
       abandoned_ = true;
     }
     --serving_;
@@ -250,11 +250,11 @@ void SharedReads::serve(const std::stop_token& stop) {
 }
 
 // A file that fails to read is answered without bytes; the requesting rank then reads the file and reports the error.
-void SharedReads::answer(const Question& question, Lock& lock) {
-  Letter letter{Kind::kAnswer, 0, question.number, question.store, question.key};
-  const StoreReader* const store = openedStore(question.store);
-  const bool known = store != nullptr && store->index().contains(question.key);
-  const std::uint64_t bytes = known ? store->index().at(question.key).file_bytes : 0;
+void SharedReads::answer(const Request& request, Lock& lock) {
+  Trailer trailer{Kind::kAnswer, 0, request.number, request.store, request.key};
+  const StoreReader* const store = openedStore(request.store);
+  const bool known = store != nullptr && store->index().contains(request.key);
+  const std::uint64_t bytes = known ? store->index().at(request.key).file_bytes : 0;
   bool sent = false;
   if (bytes > 0 && bytes <= kLargestSent) {
     changed_.wait(lock, [&] {
@@ -263,9 +263,9 @@ void SharedReads::answer(const Question& question, Lock& lock) {
     serving_bytes_ += kCopies * bytes;
     lock.unlock();
     try {
-      const BrickFile file = readKept(*store, question.key);
-      letter.from_disk = file.from_disk ? 1 : 0;
-      send(question.from, letter, file.bytes.get());
+      const BrickFile file = readKept(*store, request.key);
+      trailer.from_disk = file.from_disk ? 1 : 0;
+      send(request.from, trailer, file.bytes.get());
       sent = true;
     } catch (...) {
     }
@@ -278,27 +278,27 @@ void SharedReads::answer(const Question& question, Lock& lock) {
     return;
   }
   lock.unlock();
-  send(question.from, letter, nullptr);
+  send(request.from, trailer, nullptr);
   lock.lock();
 }
 
 void SharedReads::finish() {
   {
     Lock lock(mutex_);
-    asking_ = false;
+    requesting_ = false;
     changed_.wait(lock, [&] { return answers_.empty(); });
     if (failure_) std::rethrow_exception(failure_);
   }
   ranks_.barrier();
   // All ranks have their answers; only acknowledgements are on their way.
   Lock lock(mutex_);
-  changed_.wait(lock, [&] { return abandoned_ || (questions_.empty() && serving_ == 0 && serving_bytes_ == 0); });
+  changed_.wait(lock, [&] { return abandoned_ || (requests_.empty() && serving_ == 0 && serving_bytes_ == 0); });
 }
 
 void SharedReads::abandon() {
   {
     const Lock lock(mutex_);
-    asking_ = false;
+    requesting_ = false;
     abandoned_ = true;
   }
   changed_.notify_all();

@@ -68,9 +68,9 @@ class SharedReads : public BrickSupplier {
   SharedReadCounts counts() const;
 
  private:
-  enum class Kind : std::int32_t { kAsk, kAnswer, kTaken };
-  struct Letter;
-  struct Question;
+  enum class Kind : std::int32_t { kRequest, kAnswer, kTaken };
+  struct Trailer;
+  struct Request;
   struct Answer {
     bool there = false;
     std::optional<BrickFile> file;
@@ -78,23 +78,23 @@ class SharedReads : public BrickSupplier {
   using Lock = std::unique_lock<std::mutex>;
 
   BrickHome homeOf(const StoreReader& store, const BrickKey& key) const;
-  std::optional<BrickFile> ask(int home, const StoreReader& store, const BrickKey& key);
+  std::optional<BrickFile> requestFrom(int home, const StoreReader& store, const BrickKey& key);
   BrickFile readHere(const StoreReader& store, const BrickKey& key);
   const StoreReader* openedStore(const Hash128& index) const;
   BrickFile readKept(const StoreReader& store, const BrickKey& key, bool likely = true);
   void countRead(const std::vector<std::byte>& file);
-  void send(int to, const Letter& letter, const std::vector<std::byte>* file);
-  bool inARush();
-  void readMail(const std::stop_token& stop);
+  void send(int to, const Trailer& trailer, const std::vector<std::byte>* file);
+  bool isBusy();
+  void receive(const std::stop_token& stop);
   void handle(RankMessage message);
   void serve(const std::stop_token& stop);
-  void answer(const Question& question, Lock& lock);
+  void answer(const Request& request, Lock& lock);
 
   Ranks& ranks_;
   std::map<BrickKey, BrickHome> homes_;
   mutable std::mutex mutex_;  // guards the members below; `stores_` and `files_` stay while a thread answers
   std::condition_variable_any changed_;
-  bool asking_ = true;      // false: each rank reads for itself
+  bool requesting_ = true;  // false: each rank reads for itself
   bool abandoned_ = false;  // no request will be answered
   bool closing_ = false;    // new requests find no store
   std::exception_ptr failure_;
@@ -102,9 +102,9 @@ class SharedReads : public BrickSupplier {
   std::unique_ptr<EncodedBricks> files_;
   std::uint64_t largest_serving_bytes_ = 0, serving_bytes_ = 0;  // files read or sent for other ranks: limit, now
   int serving_ = 0;                                              // threads that are answering
-  std::uint64_t asked_ = 0;                                      // number of the next request
+  std::uint64_t next_request_ = 0;                               // number of the next request
   std::map<std::uint64_t, Answer> answers_;                      // by number of the request
-  std::deque<Question> questions_;                               // requests of other ranks
+  std::deque<Request> requests_;                                 // requests of other ranks
   SharedReadCounts counts_;
   std::vector<std::jthread> threads_;
 };

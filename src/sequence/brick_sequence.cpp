@@ -134,7 +134,7 @@ class BrickSequence : public RankedSequence {
     own_.add(report.statistics);
     ++own_.tiles;
     if (!collect(report)) {
-      if (ranks_.first()) hear(report);
+      if (ranks_.first()) record(report);
       return;
     }
     composite(drawn, report.statistics);
@@ -147,7 +147,7 @@ class BrickSequence : public RankedSequence {
       write(opened, i, drawn);
       report.statistics = std::move(drawn.statistics);
     });
-    hear(report);
+    record(report);
   }
 
   // Collective. Adds all ranks' reports on rank 0. Returns, on all ranks, whether none failed.

@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "base/elapsed.h"
 #include "base/file/file.h"
 #include "base/hash.h"
 #include "base/thread/profile_scope.h"
@@ -365,7 +366,7 @@ void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const Bricke
       writeFile(job, file, drawn, store, annotators, writer_bytes);
     }
   }
-  drawn.statistics.output_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  drawn.statistics.output_s = secondsSince(begin);
 }
 
 std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store,

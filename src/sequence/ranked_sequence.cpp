@@ -104,8 +104,8 @@ void RankedSequence::started(std::uint32_t frame) {
   if (ranks_.first()) listener_.frameStarted(to_draw_[frame]);
 }
 
-void RankedSequence::hear(const FrameReport& report) {
-  ++heard_;
+void RankedSequence::record(const FrameReport& report) {
+  ++recorded_;
   ++done_;
   const int frame = to_draw_[report.frame];
   if (report.failure) {

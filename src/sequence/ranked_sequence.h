@@ -37,7 +37,7 @@ class RankedSequence {
   void write(OpenedJob& opened, std::uint32_t frame, DrawnFrame& drawn);
   /// Handle, on rank 0, the start and the report of a frame.
   void started(std::uint32_t frame);
-  void hear(const FrameReport& report);
+  void record(const FrameReport& report);
 
   const RenderJob& job_;
   Ranks& ranks_;
@@ -45,7 +45,7 @@ class RankedSequence {
   const std::unique_ptr<SharedReads> shared_reads_;  // null: each rank reads for itself
   SequenceFrames frames_;
   RankStatistics own_;
-  std::size_t heard_ = 0;
+  std::size_t recorded_ = 0;
 
  private:
   void findKept();

@@ -75,7 +75,7 @@ class SharedSequence : public RankedSequence {
   }
 
   // Rank 0 has reports of all frames; other ranks read the shared counter.
-  bool allDone() { return ranks_.first() ? heard_ == toDraw().size() : counters_->add(0, 0) == toDraw().size(); }
+  bool allDone() { return ranks_.first() ? recorded_ == toDraw().size() : counters_->add(0, 0) == toDraw().size(); }
 
   void drawFrames() {
     const auto ranks = static_cast<std::size_t>(ranks_.count());
@@ -94,12 +94,12 @@ class SharedSequence : public RankedSequence {
         write(opened, i, drawn);
         report.statistics = std::move(drawn.statistics);
       });
-      tellFirst(std::move(report));
+      sendReport(std::move(report));
       serve();
     }
   }
 
-  void tellFirst(FrameReport report) {
+  void sendReport(FrameReport report) {
     counters_->add(0, 1);
     report.statistics.contributing.clear();
     ranks_.send(0, kFrameTag, packed(report));
@@ -130,7 +130,7 @@ class SharedSequence : public RankedSequence {
     UncountedProgress of_tiles(progress_);
     std::unique_ptr<FramePainter> painter;
     while (const auto units = work.take(1)) {
-      if (ranks_.first()) tellTiles(toDraw()[i], work);
+      if (ranks_.first()) showTiles(toDraw()[i], work);
       if (!painter) painter = opened.painterFor(scene, of_tiles);
       const PixelRect& tile = split_.tiles[units->begin];
       std::vector<std::byte> message;
@@ -144,7 +144,7 @@ class SharedSequence : public RankedSequence {
   }
 
   // Reports progress over all ranks: tiles handed out, less one tile per rank in progress.
-  void tellTiles(int frame, WorkRanges& work) {
+  void showTiles(int frame, WorkRanges& work) {
     const std::uint64_t given = work.handedOut(), drawing = static_cast<std::uint64_t>(ranks_.count());
     progress_.advance(stepOfFrame(frame).c_str(), "tiles", given - std::min(given, drawing), split_.tiles.size());
   }
@@ -167,7 +167,7 @@ class SharedSequence : public RankedSequence {
     }
     while (auto message = ranks_.poll(kFrameTag)) {
       any = true;
-      hear(reportFrom(message->bytes));
+      record(reportFrom(message->bytes));
     }
     return any;
   }
@@ -216,7 +216,7 @@ class SharedSequence : public RankedSequence {
     }
     assemblies_.erase(i);
     ended_.insert(i);
-    tellFirst(std::move(report));
+    sendReport(std::move(report));
   }
 
   const PixelRect crop_;

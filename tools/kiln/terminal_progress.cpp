@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "base/duration_text.h"
+#include "base/elapsed.h"
 #include "say.h"
 
 namespace kiln::tool {
@@ -65,7 +66,7 @@ void TerminalProgress::advance(const char* step, const char* unit, std::uint64_t
   }
   if (!due(done == total)) return;
   told_ = true;
-  const double seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
+  const double seconds = secondsSince(begin_);
   const double rate = static_cast<double>(done - done_before_) / seconds;
   std::optional<double> left;
   if (rate > 0) left = static_cast<double>(total - done) / rate;

@@ -74,7 +74,7 @@ class CallProgress final : public Progress {
     }
     if (latest && !on_progress.is_none()) on_progress(latest->step, latest->done, latest->total);
   }
-  void tellSentences() {
+  void passSentencesOn() {
     for (const auto& [warns, sentence] : sentences_) {
       if (!warns)
         py::module_::import("logging").attr("getLogger")("kiln").attr("info")("%s", sentence);
@@ -214,12 +214,12 @@ void runForCall(const py::object& on_progress, const std::function<void(Progress
   if (failure) {
     // Notes say what a failed call left. The error itself wins over a warning that a filter turned into an error.
     try {
-      progress.tellSentences();
+      progress.passSentencesOn();
     } catch (const py::error_already_set&) {
     }
     std::rethrow_exception(failure);
   }
-  progress.tellSentences();
+  progress.passSentencesOn();
 }
 
 }  // namespace kiln::python

@@ -1,6 +1,6 @@
 // A sheet of thumbnails of a volume: each preset from several sides, with the options that draw it.
-// Method. All thumbnails are drawn from one cache of bricks, at the levels that fit their size, so that a volume of any
-// size costs the bricks of its coarse levels once.
+// Method. All thumbnails are drawn from one cache of bricks, at the levels that fit their size. A volume of any size
+// costs the bricks of its coarse levels once.
 #pragma once
 
 #include <filesystem>

@@ -111,7 +111,7 @@ ViewSource sourceOf(const ViewArguments& a, Context& context) {
   return out;
 }
 
-void sayAddress(const ViewArguments& a, const ViewServer& server) {
+void printAddress(const ViewArguments& a, const ViewServer& server) {
   if (a.socket.empty()) {
     say("  {}\n", server.address());
   } else {
@@ -132,7 +132,7 @@ void run(const ViewArguments& a, Context& context) {
   options.hosts = a.hosts;
   const std::unique_ptr<ViewServer> server = makeViewServer(session, options);
   context.progress.clear();
-  sayAddress(a, *server);
+  printAddress(a, *server);
   std::optional<OpenedBrowser> browser;
   if (!a.no_browser && a.socket.empty()) browser.emplace(server->address());
   endWithTerminal();
