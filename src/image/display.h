@@ -1,4 +1,4 @@
-// How a PNG or a video shows linear light: an exposure, then a tone curve that leaves room for highlights.
+// Shows linear light in a PNG or a video: an exposure, then a tone curve that leaves room for highlights.
 //
 // The curve keeps colours up to the knee k = 0.7. Beyond the knee, the largest channel m of a colour becomes
 // k + (1 - k)·s / (1 + s) with s = (m - k) / (1 - k): its slope at the knee is 1, and it stays below 1. The other

@@ -55,7 +55,7 @@ enum class Medium { kLight, kDisplay };
 /// - kSoft: light beyond a knee approaches 1 (image/display.h).
 enum class Tone { kClip, kSoft };
 
-/// How linear light is shown.
+/// Mapping of linear light to shown light.
 struct Display {
   double exposure = 0;  // unit: stops; each doubles the light
   Tone tone = Tone::kClip;

@@ -99,7 +99,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job, const Prog
   drawnPixels(job.picture.size, job.picture.crop);
   SilentProgress silent(progress);
   const ShownBoxOf shown_box = shownBoxesOf(out->job, volumes_.all(), fit_, silent);
-  // Moving a camera that fits the picture asks for equal boxes again and again.
+  // A camera that fits the picture needs equal boxes at each move.
   const ShownBoxOf remembered = [&](std::size_t volume, const std::vector<TransferFunction>& functions,
                                     const Clipping& clipping) {
     for (const ShownMemo& memo : shown_) {

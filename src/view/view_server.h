@@ -1,8 +1,8 @@
 // The HTTP server of a viewing session, in a module of its own: programs that do not view load no HTTP.
 //
 // Security. The server listens on the loopback interface or on a socket of mode 0600. Every request of the session
-// needs a random token of 128 bits, which stands in the fragment of the address, so that it is in no log, and which no
-// other page can send. Names of hosts and origins are tested against DNS rebinding. The only files are compiled in.
+// needs a random token of 128 bits, which no other page can send. The token stands in the fragment of the address, and
+// so in no log. Names of hosts and origins are tested against DNS rebinding. The only files are compiled in.
 #pragma once
 
 #include <cstdint>

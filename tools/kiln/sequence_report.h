@@ -12,7 +12,7 @@
 
 namespace kiln::tool {
 
-/// What standard output gets.
+/// Amount of text on standard output.
 /// - kQuiet: nothing.
 /// - kBrief: a short line for each frame: time, bytes read, peak memory.
 /// - kVerbose: also counts of bricks and voxels, and the peak of the cache.

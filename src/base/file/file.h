@@ -108,9 +108,12 @@ class FileSystem {
 
   /// Checks that a file of this name can be made, before hours of work that end with the file. Skips a path that is
   /// written in place (isWrittenInPlace).
-  /// throws: Error kNotFound if the directory does not exist; kIo if a directory has the name, if no temporary file can
-  /// be made beside it, if the name is too long for a temporary name, or if only another user may replace the file;
-  /// kNoSpace; kUsage if a pipe, a socket or a disk has the name.
+  /// throws: Error
+  /// - kNotFound if the directory does not exist;
+  /// - kIo if a directory has the name, if no temporary file can be made beside it, if the name is too long for a
+  ///   temporary name, or if only another user may replace the file;
+  /// - kNoSpace;
+  /// - kUsage if a pipe, a socket or a disk has the name.
   void requirePlaceFor(const std::filesystem::path& path);
 
   /// Checks as requirePlaceFor for an output that is made in pieces and renamed at the end. throws: as requirePlaceFor;

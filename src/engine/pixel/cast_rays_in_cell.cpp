@@ -419,7 +419,8 @@ class CellCaster {
     if (tile_.shadows != nullptr) kept_ = 0;  // a light's view has no light
   }
 
-  // kColorsOnly: the picture has neither planes nor shadows, nor surfaces where two levels overlap. 0.96 to 0.99 of the time.
+  // kColorsOnly: the picture has neither planes nor shadows, nor surfaces where two levels overlap. A frame of cthead
+  // then takes 0.96 to 0.99 of the general version's time.
   template <bool kColorsOnly>
   HWY_NOINLINE void blendEach() {
     std::size_t closed = 0;

@@ -35,8 +35,8 @@ HWY_INLINE M lanesBefore(std::size_t n, std::size_t count) {
   return hn::RebindMask(D(), hn::Lt(hn::Iota(di, static_cast<int>(n)), hn::Set(di, static_cast<int>(count))));
 }
 
-// Code of a sample: bits 0 to 5 and 6 to 11 are the pixel's x and y from the corner of the cell's rectangle, bits from
-// 12 on the slab, bit 30 marks a pair (one sample for two slabs).
+// Code of a sample: bits 0 to 5 and 6 to 11 are the pixel's x and y from the corner of the cell's rectangle. Bits from
+// 12 on are the slab; bit 30 marks a pair (one sample for two slabs).
 class CellPlaces {
  public:
   static constexpr int kPixelBits = 6, kSlabBits = 2 * kPixelBits;

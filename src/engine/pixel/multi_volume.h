@@ -1,6 +1,6 @@
 // Several volumes in one picture: one set of slabs for all (engine/shared/slab_grid.h), zone after zone from near to
-// far. In a zone each volume has the level that its own voxels need, and in each tile samples of all volumes are added
-// slab by slab (engine/pixel/slab_sums.h), so that no bit depends on how a volume was cut.
+// far. In a zone each volume has the level that its own voxels need. In each tile samples of all volumes are added
+// slab by slab (engine/pixel/slab_sums.h). No bit depends on how a volume was cut.
 #pragma once
 
 #include <memory>

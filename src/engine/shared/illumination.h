@@ -1,6 +1,6 @@
 // Shadows of a frame's lights, and their look-up by samples.
-// Method. A sample looks up the transmittance between a light and a point `start` from the sample towards the light, so
-// that the layers of the surface that the sample belongs to do not shadow the surface.
+// Method. A sample looks up the transmittance between a light and a point `start` from the sample towards the light.
+// The layers of the sample's own surface lie nearer than `start`, and do not shadow it.
 // Invariant. The maps depend on the volumes, their functions, clipping and the light, never on the picture's crop.
 #pragma once
 
@@ -88,7 +88,7 @@ class ShadowLookup {
 
  private:
   static float reaching(const std::vector<Map>& maps, const glm::vec3& view_point) {
-    // Of six maps around the light, the map of the face that the point lies behind.
+    // The map, among six around the light, of the face that the point lies behind.
     for (const Map& map : maps) {
       const glm::vec3 at(map.light_from_view * glm::vec4(view_point, 1));
       if (maps.size() > 1 && !(at.z > 0 && at.z >= std::abs(at.x) && at.z >= std::abs(at.y))) continue;

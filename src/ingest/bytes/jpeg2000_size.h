@@ -11,7 +11,7 @@ namespace kiln {
 struct Jpeg2000Size {
   std::uint64_t columns = 0, rows = 0;
   int components = 0;
-  /// Of the first component.
+  /// Bits of a sample of the first component.
   int bits = 0;
   bool is_signed = false;
   /// True if the first component has fewer samples than the image has pixels.

@@ -19,7 +19,7 @@ struct Hdf5Image {
   PatientFrame frame = PatientFrame::kUnknown;
   /// True if whole numbers are unsigned, whatever their type. BigDataViewer writes unsigned numbers as signed.
   bool is_unsigned = false;
-  /// How whole numbers are scaled slice by slice, as MINC does.
+  /// Scales of whole numbers slice by slice, as in MINC.
   SliceScales scales;
   /// Further files that describe the image: the XML file of BigDataViewer.
   std::vector<std::filesystem::path> headers;

@@ -17,7 +17,7 @@ struct SliceScale {
 struct SliceScales {
   /// The voxel axis across the slices: 0 is x.
   int axis = 2;
-  /// Of each slice; empty if values are taken as stored.
+  /// Scale of each slice; empty if values are taken as stored.
   std::vector<SliceScale> slices;
 };
 

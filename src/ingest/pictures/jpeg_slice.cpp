@@ -1,6 +1,6 @@
 // libjpeg reports errors by longjmp, which must not pass over C++ objects with destructors: all of its calls are in
-// small functions whose locals are plain data. Its warnings tell of missing or damaged data, which it fills with grey,
-// so a warning is an error.
+// small functions whose locals are plain data. Its warnings report missing or damaged data, which it fills with grey.
+// A warning is therefore an error.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // Problem. Most programs write the resolution of a printer or screen into TIFF's tags, whatever the image is.
 // Method. The tags count only with a unit and a number that no screen or printer has. They give no distance of slices:
-// the pixel size is used for it, and a note tells the user.
+// the pixel size is used, and a note reports the assumption.
 // Descriptions by ImageJ, OME and tifffile take precedence over a log of SkyScan, and the log over the tags.
 #include "ingest/tiff/tiff_spacing.h"
 

@@ -30,7 +30,7 @@ class VtiText {
   bool base64_;
 };
 
-/// How the lengths in front of an array are written.
+/// Encoding of the lengths in front of an array.
 struct VtiLengths {
   bool wide = false, big_endian = false;
   std::size_t size() const { return wide ? 8 : 4; }

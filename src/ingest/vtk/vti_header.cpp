@@ -41,7 +41,7 @@ class VtiParser : public XmlReader {
   VtiHeader header_;
   int pieces_ = 0;
   bool has_image_ = false;
-  /// Of the last PointData or CellData; empty without.
+  /// Active scalars of the last PointData or CellData element; empty without one.
   std::string active_scalars_;
 };
 

@@ -33,8 +33,8 @@ bool isPreset(std::string_view name);
 /// throws: Error kUsage naming the presets, or the fault in VALUE.
 TransferFunction presetFor(std::string_view name, const Manifest& manifest);
 
-/// Returns black to white over the range of values, or to the colour over the window that the source declares, in equal
-/// display steps, opaque, as viewers of slices and projections show values.
+/// Returns black to white over the range of values, or to the colour over the window that the source declares. The
+/// function is opaque, in equal display steps, as viewers of slices and projections show values.
 TransferFunction displayRamp(const Manifest& manifest, const std::optional<glm::dvec3>& color = {});
 
 }  // namespace kiln

@@ -37,7 +37,7 @@ enum class LabelsAround { kNone, kOne, kSeveral };
 LabelsAround loadLabels(const BrickBlock& block, const SampleLattice& lattice, const VoxelCoord& lo,
                         const SampleTable& table, LabelVoxels& out);
 
-/// How solid a point is whose visible voxels have a share of `shown`: 0 to 1.
+/// Solidity, 0 to 1, of a point whose visible voxels have a share of `shown`.
 inline float solidOf(float shown) { return std::min(std::max(0.5f + kLabelRise * (shown - 0.5f), 0.0f), 1.0f); }
 
 /// Table position of a sample: `shown` is the share of visible labels, `rank` the label with the largest share. Rounded
