@@ -21,7 +21,7 @@
 #include "ingest/open_source.h"
 #include "ingest/source/formats.h"
 #include "store/manifest/read_manifest.h"
-#include "store/store_files.h"
+#include "store/manifest/store_files.h"
 #include "store/store_reader.h"
 
 namespace kiln {

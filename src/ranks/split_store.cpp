@@ -11,7 +11,7 @@
 #include "base/file/path_name.h"
 #include "base/file/same_file.h"
 #include "scene/clip_region.h"
-#include "store/store_files.h"
+#include "store/manifest/store_files.h"
 #include "store/store_writer.h"
 
 namespace kiln {

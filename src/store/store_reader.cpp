@@ -19,7 +19,7 @@
 #include "store/brick_index.h"
 #include "store/codec/brick_codec.h"
 #include "store/manifest/read_manifest.h"
-#include "store/store_files.h"
+#include "store/manifest/store_files.h"
 #include "store/store_writer.h"
 
 namespace kiln {

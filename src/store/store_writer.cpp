@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/memory/memory.h"
-#include "store/store_files.h"
+#include "store/manifest/store_files.h"
 #include "store/store_reader.h"
 
 namespace kiln {

@@ -13,7 +13,7 @@
 #include "base/text.h"
 #include "base/thread/parallel.h"
 #include "store/codec/brick_ranges.h"
-#include "store/store_files.h"
+#include "store/manifest/store_files.h"
 #include "store/store_writer.h"
 
 namespace kiln {

@@ -14,7 +14,7 @@
 #include "base/file/same_file.h"
 #include "convert/resume/journal.h"
 #include "ingest/source/header_text.h"
-#include "store/store_files.h"
+#include "store/manifest/store_files.h"
 #include "store/store_reader.h"
 
 namespace kiln {

@@ -15,9 +15,9 @@
 #include "grid/pyramid.h"
 #include "grid/shared_world.h"
 #include "store/manifest/json_text.h"
+#include "store/manifest/store_files.h"
 #include "store/manifest/volume_json.h"
 #include "store/ranges/minmax_octree.h"
-#include "store/store_files.h"
 
 namespace kiln {
 namespace {
