@@ -56,6 +56,7 @@ export ASAN_OPTIONS=detect_leaks=1
 export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS="suppressions=$PWD/tests/support/tsan.supp"
 
+mkdir -p build
 logs=()
 tests=       # the process that runs the tests of the last stage, and that stage
 tests_of=
@@ -67,9 +68,17 @@ finish_tests() {
   local code=0
   wait "$tests" || code=$?
   tests=
-  cat "build/$tests_of/ctest.log"
+  cat "build/$tests_of.log"
   echo "== $tests_of: tests ended with exit code $code, after $SECONDS s"
   [ $code = 0 ] || exit "$code"
+}
+
+# Runs a command as the tests of a stage, while the next stage is built.
+start_tests() {
+  tests_of=$1
+  shift
+  "$@" >"build/$tests_of.log" 2>&1 &
+  tests=$!
 }
 
 build_and_start_tests() {
@@ -99,16 +108,14 @@ build_and_start_tests() {
   cmake --build --preset "$preset" -j "$(nproc)" "${targets[@]}"
   echo "== $preset is built, after $SECONDS s"
   finish_tests
-  ctest --preset "$preset" -j 2 --no-tests=error -L "^($(IFS='|' && echo "${labels[*]}"))$" >"build/$preset/ctest.log" 2>&1 &
-  tests=$!
-  tests_of=$preset
+  start_tests "$preset" ctest --preset "$preset" -j 2 --no-tests=error -L "^($(IFS='|' && echo "${labels[*]}"))$"
   logs+=("build/$preset/Testing/Temporary/LastTest.log")
 }
 
 for stage in "${stages[@]}"; do
   echo "== $stage, after $SECONDS s"
   case $stage in
-    configure) scripts/check_builds.sh --configure ;;
+    configure) start_tests configure scripts/check_builds.sh --configure ;;
     chroot) finish_tests; scripts/install_packages.sh chroot; scripts/check_builds.sh ;;
     packages)
       finish_tests
