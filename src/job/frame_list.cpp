@@ -15,8 +15,8 @@ namespace {
 
 Error refusedFrames(std::string_view text, std::string_view option) {
   return Error(ErrorCode::kUsage, std::filesystem::path(option), "",
-               fmt::format("expected frames from 0 to {} such as 7, 1-100, 1-100x2 or 1-10,20, found '{}'", kLastFrame,
-                           text.substr(0, 60)));
+               fmt::format("expected numbers from 0 to {} such as 7, 1-100, 1-100x2 or 1-10,20 (found '{}')",
+                           kLastFrame, text.substr(0, 60)));
 }
 
 // Reads a number off the front.
@@ -51,7 +51,7 @@ std::vector<int> parseFrames(std::string_view text, std::string_view option) {
       if (seen.insert(frame).second) out.push_back(frame);
       if (out.size() > kMostFrames)
         throw Error(ErrorCode::kUsage, std::filesystem::path(option), "",
-                    fmt::format("'{}' are more than {} frames", text.substr(0, 60), kMostFrames));
+                    fmt::format("'{}' are more than {} numbers", text.substr(0, 60), kMostFrames));
     }
   } while (take(rest, ','));
   if (!rest.empty()) throw refusedFrames(text, option);

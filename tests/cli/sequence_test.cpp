@@ -187,7 +187,7 @@ TEST_F(SequenceCli, WhatIsNotThisJobsIsNotTouched) {
   refused({"render", in("h.kiln"), "-o", in("none/a.png"), "--repeat", "2"}, 1, in("none/a.png"));
   refused({"render", in("h.kiln"), "-o", in("a.png"), "--stats", in("none/s.json")}, 1, in("none/s.json"));
   refused({"render", in("h.kiln"), "-o", "/proc/a.png"}, 1, "/proc/a.png: making a scratch file");
-  refused({"render", in("job.json"), "--frames", "3-1"}, 2, "--frames: expected frames");
+  refused({"render", in("job.json"), "--frames", "3-1"}, 2, "--frames: expected numbers");
   refused({"render", in("job.json"), "--repeat", "2"}, 2, "--repeat");
   refused({"render", in("h.kiln"), "-o", in("a.png"), "--turntable", "0"}, 2, "--turntable");
   refused({"render", in("h.kiln"), "-o", in("a.png"), "--progress", "loud"}, 2, "--progress");

@@ -283,6 +283,11 @@ TEST_F(IngestZarr, ChannelsAndTimesAreChosenByNumberAndName) {
   late = withChannel("RFP");
   late.time = 0;
   expectError("a.zarr", ErrorCode::kUsage, "'RFP' is none of the channels 0 to 2", late);
+  putImage("twins.zarr", volume, imageOf(axesOf("tczyx"), R"({"type": "scale", "scale": [1, 1, 4, 3, 2]})"),
+           R"(, "omero": {"channels": [{"label": "GFP"}, {"label": "DAPI"}, {"label": "GFP"}]})", layout);
+  late = withChannel("GFP");
+  late.time = 0;
+  expectError("twins.zarr", ErrorCode::kUsage, "'GFP' names several channels; choose one by its number", late);
   // Without names, the axes in front of the last three are a channel and a time.
   layout.axes = {{'c', 1, 2, 1}, {'z', 3}, {'y', 2}, {'x', 4}};
   writeZarr(in("plain.zarr"), volume, layout);

@@ -55,6 +55,10 @@ std::int64_t chosenChannel(const SourceOptions& options, std::span<const std::st
     refuseChoice(
         file, "--channel",
         fmt::format("{} is none of the channels 0 to {}{}", inQuotes(*options.channel), count - 1, listOf(names)));
+  if (std::find(named + 1, names.end(), *options.channel) != names.end())
+    refuseChoice(file, "--channel",
+                 fmt::format("{} names several channels; choose one by its number, from 0 to {}{}",
+                             inQuotes(*options.channel), count - 1, listOf(names)));
   return named - names.begin();
 }
 
