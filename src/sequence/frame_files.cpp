@@ -94,8 +94,8 @@ std::string textOf(const RenderJob& of_file, const FrameScene& scene) {
   return resolvedJobText(of_file, scene.camera, scene.transfer_function);
 }
 
-// Returns the current folder as seen from the picture's. Nothing where both share only the root: the name of a folder
-// such as /home/ann would enter a picture that may be published.
+// Returns the current folder as seen from the picture's. Nothing where it is the picture's, or where both share only
+// the root: the name of a folder such as /home/ann would enter a picture that may be published.
 std::optional<std::string> currentFolderFrom(const fs::path& picture) {
   std::error_code unknown;
   const fs::path here = fs::current_path(unknown),
@@ -104,7 +104,7 @@ std::optional<std::string> currentFolderFrom(const fs::path& picture) {
   const auto topOf = [](const fs::path& path) { return *path.relative_path().begin(); };
   const bool climbs = std::all_of(way.begin(), way.end(), [](const fs::path& step) { return step == ".."; });
   const bool share = here.has_relative_path() && folder.has_relative_path() && topOf(here) == topOf(folder);
-  if (way.empty() || !(climbs || share)) return std::nullopt;
+  if (way.empty() || way == "." || !(climbs || share)) return std::nullopt;
   return way.string();
 }
 
