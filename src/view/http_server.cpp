@@ -1,11 +1,9 @@
 // The module libkiln_view: HTTP by Boost.Beast, blocking, one thread for each connection.
-// Method. Beast parses headers and bodies; this file owns the sockets, because Beast's time limits hold for
-// asynchronous calls only. Each read and write waits in `poll` until the request's deadline.
+// Method. Beast parses headers and bodies; view/http_stream.h reads and writes, view/request_rules.h judges headers.
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
-#include <sys/random.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -20,8 +18,6 @@
 #include <boost/beast/http.hpp>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
-#include <limits>
 #include <list>
 #include <mutex>
 #include <optional>
@@ -29,7 +25,9 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "view/http_stream.h"
 #include "view/page_files.h"
+#include "view/request_rules.h"
 #include "view/view_server.h"
 
 namespace kiln {
@@ -39,7 +37,6 @@ namespace http = boost::beast::http;
 namespace net = boost::asio;
 namespace fs = std::filesystem;
 using boost::system::error_code;
-using Clock = std::chrono::steady_clock;
 using Request = http::request<http::string_body>;
 using Status = http::status;
 
@@ -57,173 +54,6 @@ constexpr std::string_view kPolicy =
     "base-uri 'none'; form-action 'none'; frame-ancestors ";
 // Pages that may show the page in a frame.
 constexpr std::string_view kNobody = "'none'", kThisMachine = "http://127.0.0.1:* http://localhost:*";
-
-Clock::time_point after(double seconds) {
-  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-}
-
-class Descriptor {
- public:
-  explicit Descriptor(int file = -1) : file_(file) {}
-  ~Descriptor() { reset(); }
-  Descriptor(Descriptor&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
-  Descriptor& operator=(Descriptor&& other) noexcept {
-    reset();
-    file_ = std::exchange(other.file_, -1);
-    return *this;
-  }
-  int get() const { return file_; }
-  explicit operator bool() const { return file_ >= 0; }
-  void reset() {
-    if (file_ >= 0) ::close(std::exchange(file_, -1));
-  }
-
- private:
-  int file_;
-};
-
-// A connected socket as a stream of Beast's. Each call waits until the deadline at most.
-class Stream {
- public:
-  explicit Stream(int file) : file_(file) {}
-  void until(Clock::time_point deadline) { deadline_ = deadline; }
-  bool late() const { return late_; }
-  // Ends reading with an error after so many bytes.
-  void allow(std::uint64_t bytes) { allowed_ = bytes; }
-
-  template <class Buffers>
-  std::size_t read_some(const Buffers& buffers, error_code& error) {
-    for (auto part = net::buffer_sequence_begin(buffers); part != net::buffer_sequence_end(buffers); ++part) {
-      const net::mutable_buffer buffer = *part;
-      if (buffer.size() == 0) continue;
-      if (allowed_ == 0) {
-        error = http::error::body_limit;
-        return 0;
-      }
-      const std::size_t most = std::min<std::uint64_t>(buffer.size(), allowed_);
-      const std::size_t count = moved(POLLIN, error, [&] { return ::recv(file_, buffer.data(), most, MSG_DONTWAIT); });
-      allowed_ -= count;
-      return count;
-    }
-    error = {};
-    return 0;
-  }
-  template <class Buffers>
-  std::size_t write_some(const Buffers& buffers, error_code& error) {
-    for (auto part = net::buffer_sequence_begin(buffers); part != net::buffer_sequence_end(buffers); ++part) {
-      const net::const_buffer buffer = *part;
-      if (buffer.size() == 0) continue;
-      return moved(POLLOUT, error,
-                   [&] { return ::send(file_, buffer.data(), buffer.size(), MSG_DONTWAIT | MSG_NOSIGNAL); });
-    }
-    error = {};
-    return 0;
-  }
-
-  // Beast requires the forms that throw.
-  template <class Buffers>
-  std::size_t read_some(const Buffers& buffers) {
-    error_code error;
-    const std::size_t count = read_some(buffers, error);
-    if (error) throw boost::system::system_error(error);
-    return count;
-  }
-  template <class Buffers>
-  std::size_t write_some(const Buffers& buffers) {
-    error_code error;
-    const std::size_t count = write_some(buffers, error);
-    if (error) throw boost::system::system_error(error);
-    return count;
-  }
-
-  // True once the other side has closed. thread: any.
-  bool closed() const {
-    pollfd one{file_, POLLRDHUP, 0};
-    return ::poll(&one, 1, 0) > 0 && (one.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
-  }
-  // Waits for the first byte of a request. Returns false without one.
-  bool waitsForRequest(double seconds) const {
-    pollfd one{file_, POLLIN, 0};
-    return ::poll(&one, 1, static_cast<int>(seconds * 1000)) > 0 && (one.revents & POLLIN) != 0;
-  }
-  // Ends the answer, and takes bytes under way: unread bytes would reset the connection before the client has read.
-  void end() {
-    constexpr std::size_t kMostDrained = 4 << 20;
-    ::shutdown(file_, SHUT_WR);
-    std::array<char, 16384> rest;
-    until(after(0.5));
-    allow(kMostDrained);
-    error_code error;
-    for (std::size_t taken = 0; taken < kMostDrained && !error;) {
-      const std::size_t count = read_some(net::buffer(rest), error);
-      if (count == 0) break;
-      taken += count;
-    }
-  }
-
- private:
-  // Calls `move` until it moves bytes, fails, or the deadline has passed.
-  template <class Move>
-  std::size_t moved(short event, error_code& error, const Move& move) {
-    for (;;) {
-      const ssize_t count = move();
-      if (count > 0) {
-        error = {};
-        return static_cast<std::size_t>(count);
-      }
-      if (count == 0) {
-        error = net::error::eof;
-        return 0;
-      }
-      if (errno == EINTR) continue;
-      if (errno != EAGAIN && errno != EWOULDBLOCK) {
-        error = {errno, boost::system::system_category()};
-        return 0;
-      }
-      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline_ - Clock::now()).count();
-      pollfd one{file_, event, 0};
-      if (left <= 0 || ::poll(&one, 1, static_cast<int>(std::min<std::int64_t>(left + 1, 60'000))) == 0) {
-        if (Clock::now() < deadline_) continue;
-        late_ = true;
-        error = net::error::timed_out;
-        return 0;
-      }
-    }
-  }
-
-  const int file_;
-  Clock::time_point deadline_{};
-  bool late_ = false;
-  std::uint64_t allowed_ = std::numeric_limits<std::uint64_t>::max();
-};
-
-// Compares in a time that does not depend on the place of a difference.
-bool equalInConstantTime(std::string_view a, std::string_view b) {
-  unsigned different = a.size() == b.size() ? 0 : 1;
-  for (std::size_t i = 0; i < b.size(); ++i)
-    different |=
-        static_cast<unsigned>(static_cast<unsigned char>(b[i]) ^ static_cast<unsigned char>(i < a.size() ? a[i] : 0));
-  return different == 0;
-}
-
-std::string randomToken() {
-  std::array<unsigned char, 16> bytes;
-  for (std::size_t have = 0; have < bytes.size();) {
-    const ssize_t count = ::getrandom(bytes.data() + have, bytes.size() - have, 0);
-    if (count < 0 && errno != EINTR) throw systemError(errno, {}, "drawing a random token");
-    have += static_cast<std::size_t>(std::max<ssize_t>(count, 0));
-  }
-  constexpr std::string_view kLetters = "0123456789abcdef";
-  std::string out;
-  for (const unsigned char byte : bytes) out += {kLetters[byte >> 4], kLetters[byte & 15]};
-  return out;
-}
-
-// The name of "name:port", "[::1]:port" or a name alone.
-std::string_view nameOfHost(std::string_view host) {
-  if (host.starts_with('[')) return host.substr(0, std::min(host.find(']'), host.size() - 1) + 1);
-  return host.substr(0, host.find(':'));
-}
 
 std::string_view viewOf(boost::beast::string_view text) { return {text.data(), text.size()}; }
 
@@ -272,7 +102,7 @@ Status statusOf(ErrorCode code) {
 class Client final : public ViewClient {
  public:
   /// `head_only` leaves out the body of a whole answer, as HEAD asks.
-  Client(Stream& stream, bool keep_alive, double seconds, bool framed, bool head_only)
+  Client(HttpStream& stream, bool keep_alive, double seconds, bool framed, bool head_only)
       : stream_(stream), keep_alive_(keep_alive), seconds_(seconds), framed_(framed), head_only_(head_only) {}
 
   void document(std::string_view type, std::span<const std::byte> bytes) override { whole(Status::ok, type, bytes); }
@@ -332,7 +162,7 @@ class Client final : public ViewClient {
   }
   void sendHead(http::response<http::empty_body>& head) {
     begun_ = true;
-    stream_.until(after(seconds_));
+    stream_.within(seconds_);
     http::response_serializer<http::empty_body> serializer(head);
     error_code error;
     http::write_header(stream_, serializer, error);
@@ -340,7 +170,7 @@ class Client final : public ViewClient {
   }
   template <class Buffers>
   void send(const Buffers& buffers) {
-    stream_.until(after(seconds_));
+    stream_.within(seconds_);
     error_code error;
     net::write(stream_, buffers, error);
     require(error);
@@ -351,7 +181,7 @@ class Client final : public ViewClient {
     throw Error(ErrorCode::kCancelled, "nobody reads the answer");
   }
 
-  Stream& stream_;
+  HttpStream& stream_;
   const bool keep_alive_;
   const double seconds_;
   const bool framed_, head_only_;
@@ -387,7 +217,7 @@ class HttpServer final : public ViewServer {
     while (!stopped()) {
       pollfd one{listener_.get(), POLLIN, 0};
       if (::poll(&one, 1, kPollEvery_ms) > 0)
-        take(Descriptor(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC)));
+        take(SocketFile(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC)));
       reap();
     }
     endAll();
@@ -395,15 +225,15 @@ class HttpServer final : public ViewServer {
 
  private:
   struct Connection {
-    explicit Connection(Descriptor&& given) : file(std::move(given)) {}
-    Descriptor file;
+    explicit Connection(SocketFile&& given) : file(std::move(given)) {}
+    SocketFile file;
     std::thread thread;
     std::atomic<bool> idle = false;  // between two requests
     std::atomic<bool> done = false;
   };
 
   void listenOnPort() {
-    listener_ = Descriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    listener_ = SocketFile(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
     if (!listener_) throw systemError(errno, {}, "making a socket");
     const int on = 1;
     ::setsockopt(listener_.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
@@ -430,7 +260,7 @@ class HttpServer final : public ViewServer {
     std::copy(path.begin(), path.end(), place.sun_path);
     const auto* const address = reinterpret_cast<const sockaddr*>(&place);
     removeLeftSocket(address, sizeof place);
-    listener_ = Descriptor(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    listener_ = SocketFile(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
     if (!listener_) throw systemError(errno, options_.socket, "making a socket");
     const mode_t before = ::umask(0177);
     const int bound = ::bind(listener_.get(), address, sizeof place), why = errno;
@@ -448,7 +278,7 @@ class HttpServer final : public ViewServer {
     if (::lstat(options_.socket.c_str(), &there) != 0) return;
     if (!S_ISSOCK(there.st_mode))
       throw Error(ErrorCode::kExists, options_.socket, "--socket", "is a file already; choose another path");
-    const Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    const SocketFile probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
     if (::connect(probe.get(), address, size) == 0 || errno != ECONNREFUSED)
       throw Error(ErrorCode::kExists, options_.socket, "--socket",
                   "is the socket of a running program; choose another path");
@@ -459,7 +289,7 @@ class HttpServer final : public ViewServer {
     if (::listen(listener_.get(), kBacklog) != 0) throw systemError(errno, options_.socket, "listening");
   }
 
-  void take(Descriptor file) {
+  void take(SocketFile file) {
     if (!file) {
       // Without a free file descriptor poll would return at once, again and again.
       reap();
@@ -480,7 +310,7 @@ class HttpServer final : public ViewServer {
   }
 
   // Answers in one piece without a thread.
-  static void refuse(const Descriptor& file) {
+  static void refuse(const SocketFile& file) {
     static const std::string kBody = jsonError("too many connections at a time; close another page of this server");
     static const std::string kBusy =
         "HTTP/1.1 503 Service Unavailable\r\nServer: kiln\r\nContent-Type: application/json\r\nConnection: close\r\n"
@@ -527,7 +357,7 @@ class HttpServer final : public ViewServer {
   // The thread of a connection.
   void serve(Connection& connection) noexcept {
     try {
-      Stream stream(connection.file.get());
+      HttpStream stream(connection.file.get());
       boost::beast::flat_buffer buffer;
       bool first = true;
       for (bool more = true; more; first = false) {
@@ -547,11 +377,11 @@ class HttpServer final : public ViewServer {
   }
 
   // Returns whether a further request may follow.
-  bool serveOne(Stream& stream, boost::beast::flat_buffer& buffer) {
+  bool serveOne(HttpStream& stream, boost::beast::flat_buffer& buffer) {
     http::request_parser<http::string_body> parser;
     parser.header_limit(kMostHeaderBytes);
     parser.body_limit(kMostBodyBytes);
-    stream.until(after(options_.header_s));
+    stream.within(options_.header_s);
     stream.allow(kMostRequestBytes);
     error_code error;
     http::read_header(stream, buffer, parser, error);
@@ -565,7 +395,7 @@ class HttpServer final : public ViewServer {
     };
     if (const auto refusal = refusalOf(error, stream)) return refusal->sentence.empty() ? false : refused(*refusal);
     if (const auto refusal = refusalOf(parser.get())) return refused(*refusal);
-    stream.until(after(options_.request_s));
+    stream.within(options_.request_s);
     if (viewOf(parser.get()[http::field::expect]) == "100-continue") {
       constexpr std::string_view kGoOn = "HTTP/1.1 100 Continue\r\n\r\n";
       net::write(stream, net::buffer(kGoOn.data(), kGoOn.size()), error);
@@ -577,7 +407,7 @@ class HttpServer final : public ViewServer {
   }
 
   // Returns a refusal for an error of reading. A refusal without a sentence is not sent.
-  static std::optional<Refusal> refusalOf(const error_code& error, const Stream& stream) {
+  static std::optional<Refusal> refusalOf(const error_code& error, const HttpStream& stream) {
     if (!error) return std::nullopt;
     if (stream.late()) return Refusal{Status::request_timeout, "the request took too long; send it again"};
     if (error == http::error::body_limit)
@@ -592,11 +422,13 @@ class HttpServer final : public ViewServer {
 
   // Returns a refusal for a header.
   std::optional<Refusal> refusalOf(const Request& request) const {
-    if (request.count(http::field::host) != 1 || !isOwn(viewOf(request[http::field::host])))
+    if (request.count(http::field::host) != 1 || !isOwnHost(viewOf(request[http::field::host]), options_.hosts))
       return Refusal{Status::forbidden,
                      "Host: is not this server's; open the address that kiln view printed, or give "
                      "--allow-host for a proxy"};
-    if (request.count(http::field::origin) > 0 && !isOwnOrigin(request))
+    if (request.count(http::field::origin) > 0 &&
+        (request.count(http::field::origin) > 1 ||
+         !isOwnOrigin(viewOf(request[http::field::origin]), viewOf(request[http::field::host]), options_.hosts)))
       return Refusal{Status::forbidden, "Origin: is another page's; open the address that kiln view printed"};
     const std::string_view target = viewOf(request.target());
     if (!target.starts_with('/')) return Refusal{Status::bad_request, "the target is no path; begin it with /"};
@@ -605,7 +437,8 @@ class HttpServer final : public ViewServer {
         return Refusal{Status::method_not_allowed, "a file is read by GET"};
       return std::nullopt;
     }
-    if (!hasToken(request))
+    if (request.count(http::field::authorization) != 1 ||
+        !bearsToken(viewOf(request[http::field::authorization]), token_))
       return Refusal{Status::unauthorized, "the token is missing or wrong; open the address that kiln view printed"};
     const ViewService::Request kind = service_.kindOf(target.substr(5));
     if (kind == ViewService::Request::kUnknown) return Refusal{Status::not_found, "there is no such request"};
@@ -617,41 +450,6 @@ class HttpServer final : public ViewServer {
         return Refusal{Status::unsupported_media_type, "Content-Type: expected application/json"};
     }
     return std::nullopt;
-  }
-
-  bool isOwn(std::string_view host) const {
-    const std::string name = lowered(nameOfHost(host));
-    std::string_view port = host.substr(name.size());
-    if (!port.empty() &&
-        !(port.front() == ':' && port.size() <= 6 && port.find_first_not_of("0123456789", 1) == std::string_view::npos))
-      return false;
-    // A tunnel has another port than this server: the name alone tells of DNS rebinding.
-    if (name == "127.0.0.1" || name == "localhost" || name == "[::1]") return true;
-    return std::any_of(options_.hosts.begin(), options_.hosts.end(),
-                       [&](const std::string& allowed) { return name == lowered(allowed); });
-  }
-
-  bool isOwnOrigin(const Request& request) const {
-    if (request.count(http::field::origin) != 1) return false;
-    std::string_view origin = viewOf(request[http::field::origin]);
-    for (const std::string_view scheme : {"http://", "https://"}) {
-      if (!origin.starts_with(scheme)) continue;
-      origin.remove_prefix(scheme.size());
-      if (lowered(origin) == lowered(viewOf(request[http::field::host]))) return true;
-      // A proxy may put its own name for the server into Host.
-      const std::string name = lowered(nameOfHost(origin));
-      return std::any_of(options_.hosts.begin(), options_.hosts.end(),
-                         [&](const std::string& allowed) { return name == lowered(allowed); });
-    }
-    return false;
-  }
-
-  bool hasToken(const Request& request) const {
-    if (request.count(http::field::authorization) != 1) return false;
-    const std::string_view given = viewOf(request[http::field::authorization]);
-    constexpr std::string_view kScheme = "bearer ";
-    if (given.size() < kScheme.size() || lowered(given.substr(0, kScheme.size())) != kScheme) return false;
-    return equalInConstantTime(given.substr(kScheme.size()), token_);
   }
 
   void answer(const Request& request, Client& client) {
@@ -684,7 +482,7 @@ class HttpServer final : public ViewServer {
   ViewService& service_;
   const ViewServerOptions options_;
   const std::string token_;
-  Descriptor listener_;
+  SocketFile listener_;
   std::uint16_t port_ = 0;
   ino_t socket_inode_ = 0;
   std::list<Connection> connections_;  // used by the accepting thread alone

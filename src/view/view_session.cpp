@@ -30,6 +30,7 @@
 #include "sequence/frame_files.h"
 #include "store/codec/brick_block.h"
 #include "store/manifest/json_text.h"
+#include "view/request_body.h"
 #include "view/view_job.h"
 #include "view/volume_facts.h"
 
@@ -129,81 +130,6 @@ OpenedVolumes openedVolumes(const ViewSource& source) {
 }
 
 }  // namespace
-
-// A request's JSON. throws: every member throws Error kUsage naming the key.
-struct ViewSession::Body {
-  json value;
-
-  static Body parse(const std::string& text) {
-    // Copies and texts of a value take stack for each of its depths; each object of a job takes some 50 microseconds.
-    static constexpr int kDeepest = 32, kMostObjects = 20'000;
-    int objects = 0;
-    const auto bounded = [&objects](int depth, json::parse_event_t event, json&) {
-      if (depth > kDeepest) throw Error(ErrorCode::kFormat, "the request is nested too deeply; send fewer levels");
-      if (event == json::parse_event_t::object_start && ++objects > kMostObjects)
-        throw Error(
-            ErrorCode::kFormat,
-            fmt::format("the request: expected at most {} objects; send fewer keys, lights or points", kMostObjects));
-      return true;
-    };
-    Body out{json::parse(text.empty() ? "{}" : text, bounded, false)};
-    if (out.value.is_discarded()) throw Error(ErrorCode::kFormat, "the request is no JSON; send an object");
-    if (!out.value.is_object()) throw Error(ErrorCode::kFormat, "the request is no object; send an object");
-    return out;
-  }
-  const json* find(const char* key) const {
-    const auto found = value.find(key);
-    return found == value.end() || found->is_null() ? nullptr : &*found;
-  }
-  [[noreturn]] static void refuse(const char* key, const std::string& expected) {
-    throw Error(ErrorCode::kUsage, fmt::format("{}: expected {}", key, expected));
-  }
-  static std::optional<std::int64_t> whole(const json& number, std::int64_t least, std::int64_t most) {
-    if (!number.is_number()) return std::nullopt;
-    const double given = number.get<double>();
-    if (!(given >= static_cast<double>(least) && given <= static_cast<double>(most)) || given != std::floor(given))
-      return std::nullopt;
-    return static_cast<std::int64_t>(given);
-  }
-  std::int64_t integer(const char* key, std::int64_t least, std::int64_t most,
-                       std::optional<std::int64_t> otherwise = {}) const {
-    const json* const found = find(key);
-    if (found == nullptr && otherwise) return *otherwise;
-    const auto out = found ? whole(*found, least, most) : std::nullopt;
-    if (!out) refuse(key, fmt::format("a whole number from {} to {}", least, most));
-    return *out;
-  }
-  bool flag(const char* key) const {
-    const json* const found = find(key);
-    if (found == nullptr) return false;
-    if (!found->is_boolean()) refuse(key, "true or false");
-    return found->get<bool>();
-  }
-  std::string text(const char* key) const {
-    const json* const found = find(key);
-    if (found == nullptr || !found->is_string()) refuse(key, "a text");
-    return found->get<std::string>();
-  }
-  std::optional<ImageSize> sizeIfThere(const char* key = "size") const {
-    const json* const found = find(key);
-    if (found == nullptr) return std::nullopt;
-    if (found->is_array() && found->size() == 2) {
-      const auto width = whole((*found)[0], 1, kLargestViewSide), height = whole((*found)[1], 1, kLargestViewSide);
-      if (width && height) return ImageSize{static_cast<int>(*width), static_cast<int>(*height)};
-    }
-    refuse(key, fmt::format("[width, height], each from 1 to {}", kLargestViewSide));
-  }
-  ImageSize size() const {
-    const auto out = sizeIfThere();
-    if (!out) refuse("size", "[width, height]");
-    return *out;
-  }
-  const json& job() const {
-    const json* const found = find("job");
-    if (found == nullptr) refuse("job", "a job");
-    return *found;
-  }
-};
 
 // A frame stops for a newer frame, and after the client has gone.
 class ViewSession::FrameStops final : public Progress {
@@ -320,7 +246,7 @@ void ViewSession::answer(std::string_view name, const std::string& body, ViewCli
   const Row* const row = rowOf(name);
   if (row == nullptr) throw Error(ErrorCode::kNotFound, fmt::format("there is no request '{}'", name));
   if (stopped_) throw Error(ErrorCode::kCancelled, "the session has ended");
-  (this->*row->answer)(Body::parse(body), client);
+  (this->*row->answer)(RequestBody::parse(body), client);
 }
 
 void ViewSession::stop() {
@@ -328,13 +254,13 @@ void ViewSession::stop() {
   turns_.wake();
 }
 
-RenderJob ViewSession::jobOf(const Body& body) const {
+RenderJob ViewSession::jobOf(const RequestBody& body) const {
   RenderJob out = jobOfBrowser(body.job(), body.sizeIfThere().value_or(source_.drawn.picture.size), source_.drawn);
   if (body.find("frame") != nullptr) out.frames = {static_cast<int>(body.integer("frame", 0, kLastFrame))};
   return out;
 }
 
-RenderJob ViewSession::frameJobOf(const Body& body) const {
+RenderJob ViewSession::frameJobOf(const RequestBody& body) const {
   RenderJob out = jobOf(body);
   out.frames = {framesOf(out).front()};
   return out;
@@ -350,12 +276,12 @@ const fs::path& ViewSession::jobFile() const {
   return source_.job_file;
 }
 
-std::size_t ViewSession::volumeOf(const Body& body) const {
+std::size_t ViewSession::volumeOf(const RequestBody& body) const {
   const auto last = static_cast<std::int64_t>(painter_.volumes().all().size()) - 1;
   return static_cast<std::size_t>(body.integer("volume", 0, last, 0));
 }
 
-void ViewSession::sessionFacts(const Body&, ViewClient& client) {
+void ViewSession::sessionFacts(const RequestBody&, ViewClient& client) {
   const OpenedVolumes& volumes = painter_.volumes();
   ordered_json out = {
       {"version", KILN_VERSION},
@@ -384,10 +310,10 @@ struct ViewSession::Page {
 };
 
 // Returns the page that the request names. A frame under way keeps its page, even if the session forgets it.
-std::shared_ptr<ViewSession::Page> ViewSession::pageOf(const Body& body) {
+std::shared_ptr<ViewSession::Page> ViewSession::pageOf(const RequestBody& body) {
   constexpr std::size_t kMostPages = 64, kLongestName = 64;
   const std::string name = body.find("page") == nullptr ? "" : body.text("page");
-  if (name.size() > kLongestName) Body::refuse("page", fmt::format("a text of at most {} bytes", kLongestName));
+  if (name.size() > kLongestName) RequestBody::refuse("page", fmt::format("a text of at most {} bytes", kLongestName));
   const std::lock_guard lock(frames_);
   auto found = std::find_if(pages_.begin(), pages_.end(), [&](const auto& page) { return page->name == name; });
   if (found == pages_.end()) {
@@ -409,7 +335,7 @@ bool ViewSession::stale(Page& page, std::int64_t seq) {
   return false;
 }
 
-void ViewSession::frame(const Body& body, ViewClient& client) {
+void ViewSession::frame(const RequestBody& body, ViewClient& client) {
   constexpr std::int64_t kMostSeq = std::int64_t{1} << 53;
   const std::int64_t seq = body.integer("seq", 0, kMostSeq, 0);
   body.size();
@@ -475,24 +401,24 @@ void ViewSession::drawStages(const RenderJob& job, bool moving, std::int64_t seq
   send("final", in_turn(true, [&] { return painter_.png(*viewed, painter_.exact(*viewed, stops), stops); }));
 }
 
-void ViewSession::resolve(const Body& body, ViewClient& client) {
+void ViewSession::resolve(const RequestBody& body, ViewClient& client) {
   const RenderJob job = frameJobOf(body);
   sendJson(client,
            inTurn(client, [&](OtherStops& stops) { return resolvedScene(painter_.prepare(job, stops)->scene); }));
 }
 
-void ViewSession::slice(const Body& body, ViewClient& client) {
+void ViewSession::slice(const RequestBody& body, ViewClient& client) {
   const std::size_t volume = volumeOf(body);
   const BrickedVolume& store = *painter_.volumes().all()[volume];
   const std::string axis = body.text("axis");
   constexpr std::string_view kAxes = "xyz";
-  if (axis.size() != 1 || kAxes.find(axis) == std::string_view::npos) Body::refuse("axis", "x, y or z");
+  if (axis.size() != 1 || kAxes.find(axis) == std::string_view::npos) RequestBody::refuse("axis", "x, y or z");
   SliceRequest request;
   request.axis = static_cast<int>(kAxes.find(axis));
   const std::int64_t index = body.integer("index", 0, store.manifest().geometry().dims[request.axis] - 1);
   if (const json* const window = body.find("window")) {
     if (!window->is_array() || window->size() != 2 || !(*window)[0].is_number() || !(*window)[1].is_number())
-      Body::refuse("window", "[centre, width]");
+      RequestBody::refuse("window", "[centre, width]");
     request.window = Window{(*window)[0].get<double>(), (*window)[1].get<double>()};
   }
   // The page sends the function with its edits.
@@ -537,18 +463,18 @@ void ViewSession::slice(const Body& body, ViewClient& client) {
   sendRecord(client, {{"kind", "end"}});
 }
 
-void ViewSession::probe(const Body& body, ViewClient& client) {
+void ViewSession::probe(const RequestBody& body, ViewClient& client) {
   const std::size_t volume = volumeOf(body);
   const BrickedVolume& store = *painter_.volumes().all()[volume];
   const VolumeGeometry& geometry = store.manifest().geometry();
   const json* const given = body.find("voxel");
   VoxelCoord voxel;
-  if (given == nullptr || !given->is_array() || given->size() != 3) Body::refuse("voxel", "[x, y, z]");
+  if (given == nullptr || !given->is_array() || given->size() != 3) RequestBody::refuse("voxel", "[x, y, z]");
   for (int axis = 0; axis < 3; ++axis) {
-    const auto place = Body::whole((*given)[static_cast<std::size_t>(axis)], 0, geometry.dims[axis] - 1);
+    const auto place = RequestBody::whole((*given)[static_cast<std::size_t>(axis)], 0, geometry.dims[axis] - 1);
     if (!place)
-      Body::refuse("voxel", fmt::format("[x, y, z] inside {} x {} x {} voxels", geometry.dims.x, geometry.dims.y,
-                                        geometry.dims.z));
+      RequestBody::refuse("voxel", fmt::format("[x, y, z] inside {} x {} x {} voxels", geometry.dims.x, geometry.dims.y,
+                                               geometry.dims.z));
     voxel[axis] = *place;
   }
   const std::int64_t edge = store.manifest().brick_size;
@@ -566,9 +492,9 @@ void ViewSession::probe(const Body& body, ViewClient& client) {
                     {"world", vectorJson(geometry.worldOf({voxel.x, voxel.y, voxel.z}))}});
 }
 
-void ViewSession::thumbnail(const Body& body, ViewClient& client) {
+void ViewSession::thumbnail(const RequestBody& body, ViewClient& client) {
   const std::string preset = body.text("preset");
-  if (!isPreset(preset)) Body::refuse("preset", presetList());
+  if (!isPreset(preset)) RequestBody::refuse("preset", presetList());
   body.size();
   RenderJob job = frameJobOf(body);
   job.picture.window.reset();
@@ -588,13 +514,13 @@ void ViewSession::thumbnail(const Body& body, ViewClient& client) {
   client.document(picture.type, picture.bytes);
 }
 
-void ViewSession::function(const Body& body, ViewClient& client) {
+void ViewSession::function(const RequestBody& body, ViewClient& client) {
   const Manifest& manifest = painter_.volumes().all()[volumeOf(body)]->manifest();
   const TransferFunction read = transferFunctionOfText(body.text("text"), manifest, "the dropped file");
   sendJson(client, {{"transferFunction", statedJson(TransferFunctionChoice(read))}});
 }
 
-void ViewSession::command(const Body& body, ViewClient& client) {
+void ViewSession::command(const RequestBody& body, ViewClient& client) {
   const ImageSize size = body.size();
   const RenderJob job = jobOf(body);
   requireDrawable(job, client);
@@ -610,7 +536,7 @@ void ViewSession::command(const Body& body, ViewClient& client) {
   sendJson(client, {{"command", text + fmt::format(" --size {}x{}", size.width, size.height)}});
 }
 
-void ViewSession::estimate(const Body& body, ViewClient& client) {
+void ViewSession::estimate(const RequestBody& body, ViewClient& client) {
   body.size();
   const RenderJob job = jobOf(body);
   const auto out = inTurn(client, [&](OtherStops& stops) -> ordered_json {
@@ -624,7 +550,7 @@ void ViewSession::estimate(const Body& body, ViewClient& client) {
   sendJson(client, out);
 }
 
-void ViewSession::save(const Body& body, ViewClient& client) {
+void ViewSession::save(const RequestBody& body, ViewClient& client) {
   const fs::path& file = jobFile();
   const std::string text = savedJobText(body.job(), body.size(), source_.named, source_.kept_keys, file);
   requireDrawable(jobOf(body), client);
@@ -633,7 +559,7 @@ void ViewSession::save(const Body& body, ViewClient& client) {
 }
 
 // Draws all frames of the job into files beside the job's. Frames of the session come between.
-void ViewSession::render(const Body& body, ViewClient& client) {
+void ViewSession::render(const RequestBody& body, ViewClient& client) {
   body.size();
   RenderJob job = jobOf(body);
   const std::vector<int> frames = framesOf(job);

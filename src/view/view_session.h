@@ -21,6 +21,8 @@
 
 namespace kiln {
 
+class RequestBody;
+
 struct ViewSource {
   RenderJob drawn;                                            // its volumes are stores, or `volumes`
   std::vector<std::shared_ptr<const BrickedVolume>> volumes;  // open volumes of the job; empty: the session opens them
@@ -43,10 +45,9 @@ class ViewSession final : public ViewService {
   void stop() override;
 
  private:
-  struct Body;  // a request's JSON
   class FrameStops;
   class OtherStops;
-  using Answer = void (ViewSession::*)(const Body&, ViewClient&);
+  using Answer = void (ViewSession::*)(const RequestBody&, ViewClient&);
   struct Row {
     std::string_view name;
     Answer answer;
@@ -54,32 +55,32 @@ class ViewSession final : public ViewService {
   };
   static const Row* rowOf(std::string_view name);
 
-  void sessionFacts(const Body& body, ViewClient& client);
-  void frame(const Body& body, ViewClient& client);
-  void resolve(const Body& body, ViewClient& client);
-  void slice(const Body& body, ViewClient& client);
-  void probe(const Body& body, ViewClient& client);
-  void thumbnail(const Body& body, ViewClient& client);
-  void function(const Body& body, ViewClient& client);
-  void command(const Body& body, ViewClient& client);
-  void estimate(const Body& body, ViewClient& client);
-  void save(const Body& body, ViewClient& client);
-  void render(const Body& body, ViewClient& client);
+  void sessionFacts(const RequestBody& body, ViewClient& client);
+  void frame(const RequestBody& body, ViewClient& client);
+  void resolve(const RequestBody& body, ViewClient& client);
+  void slice(const RequestBody& body, ViewClient& client);
+  void probe(const RequestBody& body, ViewClient& client);
+  void thumbnail(const RequestBody& body, ViewClient& client);
+  void function(const RequestBody& body, ViewClient& client);
+  void command(const RequestBody& body, ViewClient& client);
+  void estimate(const RequestBody& body, ViewClient& client);
+  void save(const RequestBody& body, ViewClient& client);
+  void render(const RequestBody& body, ViewClient& client);
 
   void drawStages(const RenderJob& job, bool moving, std::int64_t seq, FrameStops& stops, ViewClient& client);
   /// Calls work() in this thread's turn. Work is begun anew after a frame has interrupted it; after `patience` seconds
   /// no frame interrupts.
   template <class Work>
   auto inTurn(ViewClient& client, const Work& work, double patience = std::numeric_limits<double>::infinity());
-  RenderJob jobOf(const Body& body) const;
+  RenderJob jobOf(const RequestBody& body) const;
   /// The job with a single frame, the first if the request names none: other frames take time to prepare.
-  RenderJob frameJobOf(const Body& body) const;
+  RenderJob frameJobOf(const RequestBody& body) const;
   void requireDrawable(const RenderJob& job, ViewClient& client);
-  std::size_t volumeOf(const Body& body) const;
+  std::size_t volumeOf(const RequestBody& body) const;
   /// throws: Error kUsage without a file.
   const std::filesystem::path& jobFile() const;
   struct Page;
-  std::shared_ptr<Page> pageOf(const Body& body);
+  std::shared_ptr<Page> pageOf(const RequestBody& body);
   bool stale(Page& page, std::int64_t seq);
 
   const ViewSource source_;
