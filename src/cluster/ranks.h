@@ -83,9 +83,9 @@ class Ranks {
 /// A world of a single rank, the process itself.
 std::unique_ptr<Ranks> oneRank();
 
-/// The ranks started by mpirun (or srun). `limit`: of the time in which all ranks start, and end; a rank stopped there
-/// answers no watch. requires: called once per process. throws: Error kUnsupported, with a remedy,
-/// if Kiln was built without MPI or the module cannot be loaded.
+/// The ranks started by mpirun (or srun). `limit`: on the start and the end of all ranks, and on any call that keeps a
+/// thread within MPI; a rank stopped there answers no watch. requires: called once per process. throws: Error
+/// kUnsupported, with a remedy, if Kiln was built without MPI or the module cannot be loaded.
 std::unique_ptr<Ranks> mpiRanks(const CallLimit& limit);
 
 }  // namespace kiln

@@ -189,15 +189,15 @@ int expectedRank() {
   return 0;
 }
 
-// Limits the time in which MPI starts or ends the ranks. Each rank waits longer than the rank before, so a single rank
+// Limits calls of MPI that wait for other ranks. Each rank waits longer than the rank before, so a single rank
 // reports.
 kiln::CallLimit limitOfMpi(double seconds) {
   if (seconds <= 0) return {};
   constexpr double kTurn_s = 0.5;
   return {seconds + kTurn_s * expectedRank(), [seconds] {
             complain(
-                "kiln: MPI has waited for all ranks to start or end for {}; a rank is stopped, or its machine or "
-                "network is gone; --rank-timeout {:g} ends the run\n",
+                "kiln: MPI has waited for another rank for {}; it is stopped, or its machine or network is gone; "
+                "--rank-timeout {:g} ends the run\n",
                 kiln::roughDurationText(seconds), seconds);
             std::_Exit(1);
           }};
