@@ -297,6 +297,20 @@ void FileSystem::replace(const fs::path& path, const std::function<void(const fs
   rename(temporary.path(), place);
 }
 
+void FileSystem::renameInSteps(const fs::path& from, const fs::path& to, const fs::path& old) {
+  std::error_code ignored;
+  if (!old.empty()) rename(to, old);
+  try {
+    rename(from, to);
+    // Both names must be on the disk before the old folder is removed.
+    syncAll(to);
+  } catch (...) {
+    if (!fs::exists(from, ignored)) fs::rename(to, from, ignored);
+    if (!old.empty()) fs::rename(old, to, ignored);
+    throw;
+  }
+}
+
 void FileSystem::requirePlaceFor(const fs::path& path) {
   if (const std::optional<int> open = descriptorNamed(path)) {
     const int how = ::fcntl(*open, F_GETFL);

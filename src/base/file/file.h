@@ -129,6 +129,11 @@ class FileSystem {
   /// Exchanges two names in one step: each name leads to a file at any time. Returns false if the file system cannot.
   /// throws: Error kIo.
   virtual bool exchange(const std::filesystem::path& a, const std::filesystem::path& b);
+  /// Gives a folder the name `to`, whose folder gets the name `old`, in two steps, where names cannot be exchanged; an
+  /// empty `old` if nothing has the name. Both names are on the disk at the end. A failure restores the names, where
+  /// the disk allows. throws: Error kIo, kNoSpace.
+  void renameInSteps(const std::filesystem::path& from, const std::filesystem::path& to,
+                     const std::filesystem::path& old);
   /// Brings one file, written by any process, onto its disk.
   virtual void syncFile(const std::filesystem::path& path);
   /// Brings all written data and all new names on the file system of `path` onto the disk. cost: one wait, instead of

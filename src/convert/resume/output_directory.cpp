@@ -213,20 +213,6 @@ bool OutputDirectory::exchange() {
   return false;
 }
 
-void OutputDirectory::replaceInSteps(bool replaces) {
-  std::error_code ignored;
-  if (replaces) disk_.rename(out_, old());
-  try {
-    disk_.rename(building_, out_);
-    // Both names must be on the disk before the old store is removed.
-    disk_.syncAll(out_);
-  } catch (...) {
-    if (!fs::exists(building_, ignored)) fs::rename(out_, building_, ignored);
-    if (replaces) fs::rename(old(), out_, ignored);
-    throw;
-  }
-}
-
 void OutputDirectory::commit() {
   if (building_ == out_) return tidy();
   requirePlaceForOld();
@@ -234,7 +220,7 @@ void OutputDirectory::commit() {
   if (!replaces && isStore(old()))
     left_old_ = old().string() + " is left: a kept store, or the old store of an interrupted --overwrite";
   if (replaces) disk_.removeAll(old());
-  if (!replaces || !exchange()) replaceInSteps(replaces);
+  if (!replaces || !exchange()) disk_.renameInSteps(building_, out_, replaces ? old() : fs::path());
   try {
     if (replaces) disk_.removeAll(old() / kManifestFile);
     if (replaces) disk_.removeAll(old());

@@ -53,7 +53,6 @@ class OutputDirectory {
   void tidy() noexcept;
   bool exchange();
   void restoreNames(bool exchanged) const noexcept;
-  void replaceInSteps(bool replaces);
   // Name of the replaced store while the new store takes the name `out`.
   std::filesystem::path old() const;
   void requirePlaceForOld() const;

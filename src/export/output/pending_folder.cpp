@@ -101,14 +101,7 @@ void PendingFolder::replaceInSteps() {
   if (isNameTaken(old))
     throw Error(ErrorCode::kExists, old, "",
                 "has the name for the folder that is replaced; remove it or give it another name");
-  disk_.rename(out_, old);
-  try {
-    disk_.rename(path_, out_);
-  } catch (...) {
-    std::error_code ignored;
-    fs::rename(old, out_, ignored);
-    throw;
-  }
+  disk_.renameInSteps(path_, out_, old);
   disk_.removeAll(old);
 }
 
