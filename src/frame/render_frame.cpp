@@ -8,7 +8,6 @@
 #include <functional>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <utility>
 
 #include "base/elapsed.h"
@@ -23,6 +22,7 @@
 #include "frame/pass/frame_drawing.h"
 #include "frame/pass/make_pass.h"
 #include "frame/pixel_filter.h"
+#include "grid/point_bounds.h"
 #include "scene/camera/framing.h"
 
 namespace kiln {
@@ -64,14 +64,12 @@ PixelFilter filterOf(const FrameRequest& request) {
 // Several volumes: the origin of view space is near the box around all volumes, independent of their order.
 View drawnViewOf(const View& view, const std::vector<const BrickedVolume*>& stores) {
   if (stores.size() == 1) return drawnView(view, stores.front()->manifest().geometry());
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  glm::dvec3 lo(kFar), hi(-kFar);
+  PointBounds world;
   for (const BrickedVolume* const store : stores) {
-    for (const glm::dvec3& corner : store->manifest().geometry().corners())
-      lo = glm::min(lo, corner), hi = glm::max(hi, corner);
+    for (const glm::dvec3& corner : store->manifest().geometry().corners()) world.add(corner);
   }
-  const glm::dvec3 centre = 0.5 * (lo + hi);
-  return nearVolume(view, centre, glm::distance(hi, centre));
+  const glm::dvec3 centre = 0.5 * (world.lo + world.hi);
+  return nearVolume(view, centre, glm::distance(world.hi, centre));
 }
 
 // The frame whose pixels are the sub-pixels of the request's.

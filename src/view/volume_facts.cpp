@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "grid/point_bounds.h"
 #include "image/named_color.h"
 #include "scene/transfer/label_styles.h"
 
@@ -84,13 +84,11 @@ ordered_json volumeFacts(const OpenedVolumes& volumes) {
 }
 
 ordered_json worldBox(const OpenedVolumes& volumes) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  glm::dvec3 lo(kFar), hi(-kFar);
+  PointBounds world;
   for (const BrickedVolume* const volume : volumes.all()) {
-    for (const glm::dvec3& corner : volume->manifest().geometry().corners())
-      lo = glm::min(lo, corner), hi = glm::max(hi, corner);
+    for (const glm::dvec3& corner : volume->manifest().geometry().corners()) world.add(corner);
   }
-  return {{"min", vectorJson(lo)}, {"max", vectorJson(hi)}};
+  return {{"min", vectorJson(world.lo)}, {"max", vectorJson(world.hi)}};
 }
 
 }  // namespace kiln

@@ -10,6 +10,7 @@
 #include "frame/pass/frame_drawing.h"
 #include "frame/pass/frame_progress.h"
 #include "frame/pass/make_visibility.h"
+#include "grid/point_bounds.h"
 #include "scene/camera/framing.h"
 
 namespace kiln {
@@ -165,9 +166,9 @@ std::vector<std::vector<ShadowView>> mapsOf(const Light& light, const FrameReque
 // Nothing is farther than the diagonal of all volumes.
 double radiusOf(const AmbientOcclusion& occlusion, const ShownExtent& extent) {
   if (occlusion.radius > 0) {
-    glm::dvec3 lo = extent.corners.front(), hi = lo;
-    for (const glm::dvec3& corner : extent.corners) lo = glm::min(lo, corner), hi = glm::max(hi, corner);
-    return std::min(occlusion.radius, glm::length(hi - lo));
+    PointBounds world;
+    for (const glm::dvec3& corner : extent.corners) world.add(corner);
+    return std::min(occlusion.radius, glm::distance(world.lo, world.hi));
   }
   return kOcclusionRadius * static_cast<double>(extent.longest) * extent.voxel;
 }

@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "grid/point_bounds.h"
+
 namespace kiln {
 namespace {
 
@@ -33,11 +35,6 @@ View viewAlong(const glm::dvec3& at, const glm::dvec3& forward) {
   return out;
 }
 
-struct Bounds {
-  glm::dvec3 lo{kUnbounded}, hi{-kUnbounded};
-  void add(const glm::dvec3& p) { lo = glm::min(lo, p), hi = glm::max(hi, p); }
-};
-
 // Fits the rectangle from `lo` to `hi` of the plane at depth 1 (perspective) or of the view (parallel) into the map.
 void fit(const glm::dvec2& lo, const glm::dvec2& hi, int edge_px, View& view) {
   const glm::dvec2 extent = hi - lo;
@@ -50,14 +47,14 @@ void fit(const glm::dvec2& lo, const glm::dvec2& hi, int edge_px, View& view) {
 }
 
 ShadowView parallelView(const glm::dvec3& towards_light, std::span<const glm::dvec3> points, int edge_px) {
-  Bounds world;
+  PointBounds world;
   for (const glm::dvec3& p : points) world.add(p);
   const glm::dvec3 centre = 0.5 * (world.lo + world.hi);
   View view = viewAlong(centre, -towards_light);
   view.projection = Projection::kOrthographic;
   view = nearVolume(view, centre, 0.5 * glm::distance(world.lo, world.hi));
   view.origin_depth = 0;
-  Bounds seen;
+  PointBounds seen;
   for (const glm::dvec3& p : points) seen.add(glm::dvec3(view.view_from_world * glm::dvec4(p, 1)));
   fit(glm::dvec2(seen.lo), glm::dvec2(seen.hi), edge_px, view);
   const double slack = 1e-3 * (seen.hi.z - seen.lo.z);
@@ -71,7 +68,7 @@ bool singleView(const glm::dvec3& light, std::span<const glm::dvec3> points, int
   if (!(glm::distance(centre, light) > 0)) return false;
   View view = viewAlong(light, centre - light);
   view.projection = Projection::kPerspective;
-  Bounds slopes;
+  PointBounds slopes;
   double near = kUnbounded, far = 0;
   for (const glm::dvec3& point : points) {
     const glm::dvec3 p(view.view_from_world * glm::dvec4(point, 1));
