@@ -147,11 +147,6 @@ class Gathering {
   static constexpr std::uint8_t kMatter = 1, kClear = 2;
   static constexpr std::int64_t kRowsTogether = 8;
 
-  // The cell of the grid in which a cell of the lattice begins, and the first cell of the lattice that begins in a cell
-  // of the grid, along an axis.
-  static std::int64_t gridCell(std::int64_t cell) { return cell / kCellsOfGrid; }
-  static std::int64_t firstIn(std::int64_t grid_cell) { return kCellsOfGrid * grid_cell; }
-
   std::size_t placeOf(std::int64_t x, std::int64_t y, std::int64_t z) const {
     return static_cast<std::size_t>((z * dims_.y + y) * dims_.x + x);
   }
@@ -163,19 +158,19 @@ class Gathering {
     std::vector<std::uint8_t> out(static_cast<std::size_t>(dims_.count()));
     untilStopped(progress_, dims_.z, [&](std::size_t slice) {
       const auto z = static_cast<std::int64_t>(slice);
-      for (std::int64_t k = firstIn(z); k < std::min(firstIn(z + 1), n.z); ++k) {
+      for (std::int64_t k = kCellsOfGrid * z; k < std::min(kCellsOfGrid * (z + 1), n.z); ++k) {
         for (std::int64_t j = 0; j < n.y; ++j) {
           const std::uint8_t* const row = fine.row(j, k);
-          std::uint8_t* const to = &out[placeOf(0, gridCell(j), z)];
+          std::uint8_t* const to = &out[placeOf(0, j / kCellsOfGrid, z)];
           for (std::int64_t i = 0; i < n.x; ++i)
-            to[gridCell(i)] |=
+            to[i / kCellsOfGrid] |=
                 static_cast<std::uint8_t>((row[i] < 255 ? kMatter : 0) | (row[i] > kInside ? kClear : 0));
         }
       }
       // Beyond the lattice nothing is in the way.
       for (std::int64_t y = 0; y < dims_.y; ++y) {
         for (std::int64_t x = 0; x < dims_.x; ++x) {
-          const bool outside = firstIn(x) >= n.x || firstIn(y) >= n.y || firstIn(z) >= n.z;
+          const bool outside = kCellsOfGrid * x >= n.x || kCellsOfGrid * y >= n.y || kCellsOfGrid * z >= n.z;
           if (outside) out[placeOf(x, y, z)] |= kClear;
         }
       }

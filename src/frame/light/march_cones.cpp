@@ -7,16 +7,12 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "engine/shared/sample_math-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<float, 16>;
-using DI = hn::RebindToSigned<D>;
-using V = hn::Vec<D>;
-using VI = hn::Vec<DI>;
 
 // Returns the cell of `level` at `p` along an axis, counted from the stored border.
 HWY_INLINE VI storedCell(V p, V scale, float offset, std::int64_t cells) {

@@ -59,7 +59,6 @@ struct ConePoints {
   std::vector<float> x, y, z;
   std::size_t size() const { return x.size(); }
   void add(const glm::vec3& p) { x.push_back(p.x), y.push_back(p.y), z.push_back(p.z); }
-  void clear() { x.clear(), y.clear(), z.clear(); }
 };
 
 /// Cones in which less is seen end.
