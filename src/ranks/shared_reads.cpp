@@ -191,11 +191,7 @@ void SharedReads::receive(const std::stop_token& stop) {
         std::this_thread::sleep_for(isBusy() ? kShortPause : kLongPause);
     }
   } catch (...) {
-    {
-      const Lock lock(mutex_);
-      failure_ = std::current_exception();
-    }
-    abandon();
+    fail();
   }
 }
 
@@ -239,10 +235,9 @@ void SharedReads::serve(const std::stop_token& stop) {
     try {
       answer(request, lock);
     } catch (...) {
-      if (!lock.owns_lock()) lock.lock();
-      if (!failure_) failure_ = std::current_exception();
-      requesting_ = false;
-      abandoned_ = true;
+      if (lock.owns_lock()) lock.unlock();
+      fail();
+      lock.lock();
     }
     --serving_;
     changed_.notify_all();
@@ -293,6 +288,14 @@ void SharedReads::finish() {
   // All ranks have their answers; only acknowledgements are on their way.
   Lock lock(mutex_);
   changed_.wait(lock, [&] { return abandoned_ || (requests_.empty() && serving_ == 0 && serving_bytes_ == 0); });
+}
+
+void SharedReads::fail() {
+  {
+    const Lock lock(mutex_);
+    if (!failure_) failure_ = std::current_exception();
+  }
+  abandon();
 }
 
 void SharedReads::abandon() {

@@ -89,6 +89,8 @@ class SharedReads : public BrickSupplier {
   void handle(RankMessage message);
   void serve(const std::stop_token& stop);
   void answer(const Request& request, Lock& lock);
+  /// Keeps the exception that is handled, the first only, and abandons all requests.
+  void fail();
 
   Ranks& ranks_;
   std::map<BrickKey, BrickHome> homes_;
