@@ -21,10 +21,24 @@
 namespace kiln {
 namespace {
 
-// Sorted, each brick once.
-void keepDistinct(std::vector<StoredBrick>& bricks) {
-  std::sort(bricks.begin(), bricks.end());
-  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+struct BrickSums {
+  std::uint64_t bricks = 0, files = 0, file_bytes = 0, decoded_bytes = 0;
+};
+
+// Counts each brick once.
+BrickSums sumsOf(std::vector<StoredBrick> seen, const std::vector<const BrickedVolume*>& volumes) {
+  std::sort(seen.begin(), seen.end());
+  seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
+  BrickSums out;
+  for (const StoredBrick& brick : seen) {
+    const BrickedVolume& volume = *volumes[static_cast<std::size_t>(brick.store)];
+    const BrickEntry& entry = volume.index().at(brick.key);
+    ++out.bricks;
+    out.files += entry.constant ? 0 : 1;
+    out.file_bytes += entry.file_bytes;
+    out.decoded_bytes += volume.blockBytes(brick.key);
+  }
+  return out;
 }
 
 }  // namespace
@@ -64,15 +78,9 @@ DryRun dryRun(const RenderJob& given, const OpenedVolumes& opened, const MemoryB
     bricks.insert(bricks.end(), seen.begin(), seen.end());
   }
   // Both eyes see most bricks.
-  keepDistinct(bricks);
-  for (const StoredBrick& seen : bricks) {
-    const BrickedVolume& volume = *volumes[static_cast<std::size_t>(seen.store)];
-    const BrickEntry& entry = volume.index().at(seen.key);
-    ++out.bricks_in_view;
-    out.files_in_view += entry.constant ? 0 : 1;
-    out.file_bytes_in_view += entry.file_bytes;
-    out.decoded_bytes_in_view += volume.blockBytes(seen.key);
-  }
+  const BrickSums in_view = sumsOf(std::move(bricks), volumes);
+  out.bricks_in_view = in_view.bricks, out.files_in_view = in_view.files;
+  out.file_bytes_in_view = in_view.file_bytes, out.decoded_bytes_in_view = in_view.decoded_bytes;
   // Maps of lights see most bricks of the picture, and bricks behind, beside and in front of its frame.
   std::vector<StoredBrick> of_lights;
   BrickWalkCounts ignored;
@@ -81,13 +89,9 @@ DryRun dryRun(const RenderJob& given, const OpenedVolumes& opened, const MemoryB
     const std::vector<StoredBrick> seen = bricksInView(volumes, request, ignored);
     of_lights.insert(of_lights.end(), seen.begin(), seen.end());
   }
-  keepDistinct(of_lights);
-  for (const StoredBrick& seen : of_lights) {
-    const BrickEntry& entry = volumes[static_cast<std::size_t>(seen.store)]->index().at(seen.key);
-    ++out.bricks_of_lights;
-    out.files_of_lights += entry.constant ? 0 : 1;
-    out.file_bytes_of_lights += entry.file_bytes;
-  }
+  const BrickSums by_lights = sumsOf(std::move(of_lights), volumes);
+  out.bricks_of_lights = by_lights.bricks, out.files_of_lights = by_lights.files;
+  out.file_bytes_of_lights = by_lights.file_bytes;
   out.empty = emptinessOf(out.bricks_in_view > 0, whole, requestOf(whole, job.speed), opened.manifests());
   out.one_colour = isOfOneColour(whole, opened.manifests());
   out.bricks_interesting = counts.interesting;

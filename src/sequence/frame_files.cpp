@@ -108,13 +108,10 @@ std::optional<std::string> currentFolderFrom(const fs::path& picture) {
   return way.string();
 }
 
-bool namesRelatively(RenderJob job) {
-  bool out = false;
-  forEachVolume(job, [&](const fs::path& volume) {
-    out = out || (!volume.empty() && volume.is_relative());
-    return volume;
-  });
-  return out;
+bool namesRelatively(const RenderJob& job) {
+  const std::vector<fs::path> volumes = inputVolumesOf(job);
+  return std::any_of(volumes.begin(), volumes.end(),
+                     [](const fs::path& volume) { return !volume.empty() && volume.is_relative(); });
 }
 
 ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const DrawnFrame& drawn, const View& view,
@@ -372,9 +369,8 @@ void writeFrame(const RenderJob& job, int frame, DrawnFrame& drawn, const Bricke
 std::vector<std::byte> pngOf(const RenderJob& job, const DrawnFrame& drawn, const BrickedVolume& store,
                              const Progress& progress) {
   const DrawnView& first = drawn.views.front();
-  // The ending alone enters the header.
+  // The ending alone enters the header: a name in the current folder.
   ImageMetadata metadata = metadataOf(job, {"picture.png", Content::kPicture, {}}, drawn, first.view, store);
-  metadata.text.erase(ImageMetadata::kFolder);  // the picture has no folder yet
   const Annotators annotators = annotatorsOf(job, drawn);
   if (drawn.views.size() > 1) {
     metadata.views_beside = 2;
