@@ -97,6 +97,18 @@ Popping poppingOf(const Turning& turning, const FrameRequest& base, const char* 
   return out;
 }
 
+// A small computed head, with skin in front of the camera.
+Turning turningHead(Projection projection, const ReferenceSettings& reference, int pixels, int frames) {
+  Turning out{head({{48, 48, 36}, VoxelType::i16}, usualRange(VoxelType::i16)), {}, {}, {}, reference, pixels, frames};
+  out.store = makeStore(out.volume, "head", 32);
+  out.camera = cameraFrom(out.volume.geometry, {0, -1, 0.2}, projection);
+  const ValueRange range = out.volume.range();
+  const glm::dvec3 color(0.93, 0.74, 0.6);
+  out.transfer_function.points = {{range.lo + 0.15 * (range.hi - range.lo), color, 0},
+                                  {range.lo + 0.3 * (range.hi - range.lo), color, 0.95}};
+  return out;
+}
+
 class Turn : public ::testing::TestWithParam<std::tuple<Lattice, Projection>> {
  protected:
   // `of_rays`: upper bound for the mean ratio of a picture with a ray a pixel.
@@ -116,14 +128,7 @@ class Turn : public ::testing::TestWithParam<std::tuple<Lattice, Projection>> {
 };
 
 TEST_P(Turn, ChangesAsMuchAsItShould) {
-  Turning turning{
-      head({{48, 48, 36}, VoxelType::i16}, usualRange(VoxelType::i16)), {}, {}, {}, {3, 0.25, 0.9999}, 72, 8};
-  turning.store = makeStore(turning.volume, "head", 32);
-  turning.camera = cameraFrom(turning.volume.geometry, {0, -1, 0.2}, std::get<1>(GetParam()));
-  const ValueRange range = turning.volume.range();
-  const glm::dvec3 color(0.93, 0.74, 0.6);
-  turning.transfer_function.points = {{range.lo + 0.15 * (range.hi - range.lo), color, 0},
-                                      {range.lo + 0.3 * (range.hi - range.lo), color, 0.95}};
+  Turning turning = turningHead(std::get<1>(GetParam()), {3, 0.25, 0.9999}, 72, 8);
   check(turning, "procedural head", 1.15);
 }
 
@@ -131,14 +136,7 @@ TEST_P(Turn, ChangesAsMuchAsItShould) {
 TEST_P(Turn, OfShadowsChangesAsMuchAsItShould) {
   const auto [lattice, projection] = GetParam();
   if (lattice == Lattice::kVoxel) return;
-  Turning turning{
-      head({{48, 48, 36}, VoxelType::i16}, usualRange(VoxelType::i16)), {}, {}, {}, {2, 0.5, 0.9999}, 72, 3};
-  turning.store = makeStore(turning.volume, "head", 32);
-  turning.camera = cameraFrom(turning.volume.geometry, {0, -1, 0.2}, projection);
-  const ValueRange range = turning.volume.range();
-  const glm::dvec3 color(0.93, 0.74, 0.6);
-  turning.transfer_function.points = {{range.lo + 0.15 * (range.hi - range.lo), color, 0},
-                                      {range.lo + 0.3 * (range.hi - range.lo), color, 0.95}};
+  Turning turning = turningHead(projection, {2, 0.5, 0.9999}, 72, 3);
   FrameRequest request;
   request.samples = 4;
   request.shading.shadows = true;
@@ -169,14 +167,7 @@ TEST_P(Turn, OfShadowsChangesAsMuchAsItShould) {
 TEST_P(Turn, OfOcclusionChangesAsMuchAsItShould) {
   const auto [lattice, projection] = GetParam();
   if (lattice == Lattice::kVoxel) return;
-  Turning turning{
-      head({{48, 48, 36}, VoxelType::i16}, usualRange(VoxelType::i16)), {}, {}, {}, {2, 0.5, 0.9999}, 56, 3};
-  turning.store = makeStore(turning.volume, "head", 32);
-  turning.camera = cameraFrom(turning.volume.geometry, {0, -1, 0.2}, projection);
-  const ValueRange range = turning.volume.range();
-  const glm::dvec3 color(0.93, 0.74, 0.6);
-  turning.transfer_function.points = {{range.lo + 0.15 * (range.hi - range.lo), color, 0},
-                                      {range.lo + 0.3 * (range.hi - range.lo), color, 0.95}};
+  Turning turning = turningHead(projection, {2, 0.5, 0.9999}, 56, 3);
   turning.reference.occlusion_rays = 32;
   turning.reference.equal_occlusion_rays = true;
   turning.reference.occlusion_start = turning.volume.geometry.meanSpacing();
