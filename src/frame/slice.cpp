@@ -26,7 +26,8 @@ struct Layout {
   std::int64_t width, height;
 };
 
-// Returns the pixels of a side, at least 1. Longer sides than the limit are refused, however long.
+// Returns the pixels of a side, at least 1. The upper bound, far beyond the largest picture, keeps the rounding
+// defined.
 std::int64_t pixelsOf(double pixels) {
   constexpr double kMost = 1e8;
   return std::llround(std::clamp(pixels, 1.0, kMost));

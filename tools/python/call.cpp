@@ -212,7 +212,7 @@ void runForCall(const py::object& on_progress, const std::function<void(Progress
   }
   if (raised) throw py::error_already_set(*raised);
   if (failure) {
-    // Notes say what a failed call left. The error itself wins over a warning that a filter turned into an error.
+    // Notes report the files that a failed call left. The call's error wins over a warning that a filter made an error.
     try {
       progress.passSentencesOn();
     } catch (const py::error_already_set&) {

@@ -120,7 +120,7 @@ double shiftInFloats(const ExportedVolume& volume, const NiftiPlace& place) {
   return most;
 }
 
-// NIfTI-2 has doubles.
+// Returns whether the 32-bit floats of NIfTI-1 hold the lengths; NIfTI-2 has doubles.
 bool fitsFloats(const glm::dvec3& lengths) {
   const double least = std::min({lengths.x, lengths.y, lengths.z}), most = std::max({lengths.x, lengths.y, lengths.z});
   return least >= std::numeric_limits<float>::min() && most <= std::numeric_limits<float>::max();

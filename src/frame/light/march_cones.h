@@ -61,7 +61,7 @@ struct ConePoints {
   void add(const glm::vec3& p) { x.push_back(p.x), y.push_back(p.y), z.push_back(p.z); }
 };
 
-/// Cones in which less is seen end.
+/// Transmittance below which a cone ends.
 inline constexpr float kDarkCone = 0.02f;
 
 /// Stores the visibility around each point. Repeats the last point until vectors are full. requires: a point.

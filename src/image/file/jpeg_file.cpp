@@ -33,7 +33,8 @@ constexpr int kFullColorQuality = 90;
 constexpr std::string_view kTextMark = "kiln\n";
 constexpr std::size_t kMostOfComment = 65533;
 
-// libjpeg's own destination in memory owns its buffer until the end, and an encoding that an exception ends has none.
+// The buffer belongs to Kiln: libjpeg's own destination in memory hands its buffer over at the end only, and an
+// exception may end an encoding before.
 struct JpegOutput {
   jpeg_error_mgr errors;
   jpeg_compress_struct jpeg;
