@@ -59,7 +59,7 @@ class CellSurfaces {
   }
 
  private:
-  // Evaluations for a crossing after the two ends of its piece (figures: decisions/surfaces.md).
+  // Evaluations for a crossing after the two ends of its piece (figures: decisions/crossings.md).
   static constexpr int kRefinements = 12;
 
   // Computes the ends of the slabs' parts inside the cell, and the values there. Slabs without a part have equal ends.

@@ -18,7 +18,7 @@ namespace kiln {
 
 /// Edge of the cell that is splatted at a time. Smaller than the store's cells: a visibility test is cheaper than
 /// reading eight rows of voxels behind an opaque surface. Below 4 the tests cost more than they save (figures:
-/// engine/voxel/decisions/footprints.md). unit: voxels.
+/// occlusion/decisions/tested-boxes.md). unit: voxels.
 inline constexpr int kSplatCellSize = 4;
 
 /// Visible voxels of a cell. Rows and the voxels of a row are in front-to-back order.
