@@ -44,6 +44,7 @@ if command -v npm >/dev/null && [ ! -e out/zarrita/node_modules/zarrita ]; then
 fi
 scripts/check_includes.sh
 scripts/check_definitions.sh
+scripts/check_documents.sh
 
 configure=(-DKILN_TESTS=ON -DKILN_MPI=ON -DKILN_HDF5=ON -DKILN_OPENJPEG=ON -DKILN_NANOVDB=ON -DKILN_VIEW=ON -DKILN_PYTHON=ON "-DKILN_NIGHTLY=$nightly")
 if [ "$nightly" = ON ]; then

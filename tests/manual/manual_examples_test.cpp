@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -123,25 +122,6 @@ TEST(ManualBlocks, EveryPageButTwo_hasAnExample) {
     EXPECT_EQ(std::any_of(blocks.begin(), blocks.end(), [](const FencedBlock& block) { return block.isExample(); }),
               name != "limits" && name != "pictures")
         << name;
-  }
-}
-
-// The limits of length that keep a page readable at one sitting.
-TEST(ManualBlocks, Pages_areShort) {
-  for (const std::string& name : pageNames()) {
-    const std::string page = readTextFile(pathOfPage(name));
-    EXPECT_LE(std::count(page.begin(), page.end(), '\n'), name == "README" ? 180 : 150) << name;
-  }
-}
-
-// Links of README and manual lead to files of the repository.
-TEST(ManualBlocks, Links_leadToFiles) {
-  const std::regex link("\\]\\(([^)#:]+)\\)");
-  for (const std::string& name : pageNames()) {
-    const fs::path path = pathOfPage(name);
-    const std::string page = readTextFile(path);
-    for (std::sregex_iterator it(page.begin(), page.end(), link), end; it != end; ++it)
-      EXPECT_TRUE(fs::exists(path.parent_path() / (*it)[1].str())) << path << ": " << (*it)[1];
   }
 }
 

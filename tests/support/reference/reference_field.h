@@ -10,7 +10,7 @@
 
 namespace kiln::test {
 
-/// scene/interpolation.h. thread: safe.
+/// scene/render_options.h. thread: safe.
 class ReferenceField {
  public:
   ReferenceField(const DenseVolume& volume, Interpolation interpolation);

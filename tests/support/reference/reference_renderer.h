@@ -2,7 +2,7 @@
 // renderer only the picture's definition (View, TransferFunction, Shading). No bricks, no pyramid, no occlusion, no
 // tables.
 //
-// Picture: the volume is the interpolation (trilinear, or a cubic of scene/interpolation.h) of its voxels on [-1/2,
+// Picture: the volume is the interpolation (trilinear, or a cubic of scene/render_options.h) of its voxels on [-1/2,
 // N-1/2)³ of index space, extended by the nearest voxel. The transfer function classifies the interpolated value; each
 // ray integrates emission and absorption by the formulas of tools/kiln/manual/render.md. Perspective rays start at the
 // eye; orthographic rays cross the whole volume.
