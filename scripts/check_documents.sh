@@ -15,7 +15,9 @@ find src tools tests scripts cmake ./*.* LICENSE -not -name '*.pyc' | sed 's|^\.
     if (path == "README.md") return 180
     if (path ~ /^tools\/kiln\/manual\//) return 150
     if (path == "src/ARCHITECTURE.md") return 120
+    if (path == "src/GLOSSARY.md") return 80
     if (path == "src/PAPERS.md") return 60
+    if (path == "src/CONTRIBUTING.md" || path ~ /^src\/contributing\//) return 40
     return 0
   }
   function folderOf(path) { return path ~ /\// ? substr(path, 1, match(path, /\/[^\/]*$/) - 1) : "." }
