@@ -18,6 +18,10 @@ find src tools tests scripts cmake ./*.* LICENSE -not -name '*.pyc' | sed 's|^\.
     if (path == "src/GLOSSARY.md") return 80
     if (path == "src/PAPERS.md") return 60
     if (path == "src/CONTRIBUTING.md" || path ~ /^src\/contributing\//) return 40
+    if (path ~ /^src\/engine\/.*README\.md$/) return 200
+    if (path ~ /\/README\.md$/) return 60
+    if (path ~ /^src\/frame\/decisions\/(light|occlusion|tiles-and-bricks)\.md$|^src\/engine\/pixel\/decisions\/(cells|samples)\.md$/) return 0
+    if (path ~ /\/decisions\//) return 40
     return 0
   }
   function folderOf(path) { return path ~ /\// ? substr(path, 1, match(path, /\/[^\/]*$/) - 1) : "." }
@@ -48,6 +52,7 @@ find src tools tests scripts cmake ./*.* LICENSE -not -name '*.pyc' | sed 's|^\.
     root_count = split(folder " " folderOf(folder) " . src tools tests tools/kiln", roots, " ")
   }
   { lines = FNR }
+  FILENAME == "src/ARCHITECTURE.md" && /^\|/ { n = split($0, cell, "|"); for (c = 2; c < n; ++c) if (length(cell[c]) > 162) complain("a cell is longer than 160 characters") }
   # The headers of a library, in the second cell of its row.
   libraries && split($0, cell, "|") > 4 { n = split(cell[3], word, "`"); for (w = 2; w <= n; w += 2) foreign[word[w]] }
   /^[ \t]*#[ \t]*include/ && comment == "//" { next }
