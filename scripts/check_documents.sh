@@ -52,6 +52,7 @@ find src tools tests scripts cmake ./*.* LICENSE -not -name '*.pyc' | sed 's|^\.
     root_count = split(folder " " folderOf(folder) " . src tools tests tools/kiln", roots, " ")
   }
   { lines = FNR }
+  FILENAME == "README.md" && !/^\|/ && length($0) > 110 { complain("a line is longer than 110 characters") }
   FILENAME == "src/ARCHITECTURE.md" && /^\|/ { n = split($0, cell, "|"); for (c = 2; c < n; ++c) if (length(cell[c]) > 162) complain("a cell is longer than 160 characters") }
   # The headers of a library, in the second cell of its row.
   libraries && split($0, cell, "|") > 4 { n = split(cell[3], word, "`"); for (w = 2; w <= n; w += 2) foreign[word[w]] }
