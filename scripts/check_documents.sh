@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Checks documents and comments: a document keeps to its length, each link leads to a file of the repository, each named file
-# exists, and DECISIONS.md lists each decision.
+# exists, DECISIONS.md lists each decision, and a README of its folder or of a folder above names each header.
 set -euo pipefail
 cd "${1:-$(dirname "${BASH_SOURCE[0]}")/..}"
 
@@ -25,6 +25,12 @@ find src tools tests scripts cmake ./*.* LICENSE -not -name '*.pyc' | sed 's|^\.
     return 0
   }
   function folderOf(path) { return path ~ /\// ? substr(path, 1, match(path, /\/[^\/]*$/) - 1) : "." }
+  function stemOf(path) { sub(/.*\//, "", path); sub(/\.(h|cpp)$/, "", path); return path }
+  # Whether a README names the file: in its folder, or in a folder above.
+  function isDescribed(path,   at) {
+    for (at = folderOf(path); at != "."; at = folderOf(at)) if ((at FS stemOf(path)) in described) return 1
+    return 0
+  }
   # A path without "." and "..".
   function plain(path,   part, n, i, out, depth) {
     n = split(path, part, "/")
@@ -47,6 +53,7 @@ find src tools tests scripts cmake ./*.* LICENSE -not -name '*.pyc' | sed 's|^\.
     endLengths()
     last = FILENAME; most = limit(FILENAME); folder = folderOf(FILENAME)
     document = FILENAME ~ /\.md$/
+    readme = FILENAME ~ /\/README\.md$/
     libraries = FILENAME == "src/DEPENDENCIES.md"
     comment = FILENAME ~ /\.(h|cpp|js|mjs)$/ ? "//" : "#"
     root_count = split(folder " " folderOf(folder) " . src tools tests tools/kiln", roots, " ")
@@ -76,6 +83,7 @@ find src tools tests scripts cmake ./*.* LICENSE -not -name '*.pyc' | sed 's|^\.
     words = split(text, word, /[^A-Za-z0-9_.\/:$~{}*<>-]+/)
     for (w = 1; w <= words; ++w) {
       sub(/[.:]+$/, "", word[w])
+      if (readme) described[folder FS stemOf(word[w])]
       path = word[w]
       if (path ~ /NAME|ROOM|BUILD|SUBJECT/) continue
       if (path ~ /^[A-Za-z0-9_-]+\.(h|cpp)$/) {
@@ -94,6 +102,7 @@ find src tools tests scripts cmake ./*.* LICENSE -not -name '*.pyc' | sed 's|^\.
   END {
     endLengths()
     for (path in known) if (path ~ /\/decisions\/.*\.md$/ && !((path FS "src/DECISIONS.md") in linked)) { print path ": src/DECISIONS.md does not list it"; ++faults }
+    for (path in known) if (path ~ /^(src|tools)\/.*\.h$/ && !isDescribed(path)) { print path ": no README of its folder or above names it"; ++faults }
     if (checked == 0) { print "no name was checked"; exit 1 }
     if (faults > 0) exit 1
     print checked " names in documents and comments lead to files"
