@@ -79,7 +79,7 @@ find src tools tests scripts cmake ./*.* LICENSE -not -name '*.pyc' | sed 's|^\.
 
   {
     text = $0
-    if (!document) { at = index(text, comment); if (at == 0) next; text = substr(text, at) }
+    if (!document) { at = index(text, comment); if (at == 0 || substr(text, at - 1, 1) == "\"") next; text = substr(text, at) }
     words = split(text, word, /[^A-Za-z0-9_.\/:$~{}*<>-]+/)
     for (w = 1; w <= words; ++w) {
       sub(/[.:]+$/, "", word[w])
