@@ -95,9 +95,11 @@ TEST_F(ViewCli, TheFinalPicture_isTheFileOfTheSavedJob) {
 TEST_F(ViewCli, Signals_endTheViewer) {
   runScript(directory_, R"sh(
 await() { for i in $(seq 200); do if [ -S "$1" ]; then return 0; fi; sleep 0.05; done; return 1; }
+# A viewer that ignores SIGHUP from the start, as under nohup, continues to do so.
+viewer() { exec env --default-signal=HUP kiln view "$@"; }
 for signal in TERM INT HUP; do
-  kiln view ../h.kiln --socket one.sock & one=$!
-  kiln view ../h.kiln --socket two.sock --tf iso:300 & two=$!
+  viewer ../h.kiln --socket one.sock & one=$!
+  viewer ../h.kiln --socket two.sock --tf iso:300 & two=$!
   await one.sock
   await two.sock
   [ "$(stat -c %a one.sock)" = 600 ]
