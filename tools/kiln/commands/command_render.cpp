@@ -15,6 +15,7 @@
 #include "frame/empty_frame.h"
 #include "image/file/image_file.h"
 #include "input_job.h"
+#include "job/command/idle_flags.h"
 #include "job/frame_list.h"
 #include "job/job_facts.h"
 #include "job/job_names.h"
@@ -364,6 +365,9 @@ void run(const RenderArguments& a, Context& context) {
   returnLargeBuffers();
   StandardOutput standard_output;
   const RenderJob job = jobOf(a, standard_output, context);
+  if (context.ranks->first()) {
+    for (const std::string& sentence : idleFlags(a.job.given(), job)) context.progress.warn(sentence);
+  }
   if (!context.ranks->first() && (a.dry_run || a.repeat > 1 || a.sheet > 0)) return;
   SequenceOptions options;
   options.ranks = context.ranks;
@@ -444,7 +448,8 @@ class RenderCommandLine {
         ->check(decimalNumber<int>())
         ->capture_default_str();
     flag("--strict", a_.strict,
-         "Exit with 1 after a warning: an empty picture or one colour, damaged bricks, an unknown frame or unit.");
+         "Exit with 1 after a warning: an empty picture or one colour, damaged bricks, an unknown frame or unit, an "
+         "option without effect.");
     command_.add_flag("--quiet", a_.quiet, "Print warnings and errors only.")
         ->group(nameOf(group_))
         ->excludes(command_.add_flag("--verbose", a_.verbose, "Print counts of bricks and voxels of each frame.")
