@@ -20,7 +20,7 @@
 namespace kiln {
 namespace {
 
-constexpr const char* kName = "array";
+constexpr const char* kVolumeName = "array";
 
 Manifest emptyManifest(const SourceInfo& info, const ArrayOptions& options) {
   ConvertOptions conversion;
@@ -43,7 +43,7 @@ std::uint64_t coarseBytes(const Manifest& manifest) {
 void requireMemory(const Manifest& manifest, const BrickIndex& index, std::uint64_t memory_bytes) {
   const std::uint64_t needed = BrickIndex::bytesOf(index.size(), 0, manifest.brick_size) + coarseBytes(manifest);
   if (needed <= memory_bytes) return;
-  throw Error(ErrorCode::kBudget, kName, "memory",
+  throw Error(ErrorCode::kBudget, kVolumeName, "memory",
               fmt::format("coarser levels and index take {} (allowed: {}); give {} or more", formatBytes(needed),
                           formatBytes(memory_bytes), roundedUpBytes(needed)));
 }
@@ -171,7 +171,7 @@ std::uint64_t CoarseLevel::bytesOf(const Extent3& dims, VoxelType type) {
 }
 
 SourceVolume::SourceVolume(std::unique_ptr<VolumeSource> source, const ArrayOptions& options, Progress& progress)
-    : BrickedVolume(kName), source_(std::move(source)) {
+    : BrickedVolume(kVolumeName), source_(std::move(source)) {
   Manifest manifest = emptyManifest(source_->info(), options);
   BrickIndex index(manifest.lattices());
   requireMemory(manifest, index, options.memory_bytes);

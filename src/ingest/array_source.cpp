@@ -8,7 +8,7 @@
 namespace kiln {
 namespace {
 
-constexpr const char* kName = "array";
+constexpr const char* kArrayName = "array";
 
 using Strides = std::array<std::int64_t, 3>;  // along x, y and z. unit: bytes
 
@@ -39,7 +39,7 @@ class ArraySource : public VolumeSource {
   explicit ArraySource(const VoxelArray& array)
       : voxels_(static_cast<const std::byte*>(array.voxels)),
         strides_(array.strides.value_or(denseStrides(array.geometry.dims, array.type))) {
-    info_.format = kName;
+    info_.format = kArrayName;
     info_.geometry = array.geometry;
     info_.type = array.type;
     info_.volume_class = array.volume_class;
@@ -63,10 +63,10 @@ class ArraySource : public VolumeSource {
 
 std::unique_ptr<VolumeSource> arraySource(const VoxelArray& array) {
   if (array.voxels == nullptr)
-    throw Error(ErrorCode::kUsage, kName, "voxels",
+    throw Error(ErrorCode::kUsage, kArrayName, "voxels",
                 "an array needs the address of its first voxel (found null); set it");
-  checkedBytes(array.geometry.dims, array.type, kName);
-  requireInvertible(array.geometry.world_from_index, kName);
+  checkedBytes(array.geometry.dims, array.type, kArrayName);
+  requireInvertible(array.geometry.world_from_index, kArrayName);
   return std::make_unique<ArraySource>(array);
 }
 

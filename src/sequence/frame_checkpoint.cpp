@@ -30,7 +30,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'T', 'I', 'L', '3'};
+constexpr RecordMagic kCheckpointMagic = {'K', 'I', 'L', 'N', 'T', 'I', 'L', '3'};
 // Edge of a tile: a multiple of the occlusion structure's blocks. unit: pixels.
 constexpr int kEdge = 512;
 
@@ -119,23 +119,24 @@ class TileFile {
     std::set<Place> known, found;
     for (const PixelRect& tile : tiles) known.insert(placeOf(tile));
     bool is_first = true, is_ours = false;
-    end_ = kMagic.size();
-    const std::optional<std::uint64_t> bytes = readRecords(path_, kMagic, [&](std::span<const std::byte> payload) {
-      const std::uint64_t offset = end_ + kRecordHead;
-      if (std::exchange(is_first, false)) {
-        ByteTaker taker{payload};
-        end_ = offset + payload.size();
-        return is_ours = taker.takeText() == identity_;
-      }
-      const std::optional<PlacedTile> tile = tileFrom(payload);
-      if (!tile || !known.contains(placeOf(tile->at))) return false;
-      if (found.insert(placeOf(tile->at)).second) {
-        records_.push_back({tile->at, offset, payload.size(), hashOf(payload)});
-        time_.add(tile->time);
-      }
-      end_ = offset + payload.size();
-      return true;
-    });
+    end_ = kCheckpointMagic.size();
+    const std::optional<std::uint64_t> bytes =
+        readRecords(path_, kCheckpointMagic, [&](std::span<const std::byte> payload) {
+          const std::uint64_t offset = end_ + kRecordHead;
+          if (std::exchange(is_first, false)) {
+            ByteTaker taker{payload};
+            end_ = offset + payload.size();
+            return is_ours = taker.takeText() == identity_;
+          }
+          const std::optional<PlacedTile> tile = tileFrom(payload);
+          if (!tile || !known.contains(placeOf(tile->at))) return false;
+          if (found.insert(placeOf(tile->at)).second) {
+            records_.push_back({tile->at, offset, payload.size(), hashOf(payload)});
+            time_.add(tile->time);
+          }
+          end_ = offset + payload.size();
+          return true;
+        });
     begun_ = bytes && is_ours;
     if (!begun_ && isThere(path_))
       throw Error(ErrorCode::kExists, path_, "",
@@ -155,7 +156,7 @@ class TileFile {
   void add(const PixelRect& at, const Image& tile, const TileTime& time) {
     FileSystem& disk = FileSystem::real();
     if (!std::exchange(begun_, true)) {
-      std::vector<std::byte> beginning = beginningOf(kMagic), identity;
+      std::vector<std::byte> beginning = beginningOf(kCheckpointMagic), identity;
       appendText(identity, identity_);
       appendRecord(beginning, identity);
       disk.writeAtomic(path_, beginning);

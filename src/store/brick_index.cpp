@@ -14,7 +14,7 @@ static_assert(std::endian::native == std::endian::little, "index.bin is little-e
 
 // The last digit is the format: format 1 has no sub-ranges; format 2 has fewer, and its entries do not hold their
 // number.
-constexpr char kMagic[8] = {'K', 'I', 'L', 'N', 'I', 'D', 'X', '3'};
+constexpr char kIndexMagic[8] = {'K', 'I', 'L', 'N', 'I', 'D', 'X', '3'};
 constexpr char kFirstDigit = '1';
 constexpr std::uint32_t kConstantFlag = 1, kSubRangesFlag = 2;
 
@@ -138,7 +138,7 @@ void BrickIndex::encode(const std::function<void(std::span<const std::byte>)>& t
   constexpr std::size_t kPiece = 256 << 10;
   std::vector<std::byte> piece;
   piece.reserve(kPiece + (4 << 10));
-  for (const char c : kMagic) appendValue(piece, c);
+  for (const char c : kIndexMagic) appendValue(piece, c);
   appendValue(piece, static_cast<std::uint32_t>(lattices_.size()));
   for (std::size_t level = 0; level < lattices_.size(); ++level) {
     appendValue(piece, lattices_[level]);
@@ -183,8 +183,8 @@ BrickIndex BrickIndex::decode(std::span<const std::byte> data, const std::vector
   take(magic, sizeof magic);
   take(&levels, sizeof levels);
   constexpr std::size_t kDigit = sizeof magic - 1;
-  const bool known =
-      std::memcmp(magic, kMagic, kDigit) == 0 && magic[kDigit] >= kFirstDigit && magic[kDigit] <= kMagic[kDigit];
+  const bool known = std::memcmp(magic, kIndexMagic, kDigit) == 0 && magic[kDigit] >= kFirstDigit &&
+                     magic[kDigit] <= kIndexMagic[kDigit];
   if (!known || levels != lattices.size())
     throw Error(ErrorCode::kFormat, path, "byte 0", "not the index of this store");
   std::size_t next = 0;

@@ -11,7 +11,7 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr RecordMagic kMagic = {'K', 'I', 'L', 'N', 'J', 'N', 'L', '4'};
+constexpr RecordMagic kJournalMagic = {'K', 'I', 'L', 'N', 'J', 'N', 'L', '4'};
 
 std::vector<std::byte> identityPayload(const ConversionIdentity& identity) {
   std::vector<std::byte> out;
@@ -32,7 +32,7 @@ std::optional<ConversionIdentity> identityFrom(std::span<const std::byte> payloa
 template <class Take>
 void readBricks(const fs::path& path, Take&& take) {
   bool is_first = true;
-  readRecords(path, kMagic, [&](std::span<const std::byte> payload) {
+  readRecords(path, kJournalMagic, [&](std::span<const std::byte> payload) {
     if (std::exchange(is_first, false)) return identityFrom(payload).has_value();
     const std::optional<FinishedBrick> brick = finishedBrickFrom(payload);
     if (brick) take(*brick, payload);
@@ -79,7 +79,7 @@ Journal::Journal(const fs::path& directory, const ConversionIdentity& identity,
                  const std::function<bool(const FinishedBrick&)>& keep, FileSystem& disk)
     : path_(pathIn(directory)), disk_(disk) {
   constexpr std::size_t kAtOnce = 1 << 20;
-  std::vector<std::byte> bytes = beginningOf(kMagic);
+  std::vector<std::byte> bytes = beginningOf(kJournalMagic);
   appendRecord(bytes, identityPayload(identity));
   disk_.writeOwn(path_, [&](const fs::path& next) {
     disk_.writeFile(next, bytes, WritePolicy::kUnsynced);
@@ -103,7 +103,7 @@ void Journal::append(const FinishedBrick& brick) {
 
 std::optional<ConversionIdentity> Journal::identityIn(const fs::path& directory) {
   std::optional<ConversionIdentity> out;
-  readRecords(pathIn(directory), kMagic, [&](std::span<const std::byte> payload) {
+  readRecords(pathIn(directory), kJournalMagic, [&](std::span<const std::byte> payload) {
     out = identityFrom(payload);
     return false;
   });

@@ -21,7 +21,7 @@ int axisNamed(const std::vector<ArrayAxis>& axes, std::string_view name) {
   return found == axes.end() ? -1 : static_cast<int>(found - axes.begin());
 }
 
-std::string shown(const AxisNumbers& shape) { return fmt::format("({})", fmt::join(shape, ", ")); }
+std::string shownShape(const AxisNumbers& shape) { return fmt::format("({})", fmt::join(shape, ", ")); }
 
 // Returns the name in small letters; "c" and "t" for "channel" and "time".
 std::string plainName(const std::string& name) {
@@ -61,7 +61,7 @@ void nameByPlace(const ArrayName& array, const SourceOptions& options, std::vect
   if (!taken.empty()) notes.push_back(fmt::format("took the axes {}", fmt::join(taken, ", ")));
   if (array.shape.size() < 2)
     throw Error(ErrorCode::kUnsupported, array.header, "shape",
-                fmt::format("{} has fewer than two axes; a volume has three", shown(array.shape)));
+                fmt::format("{} has fewer than two axes; a volume has three", shownShape(array.shape)));
 }
 
 // The names of `count` channels.
@@ -70,7 +70,7 @@ std::vector<std::string> channelNames(const ArrayName& array, std::int64_t count
   constexpr std::int64_t kMostChannels = 1 << 16;
   if (count > kMostChannels)
     throw Error(ErrorCode::kUnsupported, array.header, "shape",
-                fmt::format("{} has more than {} channels", shown(array.shape), kMostChannels));
+                fmt::format("{} has more than {} channels", shownShape(array.shape), kMostChannels));
   std::vector<std::string> out(static_cast<std::size_t>(count));
   std::copy_n(channels.begin(), std::min(out.size(), channels.size()), out.begin());
   return out;
@@ -94,7 +94,7 @@ void chooseIndices(const ArrayName& array, const std::vector<ArrayAxis>& axes, c
     } else if (count > 1) {
       throw Error(ErrorCode::kUnsupported, array.header, "shape",
                   fmt::format("the axis {} of {} has {} entries, and is neither x, y, z, a channel nor a time",
-                              name.empty() ? std::to_string(i) : inQuotes(name), shown(array.shape), count));
+                              name.empty() ? std::to_string(i) : inQuotes(name), shownShape(array.shape), count));
     }
   }
   if (axisNamed(axes, "c") < 0) chosenChannel(options, channelNames(array, 1, channels), array.input);
@@ -173,7 +173,7 @@ ArrayVolume volumeOf(const ArrayName& array, std::vector<ArrayAxis> axes, bool h
   }
   if (found < 2)
     throw Error(ErrorCode::kUnsupported, array.header, "axes",
-                fmt::format("the array {} has no axes x, y and z", shown(array.shape)));
+                fmt::format("the array {} has no axes x, y and z", shownShape(array.shape)));
   out.geometry.dims = {dims.x, dims.y, dims.z};
   chooseIndices(array, axes, channels, options, out);
   placeInWorld(axes, has_scale, options, out);

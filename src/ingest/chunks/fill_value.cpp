@@ -28,7 +28,7 @@ std::optional<double> ofBits(const JsonNode& value, const StoredNumber& number) 
   return static_cast<double>(Half{static_cast<std::uint16_t>(bits)});
 }
 
-double numberOf(const JsonNode& value, const StoredNumber& number) {
+double statedNumberOf(const JsonNode& value, const StoredNumber& number) {
   if (value.isTruth()) return value.truth() ? 1 : 0;
   // Some programs write an empty text where there is no fill value.
   if (value.isText() && value.text().empty()) return 0;
@@ -49,7 +49,7 @@ bool isValueOf(double value) {
 void readFill(const std::optional<JsonNode>& value, ChunkLayout& out) {
   if (!value) return;
   const VoxelType type = out.number.voxelType();
-  const double fill = numberOf(*value, out.number);
+  const double fill = statedNumberOf(*value, out.number);
   withVoxelType(type, [&]<class T>(std::type_identity<T>) {
     if (!isValueOf<T>(fill)) {
       out.fill_fault = fmt::format("chunks are missing, and their fill value {} is no {}", fill, nameOf(type));

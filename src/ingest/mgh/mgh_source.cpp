@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kMghHeaderBytes = 284;
 // Offsets of the fields. unit: bytes.
 constexpr std::size_t kMghVersion = 0, kMghDims = 4, kMghFrames = 16, kMghType = 20, kHasDirections = 28,
-                      kMghSpacing = 30, kDirections = 42, kCentre = 78;
+                      kMghSpacing = 30, kMghDirections = 42, kCentre = 78;
 
 VoxelType mghType(const HeaderBytes& bytes) {
   switch (const auto type = bytes.get<std::int32_t>(kMghType)) {
@@ -65,7 +65,7 @@ VolumeGeometry mghGeometry(const HeaderBytes& bytes, const SourceOptions& option
   if (bytes.get<std::int16_t>(kHasDirections) == 1) {
     if (options.spacing) refuseSpacing(bytes.path());
     spacing = bytes.vector(kMghSpacing);
-    for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = bytes.vector(kDirections + 12 * axis);
+    for (std::size_t axis = 0; axis < 3; ++axis) step[axis] = bytes.vector(kMghDirections + 12 * axis);
     centre = bytes.vector(kCentre);
   } else {
     notes.push_back("it has no directions and sizes of voxels; coronal slices of 1 mm are taken");

@@ -27,7 +27,7 @@ std::optional<ReconstructionLog> readLog(const fs::path& path) {
 }
 
 // Returns the number at the end of a file's name; nothing without one.
-std::optional<std::int64_t> numberOf(const fs::path& file) {
+std::optional<std::int64_t> sliceNumberOf(const fs::path& file) {
   const std::string stem = file.stem().string();
   return integerOf(std::string_view(stem).substr(stem.find_last_not_of("0123456789") + 1));
 }
@@ -35,7 +35,7 @@ std::optional<std::int64_t> numberOf(const fs::path& file) {
 // The distance of slices by the numbers of their names; 1 if it is unknown. unit: slices.
 std::int64_t stepOfNames(const std::vector<fs::path>& files) {
   if (files.size() < 2) return 1;
-  const std::optional<std::int64_t> first = numberOf(files[0]), second = numberOf(files[1]);
+  const std::optional<std::int64_t> first = sliceNumberOf(files[0]), second = sliceNumberOf(files[1]);
   return first && second ? std::max<std::int64_t>(*second - *first, 1) : 1;
 }
 
