@@ -19,11 +19,11 @@ bool allEqual(std::span<const std::byte> voxels, std::size_t voxel_bytes) {
   return std::memcmp(voxels.data(), voxels.data() + voxel_bytes, voxels.size() - voxel_bytes) == 0;
 }
 
-// `finish` syncs all bricks. Bricks that exceed the page cache bypass it, because they would evict pages that other
-// programs read.
+// `finish` syncs all bricks; the disk writes a brick while the next bricks are made. Bricks that exceed the page cache
+// bypass it, because they would evict pages that other programs read.
 WritePolicy brickPolicyOf(const Manifest& manifest) {
   const std::uint64_t bytes = static_cast<std::uint64_t>(manifest.geometry().dims.count()) * sizeOf(manifest.type);
-  return bytes > machineMemoryBytes() / 2 ? WritePolicy::kPastCache : WritePolicy::kUnsynced;
+  return bytes > machineMemoryBytes() / 2 ? WritePolicy::kPastCache : WritePolicy::kBegun;
 }
 
 }  // namespace

@@ -28,7 +28,8 @@ TEST(FileSystem, WritesTheSameBytesByEveryPolicy) {
   for (const std::size_t size : {0u, 1u, 4095u, (1u << 20) - 1, 1u << 20, (1u << 20) + 1, (3u << 20) + 4096 + 7}) {
     std::vector<std::byte> data(size);
     for (std::size_t i = 0; i < size; ++i) data[i] = static_cast<std::byte>(i * 2654435761u >> 13);
-    for (const WritePolicy policy : {WritePolicy::kSynced, WritePolicy::kUnsynced, WritePolicy::kPastCache}) {
+    for (const WritePolicy policy :
+         {WritePolicy::kSynced, WritePolicy::kUnsynced, WritePolicy::kBegun, WritePolicy::kPastCache}) {
       const fs::path path = directory / "file";
       FileSystem::real().writeOwn(path, data, policy);
       EXPECT_EQ(readFile(path), data) << size << " bytes, policy " << static_cast<int>(policy);

@@ -80,6 +80,7 @@ class FileNames {
 enum class WritePolicy {
   kSynced,     // the bytes are on the disk
   kUnsynced,   // every reader sees the bytes; a later `syncAll` brings them onto the disk
+  kBegun,      // as kUnsynced, and the disk begins to write a large file at once: `syncAll` waits for less
   kPastCache,  // as kUnsynced, but past the page cache if the file system can; for large data not read soon
 };
 
