@@ -24,10 +24,23 @@ import { pathToFileURL } from 'node:url';
 const load = (name) => import(pathToFileURL(`${process.argv[2]}/node_modules/${name}`));
 const zarr = await load('zarrita/dist/src/index.js');
 const { default: FileSystemStore } = await load('@zarrita/storage/dist/src/fs.js');
+// zarrita takes a shard's index from the end, whatever the header says. Here it gets the bytes at the start instead.
+// The rest is zarrita's: the length and the checksum of the index, places of chunks, codecs.
+class IndexAtStart extends FileSystemStore {
+  getRange(key, range, options) {
+    const { suffixLength } = range;
+    return super.getRange(key, suffixLength === undefined ? range : { offset: 0, length: suffixLength }, options);
+  }
+}
+const storeOf = (path) => {
+  const { codecs } = JSON.parse(readFileSync(path + '/zarr.json', 'utf8'));
+  const shards = codecs.find(({ name }) => name === 'sharding_indexed');
+  return new (shards?.configuration.index_location === 'start' ? IndexAtStart : FileSystemStore)(path);
+};
 let wrong = 0;
 for (const path of process.argv.slice(3)) {
   try {
-    const { shape, stride, data } = await zarr.get(await zarr.open.v3(new FileSystemStore(path), { kind: 'array' }));
+    const { shape, stride, data } = await zarr.get(await zarr.open.v3(storeOf(path), { kind: 'array' }));
     const found = new data.constructor(data.length);
     let at = 0;
     for (let z = 0; z < shape[0]; ++z)
@@ -79,14 +92,16 @@ TEST_F(Zarrita, readsEveryFixtureOfVersionThreeAsKilnDoes) {
   expectRead();
 }
 
-// zarrita knows only an index at the end.
 TEST_F(Zarrita, readsEveryFixtureOfShardsAsKilnDoes) {
   const ForeignVolume volume = randomVolume({11, 9, 8}, VoxelType::u16, 314);
   for (const ZarrCodec codec : kCommonCodecs) {
     for (const bool checksum : {false, true}) {
       ZarrLayout layout{.version = ZarrVersion::kThree, .codec = codec, .chunks_in_shard = 2, .checksum = checksum};
       if (checksum) layout.stored_axes = {2, 0, 1};
-      add(volume, layout);
+      for (const bool at_start : {false, true}) {
+        layout.index_at_start = at_start;
+        add(volume, layout);
+      }
     }
   }
   expectRead();
