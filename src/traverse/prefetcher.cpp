@@ -43,7 +43,13 @@ std::vector<NextBrick> Prefetcher::next(std::size_t count) {
 void Prefetcher::announce(BrickCache& cache) {
   // Bricks read ahead at a time: enough to keep every reader busy while one brick is drawn.
   constexpr std::size_t kAnnounced = 8;
-  if (cache.readsAhead()) cache.announce(next(kAnnounced));
+  if (!cache.readsAhead()) return;
+  if (!reads_) {
+    reads_ = std::any_of(in_view_.begin(), in_view_.end(), [&](const BrickInView& brick) {
+      return !cache.holds({brick.key, store_});
+    });
+  }
+  if (*reads_) cache.announce(next(kAnnounced));
 }
 
 void Prefetcher::drew(const BrickKey& key, bool changed) {

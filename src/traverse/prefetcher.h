@@ -5,6 +5,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -29,7 +30,8 @@ class Prefetcher {
   /// Returns the bricks after the current one, or the first bricks, of which up to `count` are to be read ahead.
   /// thread: not while tiles are drawn. cost: up to two tests per examined brick, and a bounded number of bricks.
   std::vector<NextBrick> next(std::size_t count);
-  /// Announces the next bricks to a cache that reads ahead. thread: as `next`.
+  /// Announces the next bricks to a cache that reads ahead, unless all bricks were in memory at the first call: a brick
+  /// leaves memory only for one that is read. thread: as `next`.
   void announce(BrickCache& cache);
   /// Records a drawn brick and whether a pixel changed.
   void drew(const BrickKey& key, bool changed);
@@ -41,6 +43,7 @@ class Prefetcher {
   std::vector<BrickInView> in_view_;
   const Hidden is_hidden_;
   std::vector<bool> known_hidden_;  // a hidden brick stays hidden
+  std::optional<bool> reads_;       // some brick was not in memory at the first announcement
   std::size_t next_ = 0;
   std::vector<BrickInView> undrawn_;   // reached, not yet drawn
   std::set<BrickKey> guessed_;         // guesses not yet drawn

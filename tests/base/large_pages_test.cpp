@@ -75,6 +75,17 @@ TEST(LargePages, OfTheNextOnesAreNobodyElses) {
   }
 }
 
+// The system's pages are zero only once; a freed array's are kept for the next.
+TEST(LargePages, OfAFreedArrayAreZeroInTheNext) {
+  for (const std::size_t bytes : {kLargePage, 2 * kLargePage + 1, 8 * kLargePage - 12345}) {
+    for (int round = 0; round < 4; ++round) {
+      ZeroPages<std::uint8_t> array(bytes);
+      ASSERT_EQ(std::count(array.begin(), array.end(), 0), static_cast<std::ptrdiff_t>(bytes)) << round;
+      std::fill(array.begin(), array.end(), std::uint8_t{255});
+    }
+  }
+}
+
 TEST(LargePages, KeepWhatTheyHaveWhenTheirNumberChanges) {
   for (const std::size_t count : {std::size_t{5}, kLargePage / 4 - 1, kLargePage / 4, 3 * kLargePage / 4 + 17}) {
     ZeroPages<std::uint32_t> values(count, 7);

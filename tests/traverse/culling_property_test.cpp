@@ -7,6 +7,7 @@
 #include "engine/shared/classifier.h"
 #include "engine/shared/projector.h"
 #include "grid/pyramid.h"
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/random_scene.h"
@@ -191,6 +192,29 @@ TEST(Prefetcher, GuessesAsLongAsGuessesProveRight) {
   EXPECT_EQ(names(5, true), (Names{6}));
   for (std::int32_t i = 6; i < 35; ++i) EXPECT_EQ(names(i, true), i <= 12 ? Names{13} : Names{}) << i;
   EXPECT_EQ(names(35, true), (Names{36, 37, 38}));
+}
+
+// Known because a brick is examined only by the test of hidden bricks.
+TEST(Prefetcher, ExaminesNoBrickWhereAllAreInMemory) {
+  const StoreReader store(makeStore(noise({{48, 16, 16}, VoxelType::u8}, 5, {0, 250}), "three", 16));
+  BrickCache cache(store, 1u << 30, 1);
+  std::vector<BrickInView> in_view;
+  for (std::int32_t i = 0; i < 3; ++i) in_view.push_back({{0, {i, 0, 0}}, {8 * i, 0, 8 * i + 8, 8}});
+  const auto examined = [&] {
+    int out = 0;
+    Prefetcher lookahead(in_view, [&](const BrickInView&, auto) {
+      ++out;
+      return false;
+    });
+    lookahead.announce(cache);
+    lookahead.turnOf(in_view[0].key);
+    lookahead.announce(cache);
+    cache.settle();
+    return out;
+  };
+  EXPECT_EQ(examined(), 5);
+  for (const BrickInView& brick : in_view) cache.get(brick.key);
+  EXPECT_EQ(examined(), 0);
 }
 
 TEST(Footprint, CarriesTheVolumeOfItsVoxel) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/memory/spare_pages.h"
+#include "base/thread/parallel.h"
 
 namespace kiln {
 
@@ -144,6 +145,14 @@ class SparePages {
   std::size_t held_bytes_ = 0, most_bytes_ = kMostSpare;
 };
 
+// Clears memory by all threads.
+void clearTogether(void* at, std::size_t bytes) {
+  constexpr std::size_t kChunk = std::size_t{256} << 10;
+  parallelFor((bytes + kChunk - 1) / kChunk, [&](std::size_t i) {
+    std::memset(static_cast<char*>(at) + i * kChunk, 0, std::min(kChunk, bytes - i * kChunk));
+  });
+}
+
 // Never destroyed: static objects may free buffers after all destructors.
 SparePages& sparedPages() {
   static SparePages& spared = *new SparePages;
@@ -158,13 +167,16 @@ void* takePages(std::size_t bytes) {
   return takeFromHeap(bytes);
 }
 
-// Mapped pages are zero.
+// New mapped pages are zero; spared ones are cleared by all threads.
 void* takeZeroPages(std::size_t bytes) {
+  if (void* const spared = sparedPages().take(bytes)) {
+    clearTogether(spared, bytes);
+    return spared;
+  }
   void* const pages = takeMapped(bytes);
   if (pages == nullptr) return std::memset(takeFromHeap(bytes), 0, bytes);
 #ifdef MADV_POPULATE_WRITE
-  // Populated now: the system reuses the pages that this processor freed last, so a frame's picture gets those of the
-  // previous frame.
+  // Populated now: the system reuses the pages that this processor freed last.
   if (bytes <= kZerosAtOnce) ::madvise(pages, bytes, MADV_POPULATE_WRITE);
 #endif
   return pages;

@@ -19,20 +19,21 @@ inline constexpr std::size_t kLargePage = std::size_t{2} << 20;
 /// mappings, and a buffer may take two.
 inline constexpr std::size_t kMostPaged = 16384;
 
-/// Zeroed buffers up to this size are populated when taken; larger ones page by page at the first touch. unit: bytes.
+/// New zeroed buffers up to this size are populated when taken; larger ones page by page at the first touch. unit:
+/// bytes.
 inline constexpr std::size_t kZerosAtOnce = std::size_t{64} << 20;
 
 /// Upper bound of spared memory that stays with the process: voxels and files of some bricks. unit: bytes.
 inline constexpr std::size_t kMostSpare = std::size_t{32} << 20;
 
-/// Allocate memory in large pages, as far as a buffer fills them and the system has them. `giveBackPages` returns the
-/// pages to the system. Memory of takeZeroPages is zero; beyond kZerosAtOnce the thread that touches a page first pays
-/// its fault. thread: safe. throws: std::bad_alloc.
+/// Allocate memory in large pages, as far as a buffer fills them and the system has them; `giveBackPages` returns them.
+/// Memory of takeZeroPages is zero: all threads clear spared pages, new ones are zero; beyond kZerosAtOnce the thread
+/// that touches a new page first pays its fault. thread: safe. throws: std::bad_alloc.
 void* takePages(std::size_t bytes);
 void* takeZeroPages(std::size_t bytes);
 void giveBackPages(void* pages, std::size_t bytes) noexcept;
-/// Keeps up to kMostSpare bytes for the next takePages of equal size, with their contents. A renderer replaces bricks
-/// all the time, and the system would clear each page again.
+/// Keeps up to kMostSpare bytes for the next buffer of equal size, with their contents. A renderer replaces bricks and
+/// pictures all the time, and the system would clear each page again.
 void sparePages(void* pages, std::size_t bytes) noexcept;
 
 /// An allocator as std::allocator, but large buffers have pages of their own, and elements without a value stay

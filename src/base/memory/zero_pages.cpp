@@ -11,7 +11,7 @@ void* takeZeros(std::size_t bytes) {
 
 void giveBackZeros(void* zeros, std::size_t bytes) noexcept {
   if (bytes < kLargePage) return ::operator delete(zeros);
-  giveBackPages(zeros, bytes);
+  sparePages(zeros, bytes);
 }
 
 }  // namespace kiln
