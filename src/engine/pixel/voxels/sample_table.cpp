@@ -14,7 +14,7 @@ namespace {
 // Number of entries for types other than whole numbers of up to 16 bits.
 constexpr double kTableSteps = 1 << 15;
 
-// Limit of the change of optical depth, or of light, over the values of a soft voxel (figures: decisions/samples.md).
+// Limit of the change of optical depth, or of light, over the values of a soft voxel (figures: decisions/pairs.md).
 constexpr double kSoftChange = 1;
 
 // Largest difference of two materials in extinction or emitted light.
