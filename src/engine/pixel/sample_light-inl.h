@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "engine/pixel/ambient_cells-inl.h"
 #include "engine/shared/sample_math-inl.h"
 #include "engine/shared/shade.h"
 
@@ -77,8 +78,10 @@ class SampleLight {
     const V diffuse = s_.occludes_diffuse ? hn::Mul(hn::Set(d, s_.diffuse), open) : hn::Set(d, s_.diffuse);
     const V gloss_of_eye =
         s_.specular > 0 && s_.has_headlight ? hn::Mul(hn::Set(d, s_.specular), powerOf(d, cosine, s_.power)) : zero;
+    // All channels of grey light are equal.
+    const int channels = s_.grey ? 1 : 3;
     V matte[3], gloss[3], all[3], reaching[3];
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < channels; ++c) {
       const V headlight = hn::Set(d, s_.headlight[c]);
       matte[c] = fused(hn::Mul(diffuse, cosine), headlight, ambient);
       gloss[c] = hn::Mul(gloss_of_eye, headlight);
@@ -102,7 +105,7 @@ class SampleLight {
         of_gloss = hn::Mul(hn::Mul(hn::Set(d, s_.specular), powerOf(d, mirrored, s_.power)), share);
         of_gloss = hn::IfThenElseZero(hn::Gt(lit, zero), of_gloss);
       }
-      for (int c = 0; c < 3; ++c) {
+      for (int c = 0; c < channels; ++c) {
         const V color = hn::Set(d, light.color[c]);
         matte[c] = fused(of_matte, color, matte[c]);
         gloss[c] = fused(of_gloss, color, gloss[c]);
@@ -110,11 +113,13 @@ class SampleLight {
         reaching[c] = fused(share, color, reaching[c]);
       }
     }
+    const bool dims = s_.dims_flat && !hn::AllFalse(d, hn::AndNot(directed, alive));
     V* const out[3] = {&colors.red, &colors.green, &colors.blue};
     for (int c = 0; c < 3; ++c) {
+      const int of = c % channels;
       V flat = *out[c];
-      if (s_.dims_flat) flat = hn::Mul(flat, flatShare(open, all[c], reaching[c]));
-      *out[c] = hn::IfThenElse(directed, fused(*out[c], matte[c], gloss[c]), flat);
+      if (dims) flat = hn::Mul(flat, flatShare(open, all[of], reaching[of]));
+      *out[c] = hn::IfThenElse(directed, fused(*out[c], matte[of], gloss[of]), flat);
     }
   }
 
@@ -264,7 +269,7 @@ class SampleLight {
     return hn::Load(d, share);
   }
 
-  // Share of ambient light: the vector form of AmbientLookup.
+  // Share of ambient light: the vector form of AmbientLookup, with numbers of 16 bits between cells.
   HWY_NOINLINE V openOf(const Vector& at, const Vector& normal) const {
     const D d;
     const DI di;
@@ -277,7 +282,7 @@ class SampleLight {
     VI cell[3];
     V part[3];
     for (int axis = 0; axis < 3; ++axis) {
-      const V p = hn::Add(hn::Add(place[axis], hn::Set(d, m[3][axis])), along[axis]);
+      const V p = fused(along[axis], hn::Set(d, AmbientLookup::kAhead), hn::Add(place[axis], hn::Set(d, m[3][axis])));
       const V inside = hn::Min(hn::Max(p, hn::Zero(d)), hn::Set(d, static_cast<float>(n[axis] - 1)));
       cell[axis] = hn::Min(hn::ConvertTo(di, inside), hn::Set(di, static_cast<std::int32_t>(n[axis]) - 2));
       part[axis] = hn::Sub(inside, hn::ConvertTo(d, cell[axis]));
@@ -286,33 +291,22 @@ class SampleLight {
     const VI first =
         hn::Add(cell[0], hn::Add(hn::Mul(cell[1], hn::Set(di, width)), hn::Mul(cell[2], hn::Set(di, plane))));
     const auto* const cells = reinterpret_cast<const std::int32_t*>(ambient.grid().cells());
-    const V one = hn::Set(d, 1.0f);
-    // Sums over the eight cells around the sample.
-    V mean = hn::Zero(d), along_x = mean, along_y = mean, along_z = mean;
-    const auto add = [&](std::int32_t beside, V weight) {
-      const VI word = hn::GatherIndex(di, cells, hn::Add(first, hn::Set(di, beside)));
-      // The cell's bytes, from the lowest: mean, x, y, z.
-      mean = fused(weight, hn::ConvertTo(d, hn::And(word, hn::Set(di, 255))), mean);
-      along_x = fused(weight, hn::ConvertTo(d, hn::ShiftRight<24>(hn::ShiftLeft<16>(word))), along_x);
-      along_y = fused(weight, hn::ConvertTo(d, hn::ShiftRight<24>(hn::ShiftLeft<8>(word))), along_y);
-      along_z = fused(weight, hn::ConvertTo(d, hn::ShiftRight<24>(word)), along_z);
+    const CellShare along_x(part[0]), along_y(part[1]), along_z(part[2]);
+    const CellRows rows(cells, first, width, plane);
+    const auto row = [&](std::size_t of) {
+      const CellPair pair = rows.row(of);
+      return CellBytes::between(CellBytes::of(pair.here), CellBytes::of(pair.after), along_x);
     };
-    const auto add_row = [&](std::int32_t beside, V weight) {
-      const V after = hn::Mul(weight, part[0]);
-      add(beside, hn::Sub(weight, after));
-      add(beside + 1, after);
-    };
-    const auto add_plane = [&](std::int32_t beside, V weight) {
-      const V after = hn::Mul(weight, part[1]);
-      add_row(beside, hn::Sub(weight, after));
-      add_row(beside + width, after);
-    };
-    add_plane(0, hn::Sub(one, part[2]));
-    add_plane(plane, part[2]);
-    const V turned_mean = dotOf({along_x, along_y, along_z}, turned);
-    const V seen =
-        fused(turned_mean, hn::Set(d, 2 * AmbientCell::kAlong), hn::Mul(mean, hn::Set(d, AmbientCell::kMean)));
-    const V shut = hn::Sub(hn::Set(d, 1.0f), hn::Min(hn::Max(seen, hn::Zero(d)), hn::Set(d, 1.0f)));
+    const auto layer = [&](std::size_t of) { return CellBytes::between(row(of), row(of + 1), along_y); };
+    const auto [even, odd] = CellBytes::between(layer(0), layer(2), along_z);
+    // The cell's bytes, from the lowest: mean, x, y, z.
+    constexpr float kByte = 1 / (256 * CellShare::kWhole);
+    const auto byte = [&](VI of) { return hn::ConvertTo(d, of); };
+    const V turned_mean = dotOf({byte(odd.lower()), byte(even.upper()), byte(odd.upper())}, turned);
+    const V mean = fused(byte(even.lower()), hn::Set(d, kByte * AmbientCell::kMean),
+                         hn::Set(d, AmbientCell::kMean * AmbientCell::kHalfOpen));
+    const V seen = fused(turned_mean, hn::Set(d, 2 * kByte * AmbientCell::kAlong), mean);
+    const V one = hn::Set(d, 1.0f), shut = hn::Sub(one, hn::Min(hn::Max(seen, hn::Zero(d)), one));
     return fusedLess(hn::Set(d, ambient.strength()), shut, one);
   }
 

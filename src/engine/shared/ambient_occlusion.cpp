@@ -15,8 +15,7 @@ AmbientLookup::AmbientLookup(const AmbientGrid& grid, float strength, const glm:
 
 float AmbientLookup::share(const glm::vec3& view_point, const glm::vec3& normal) const {
   const glm::vec3 turned = turned_ * normal;
-  // A cell in front of the surface: cells inside see nothing.
-  const glm::vec3 at = glm::vec3(grid_from_view_ * glm::vec4(view_point, 1)) + turned;
+  const glm::vec3 at = glm::vec3(grid_from_view_ * glm::vec4(view_point, 1)) + kAhead * turned;
   const Extent3& n = grid_->dims();
   int cell[3];
   float part[3];
@@ -32,7 +31,7 @@ float AmbientLookup::share(const glm::vec3& view_point, const glm::vec3& normal)
     const AmbientCell& c = grid_->cells()[((cell[2] + dz) * n.y + cell[1] + dy) * n.x + cell[0] + dx];
     const float weight =
         (dx != 0 ? part[0] : 1 - part[0]) * (dy != 0 ? part[1] : 1 - part[1]) * (dz != 0 ? part[2] : 1 - part[2]);
-    mean += weight * static_cast<float>(c.mean);
+    mean += weight * static_cast<float>(c.mean + AmbientCell::kHalfOpen);
     along += weight * (static_cast<float>(c.along[0]) * turned.x + static_cast<float>(c.along[1]) * turned.y +
                        static_cast<float>(c.along[2]) * turned.z);
   }

@@ -18,9 +18,10 @@ namespace kiln {
 
 /// A cell of the grid, packed so that a vector of samples gathers cells as words.
 struct AmbientCell {
-  std::uint8_t mean = 255;
+  std::int8_t mean = kHalfOpen;  // of twice the visibility, less 1
   std::int8_t along[3] = {0, 0, 0};
-  static constexpr float kMean = 1.0f / 255, kAlong = 0.25f / 127;  // units of the members
+  static constexpr std::int8_t kHalfOpen = 127;
+  static constexpr float kMean = 0.5f / kHalfOpen, kAlong = 0.25f / 127;  // units of the members
 };
 static_assert(sizeof(AmbientCell) == 4);
 
@@ -44,6 +45,9 @@ class AmbientGrid {
 /// Ambient light of samples given in view space.
 class AmbientLookup {
  public:
+  /// Distance from a surface to the look-up along the normal: cells inside of matter see nothing. unit: cells.
+  static constexpr float kAhead = 0.91f;
+
   /// No occlusion.
   AmbientLookup() = default;
   /// requires: `grid` outlives the object.

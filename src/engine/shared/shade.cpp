@@ -33,6 +33,7 @@ Shader::Shader(const Shading& shading, const View& view, float gradient_noise, c
   for (std::size_t i = 0; i < shading.lights.size(); ++i) {
     const Light& light = shading.lights[i];
     const glm::vec3 color(light.intensity * light.color);
+    m_.grey = m_.grey && color == glm::vec3(color.r);
     if (light.kind == LightKind::kHeadlight) {
       m_.has_headlight = true;
       m_.headlight += color;

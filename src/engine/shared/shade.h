@@ -61,6 +61,7 @@ class Shader {
   struct Model {
     bool phong = false, perspective = false, has_headlight = false, shadowed = false, occludes_diffuse = false;
     bool scatters = false;   // light is scattered by a medium, not reflected by surfaces
+    bool grey = true;        // all lights have equal channels
     bool dims_flat = false;  // shadows and occlusion take light away from samples without direction
     float ambient = 0, diffuse = 0, specular = 0, power = 0;
     GradientScale gradient;

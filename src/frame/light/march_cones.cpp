@@ -51,6 +51,9 @@ HWY_INLINE V seenAlong(const Cones& cones, const glm::vec3& direction, V x, V y,
   return seen;
 }
 
+// Share of the light that reaches an even surface: the lattice has stairs, and the rest would show as rings.
+constexpr float kReaching = 1 / 1.01f;
+
 std::size_t lanes() { return hn::Lanes(D()); }
 
 // requires: `count` fills vectors.
@@ -58,8 +61,9 @@ void marchConesOn(const Cones& cones, const float* px, const float* py, const fl
                   AmbientCell* out) {
   const D d;
   const DI di;
-  const auto directions = static_cast<float>(cones.directions.size());
-  const V mean_unit = hn::Set(d, 255 / directions), along_unit = hn::Set(d, 4 * 127 / directions);
+  const float directions = kReaching * static_cast<float>(cones.directions.size());
+  constexpr float kOpen = 2 * AmbientCell::kHalfOpen;
+  const V mean_unit = hn::Set(d, kOpen / directions), along_unit = hn::Set(d, 4 * 127 / directions);
   const auto rounded = [&](V sum, V unit, float least, float most) {
     return hn::NearestInt(hn::Min(hn::Max(hn::Mul(sum, unit), hn::Set(d, least)), hn::Set(d, most)));
   };
@@ -75,7 +79,8 @@ void marchConesOn(const Cones& cones, const float* px, const float* py, const fl
     }
     const auto byte = [&](V sum) { return hn::And(rounded(sum, along_unit, -127, 127), hn::Set(di, 255)); };
     // The cell's bytes, from the lowest: mean, x, y, z.
-    const VI lower = hn::Or(rounded(mean, mean_unit, 0, 255), hn::ShiftLeft<8>(byte(along_x)));
+    const VI closed = hn::Sub(rounded(mean, mean_unit, 0, kOpen), hn::Set(di, AmbientCell::kHalfOpen));
+    const VI lower = hn::Or(hn::And(closed, hn::Set(di, 255)), hn::ShiftLeft<8>(byte(along_x)));
     const VI upper = hn::Or(hn::ShiftLeft<16>(byte(along_y)), hn::ShiftLeft<24>(byte(along_z)));
     hn::StoreU(hn::Or(lower, upper), di, reinterpret_cast<std::int32_t*>(out) + i);
   }
