@@ -214,7 +214,7 @@ class SampleLight {
     const V depth = inside(hn::Mul(hn::Sub(z, hn::Set(d, f.near)), hn::Set(d, f.per_depth)), DeepShadowMap::kSteps);
     const VI x0 = hn::Min(hn::ConvertTo(di, x), hn::Set(di, f.width - 2));
     const VI y0 = hn::Min(hn::ConvertTo(di, y), hn::Set(di, f.height - 2));
-    const VI place = hn::Add(x0, hn::Mul(y0, hn::Set(di, f.width)));
+    const VI place = hn::Add(x0, hn::Mul(y0, hn::Set(di, f.stride)));
     const VI span = hn::GatherIndex(di, of.map->spans(), place), low = hn::Set(di, 0xffff);
     const VI whole = hn::ConvertTo(di, depth);
     const M lit = hn::RebindMask(d, hn::Gt(hn::And(span, low), whole));
@@ -240,21 +240,38 @@ class SampleLight {
   static HWY_NOINLINE V betweenLayers(const DeepShadowMap& map, VI place, const Vector& at, const Pixels& first,
                                       M between, V out) {
     const D d;
+    const DI di;
     constexpr std::size_t kLanes = hn::MaxLanes(D());
     constexpr auto kPassed = [](const DeepShadowMap::Depths& z, std::uint16_t whole)
                                  HWY_ATTR { return passedIn(z, whole); };
-    alignas(64) std::int32_t places[kLanes];
-    alignas(64) float fx[kLanes], fy[kLanes], depth[kLanes], asks[kLanes], share[kLanes];
-    hn::Store(place, DI(), places);
-    hn::Store(hn::Sub(at.x, hn::ConvertTo(d, first.x)), d, fx);
-    hn::Store(hn::Sub(at.y, hn::ConvertTo(d, first.y)), d, fy);
-    hn::Store(at.z, d, depth);
-    hn::Store(hn::IfThenElseZero(between, hn::Set(d, 1.0f)), d, asks);
-    hn::Store(out, d, share);
+    const std::int32_t beside[4] = {0, 1, map.frame().stride, map.frame().stride + 1};
+    alignas(64) std::int32_t places[kLanes], whole[kLanes], asks[kLanes];
+    alignas(64) std::int32_t depths[4][kLanes] = {}, shares[4][kLanes] = {};
+    hn::Store(place, di, places);
+    hn::Store(hn::ConvertTo(di, at.z), di, whole);
+    hn::Store(hn::VecFromMask(di, hn::RebindMask(di, between)), di, asks);
     for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
-      if (asks[i] != 0) share[i] = map.between(places[i], fx[i], fy[i], depth[i], kPassed);
+      if (asks[i] == 0) continue;
+      for (int corner = 0; corner < 4; ++corner) {
+        const auto piece = map.pieceAt(places[i] + beside[corner], static_cast<std::uint16_t>(whole[i]), kPassed);
+        depths[corner][i] = static_cast<std::int32_t>(piece.depths);
+        shares[corner][i] = static_cast<std::int32_t>(piece.shares);
+      }
     }
-    return hn::Load(d, share);
+    const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
+    const VI low = hn::Set(di, 0xffff);
+    const auto first_of = [&](VI ends) { return hn::ConvertTo(d, hn::And(ends, low)); };
+    const auto last_of = [&](VI ends) { return hn::ConvertTo(d, hn::And(hn::ShiftRight<16>(ends), low)); };
+    const auto through = [&](int corner) {
+      const VI z = hn::Load(di, depths[corner]), t = hn::Load(di, shares[corner]);
+      const V near = first_of(z), before = first_of(t);
+      const V part = hn::Div(hn::Sub(at.z, near), hn::Max(hn::Sub(last_of(z), near), one));
+      return fused(hn::Min(hn::Max(part, zero), one), hn::Sub(last_of(t), before), before);
+    };
+    const auto mix = [](V a, V b, V share) { return fused(share, hn::Sub(b, a), a); };
+    const V fx = hn::Sub(at.x, hn::ConvertTo(d, first.x)), fy = hn::Sub(at.y, hn::ConvertTo(d, first.y));
+    const V found = mix(mix(through(0), through(1), fx), mix(through(2), through(3), fx), fy);
+    return hn::IfThenElse(between, hn::Mul(found, hn::Set(d, 1 / DeepShadowMap::kSteps)), out);
   }
 
   HWY_NOINLINE V shareOneByOne(const ShadowLookup& shadow, const Vector& at, M needed) const {

@@ -17,6 +17,7 @@ DeepShadowMap::DeepShadowMap(const View& light, const DepthRange& depths)
       frame_{light.projection == Projection::kPerspective,
              light.size.width,
              light.size.height,
+             shadowStride(light.size.width),
              static_cast<float>(light.focal_px),
              static_cast<float>(light.centre_px.x - 0.5),
              static_cast<float>(light.centre_px.y - 0.5),
@@ -24,7 +25,7 @@ DeepShadowMap::DeepShadowMap(const View& light, const DepthRange& depths)
              static_cast<float>(light.size.height - 1),
              static_cast<float>(depths.near),
              static_cast<float>(kSteps / (depths.far - depths.near))} {
-  const auto pixels = static_cast<std::size_t>(light.size.width) * static_cast<std::size_t>(light.size.height);
+  const std::size_t pixels = placeOf(0, light.size.height);
   Knots clear;
   clear.z.fill(std::numeric_limits<std::uint16_t>::max());
   clear.t.fill(std::numeric_limits<std::uint16_t>::max());
@@ -32,8 +33,9 @@ DeepShadowMap::DeepShadowMap(const View& light, const DepthRange& depths)
   columns_.resize(pixels);
 }
 
-std::uint64_t DeepShadowMap::bytesFor(std::uint64_t pixels, bool drawing) {
-  return pixels * (sizeof(Knots) + sizeof(std::int32_t) + (drawing ? sizeof(Column) : 0));
+std::uint64_t DeepShadowMap::bytesFor(int width, int height, bool drawing) {
+  const auto places = static_cast<std::uint64_t>(shadowStride(width)) * static_cast<std::uint64_t>(height);
+  return places * (sizeof(Knots) + sizeof(std::int32_t) + (drawing ? sizeof(Column) : 0));
 }
 
 void DeepShadowMap::addPoint(const Point& point, Column& column, Knots& knots) const {
@@ -101,13 +103,12 @@ std::uint16_t DeepShadowMap::darkAfter(const Knots& knots) {
 
 void DeepShadowMap::findSpans() {
   spans_.assign(pixels_.size(), 0);
-  const int width = frame_.width;
+  const std::size_t below = placeOf(0, 1);
   for (int y = 0; y + 1 < frame_.height; ++y) {
-    for (int x = 0; x + 1 < width; ++x) {
+    for (int x = 0; x + 1 < frame_.width; ++x) {
       const std::size_t place = placeOf(x, y);
       std::uint32_t first = std::numeric_limits<std::uint16_t>::max(), dark = 0;
-      for (const std::size_t beside :
-           {std::size_t{0}, std::size_t{1}, static_cast<std::size_t>(width), static_cast<std::size_t>(width) + 1}) {
+      for (const std::size_t beside : {std::size_t{0}, std::size_t{1}, below, below + 1}) {
         const Knots& knots = pixels_[place + beside];
         first = std::min<std::uint32_t>(first, knots.z[0]);
         dark = std::max<std::uint32_t>(dark, darkAfter(knots));

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -23,6 +24,9 @@
 #include "scene/camera/camera.h"
 
 namespace kiln {
+
+/// Places from row to row of a map: pixels above each other must not share the sets of a cache.
+constexpr int shadowStride(int width) { return width + (64 + 17 - width % 64) % 64; }
 
 /// Knots of a pixel: 16 depths and transmittances of two bytes each fill a cache line.
 inline constexpr int kShadowKnots = 16;
@@ -38,8 +42,8 @@ class DeepShadowMap {
  public:
   /// A map without layers. requires: `light` is no panorama; depths.near < depths.far.
   DeepShadowMap(const View& light, const DepthRange& depths);
-  /// unit: bytes; `drawing`: before finish().
-  static std::uint64_t bytesFor(std::uint64_t pixels, bool drawing);
+  /// Memory of a map of width × height pixels. unit: bytes; `drawing`: before finish().
+  static std::uint64_t bytesFor(int width, int height, bool drawing);
 
   const View& view() const { return view_; }
 
@@ -58,6 +62,7 @@ class DeepShadowMap {
   struct Frame {
     bool perspective = false;
     int width = 0, height = 0;                                            // unit: pixels
+    int stride = 0;                                                       // places from row to row
     float focal = 1, centre_x = 0, centre_y = 0, last_x = 0, last_y = 0;  // unit: pixels, from the middle of the first
     float near = 0, per_depth = 1;                                        // unit: steps of a depth per world unit
   };
@@ -77,28 +82,36 @@ class DeepShadowMap {
                 y = std::clamp(f.centre_y + scale * light_point.y, 0.0f, f.last_y);
     const int x0 = std::min(static_cast<int>(x), f.width - 2), y0 = std::min(static_cast<int>(y), f.height - 2);
     const float depth = std::clamp((light_point.z - f.near) * f.per_depth, 0.0f, kSteps);
-    const std::int32_t place = y0 * f.width + x0;
+    const std::int32_t place = y0 * f.stride + x0;
     const auto span = static_cast<std::uint32_t>(spans_[static_cast<std::size_t>(place)]);
-    const auto whole = static_cast<std::uint32_t>(depth);
+    const auto whole = static_cast<std::uint16_t>(depth);
     if ((span & 0xffff) > whole) return 1;
     if (whole > span >> 16) return 0;
-    return between(place, x - static_cast<float>(x0), y - static_cast<float>(y0), depth, &passedIn);
+    const auto through = [&](int beside) { return pieceAt(place + beside, whole, &passedIn).at(depth); };
+    const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
+    const float upper = std::lerp(through(0), through(1), fx);
+    return std::lerp(upper, std::lerp(through(f.stride), through(f.stride + 1), fx), fy);
   }
   /// Depths of a pixel's knots. shape: kShadowKnots, ascending. unit: steps.
   using Depths = std::array<std::uint16_t, kShadowKnots>;
-  /// Transmittance between the pixel at `place` and its three neighbours to the right and below. `passed(depths,
-  /// whole)` counts the depths that are not above `whole`.
+  /// The piece of a polyline around a depth: depths and transmittances at its ends, the first in the lower 16 bits.
+  struct Piece {
+    std::uint32_t depths, shares;
+    float at(float depth) const {
+      const auto first = [](std::uint32_t ends) { return static_cast<float>(ends & 0xffff); };
+      const auto last = [](std::uint32_t ends) { return static_cast<float>(ends >> 16); };
+      const float part = (depth - first(depths)) / std::max(last(depths) - first(depths), 1.0f);
+      return std::lerp(first(shares), last(shares), std::clamp(part, 0.0f, 1.0f)) / kSteps;
+    }
+  };
+  /// `passed(depths, whole)` counts the depths that are not above `whole`.
   template <class Passed>
-  float between(std::int32_t place, float fx, float fy, float depth, const Passed& passed) const {
-    const auto whole = static_cast<std::uint16_t>(depth);
-    const Knots* const above = &pixels_[static_cast<std::size_t>(place)];
-    const Knots* const below = above + frame_.width;
-    const auto along = [&](const Knots* pixel) {
-      const float t = transmittanceAt(pixel[0], depth, passed(pixel[0].z, whole));
-      return t + fx * (transmittanceAt(pixel[1], depth, passed(pixel[1].z, whole)) - t);
-    };
-    const float upper = along(above);
-    return upper + fy * (along(below) - upper);
+  Piece pieceAt(std::int32_t place, std::uint16_t whole, const Passed& passed) const {
+    const Knots& knots = pixels_[static_cast<std::size_t>(place)];
+    const std::size_t behind = passed(knots.z, whole);
+    const std::size_t last = std::clamp<std::size_t>(behind, 1, kShadowKnots - 1);
+    // All light reaches depths in front of the first knot.
+    return {bothOf(knots.z, last), behind == 0 ? ~std::uint32_t{0} : bothOf(knots.t, last)};
   }
 
  private:
@@ -118,7 +131,7 @@ class DeepShadowMap {
   };
 
   std::size_t placeOf(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(view_.size.width) + static_cast<std::size_t>(x);
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(frame_.stride) + static_cast<std::size_t>(x);
   }
   void addPoint(const Point& point, Column& column, Knots& knots) const;
   void addKnot(const Point& point, Column& column, Knots& knots) const;
@@ -127,12 +140,8 @@ class DeepShadowMap {
     for (const std::uint16_t z : depths) out += z <= whole ? 1 : 0;
     return out;
   }
-  static float transmittanceAt(const Knots& knots, float depth, std::size_t passed) {
-    if (passed == 0) return 1;
-    if (passed == kShadowKnots) return static_cast<float>(knots.t.back()) / kSteps;
-    const float z = knots.z[passed - 1], t = knots.t[passed - 1];
-    const float part = (depth - z) / (static_cast<float>(knots.z[passed]) - z);
-    return (t + part * (static_cast<float>(knots.t[passed]) - t)) / kSteps;
+  static std::uint32_t bothOf(const Depths& knots, std::size_t last) {
+    return knots[last - 1] | static_cast<std::uint32_t>(knots[last]) << 16;
   }
 
   // The depth behind which no light is left.

@@ -189,13 +189,12 @@ std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes
   for (const Light& light : shading.lights) {
     if (!castsShadows(shading, light)) continue;
     const int edge = edgeOf(light, extent, picture);
-    const auto pixels = static_cast<std::uint64_t>(edge) * static_cast<std::uint64_t>(edge);
     // The views of a far light have equal bounds for all directions.
     std::size_t maps = isFar(light.kind) ? 1 : shadowViews(light, extent.corners, edge).size();
     if (light.shadow.softness > 0) maps = isFar(light.kind) ? kSoftLights : 6 * kSoftLights;
-    const std::uint64_t finished = DeepShadowMap::bytesFor(pixels, false);
+    const std::uint64_t finished = DeepShadowMap::bytesFor(edge, edge, false);
     kept += maps * finished;
-    drawing = std::max(drawing, DeepShadowMap::bytesFor(pixels, true) - finished + bandBytes(edge, edge));
+    drawing = std::max(drawing, DeepShadowMap::bytesFor(edge, edge, true) - finished + bandBytes(edge, edge));
   }
   if (shading.occlusion.strength > 0) {
     const LatticeView lattice = latticeOf(volumes.front()->manifest().geometry(), extent);
