@@ -2,6 +2,7 @@
 // reached once, at the end.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <utility>
 
 #include "base/byte_record.h"
@@ -104,6 +105,29 @@ TEST_F(FrameProgressOf, PartsAreOneCount) {
   check(R"("volume": "volume.kiln", "stereo": {"eye": "both", "interocular": 5})");
   check(R"("volume": "volume.kiln", "camera": {"projection": "equirectangular", "eye": [-40, 30, 20]})");
   check(R"("volume": "volume.kiln", "mode": "mip", "stereo": {"eye": "both", "interocular": 5})");
+}
+
+// Known: steps precede the frame in the order of drawing, and the frame's count is the same as without them.
+TEST_F(FrameProgressOf, LightsAreStepsBeforeTheFrame) {
+  const std::string light = R"({"type": "directional", "direction": [1, 0, 1]})";
+  const std::vector<Told> told =
+      drawn(R"("volume": "volume.kiln", "shading": {"ambientOcclusion": 0.5, "shadows": true}, )"
+            R"("lights": [{"type": "headlight"}, )" +
+                light + ", " + light + "]",
+            3);
+  std::map<std::string, std::vector<Told>> steps;
+  std::vector<std::string> order;
+  for (const Told& report : told) {
+    if (steps[report.step].empty()) order.push_back(report.step);
+    steps[report.step].push_back(report);
+  }
+  EXPECT_EQ(order,
+            (std::vector<std::string>{"ambient occlusion", "shadows of light 2", "shadows of light 3", "frame 7"}));
+  for (const std::string& step : order) {
+    SCOPED_TRACE(step);
+    expectOneCount(steps[step], step, step == "frame 7" ? "bricks" : "rows");
+  }
+  EXPECT_EQ(steps["frame 7"].front().total, drawn(R"("volume": "volume.kiln")", 3).front().total);
 }
 
 TEST_F(FrameProgressOf, SeveralVolumesCountTiles) {

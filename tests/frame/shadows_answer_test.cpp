@@ -39,7 +39,8 @@ double startOf(const std::filesystem::path& store, FrameRequest request) {
   const StoreReader reader(store);
   BrickCache cache({&reader}, 1ull << 30, 0);
   FrameStatistics ignored;
-  illuminate(cache, Progress(), request, ignored);
+  Progress silent;
+  illuminate(cache, silent, request, ignored);
   double out = 0;
   for (const ShadowedLight& light : request.illumination->lights) out = std::max(out, light.start);
   return out;

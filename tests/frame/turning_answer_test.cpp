@@ -151,7 +151,8 @@ TEST_P(Turn, OfShadowsChangesAsMuchAsItShould) {
     BrickCache cache({&reader}, 1ull << 30, 0);
     FrameStatistics ignored;
     FrameRequest lit = request;
-    illuminate(cache, Progress(), lit, ignored);
+    Progress silent;
+    illuminate(cache, silent, lit, ignored);
     turning.reference.shadow_start = lit.illumination->lights.front().start;
   }
   for (Camera (*moved)(Camera, double) : {turned, zoomed}) {

@@ -1,7 +1,10 @@
 #include "frame/light/illuminate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "engine/capabilities.h"
@@ -106,12 +109,23 @@ FrameRequest ofOpacities(FrameRequest request, const View& view) {
 }
 
 // requires: ofOpacities, with a place for them.
-void drawOpacities(BrickCache& cache, const FrameRequest& request, Progress& progress, FrameStatistics& statistics) {
+void drawOpacities(BrickCache& cache, const FrameRequest& request, ViewsProgress& progress,
+                   FrameStatistics& statistics) {
   FrameDrawing drawing(cache, request, progress);
   const ImageSize& size = request.view.size;
-  for (int y = 0; y < size.height; y += kOpacityBand)
-    drawing.draw({0, y, size.width, std::min(y + kOpacityBand, size.height)});
+  for (int y = 0; y < size.height; y += kOpacityBand) {
+    const int end = std::min(y + kOpacityBand, size.height);
+    progress.begin(end - y);
+    drawing.draw({0, y, size.width, end});
+    progress.end();
+  }
   statistics.addView(drawing.finish());
+}
+
+std::uint64_t rowsOf(const std::vector<FrameRequest>& views) {
+  std::uint64_t out = 0;
+  for (const FrameRequest& view : views) out += static_cast<std::uint64_t>(view.view.size.height);
+  return out;
 }
 
 // Returns the view along the z axis of the first volume.
@@ -253,7 +267,7 @@ std::vector<FrameRequest> lightRequests(const std::vector<const BrickedVolume*>&
   return out;
 }
 
-void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& request, FrameStatistics& statistics) {
+void illuminate(BrickCache& cache, Progress& progress, FrameRequest& request, FrameStatistics& statistics) {
   if (request.illumination || !isIlluminated(request)) return;
   const std::vector<Light>& lights = request.shading.lights;
   const AmbientOcclusion& occlusion = request.shading.occlusion;
@@ -266,16 +280,17 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
   }
   const ShownExtent extent = extentOf(cache.stores(), out->scene.clippings);
   if (extent.corners.empty()) return;
-  SilentProgress silent(progress);
   if (occlusion.strength > 0) {
     out->ambient_radius = radiusOf(occlusion, extent);
     if (previous != nullptr && previous->ambient && previous->ambient_radius == out->ambient_radius) {
       out->ambient = previous->ambient;
     } else {
       ExtinctionLattice lattice(latticeOf(cache.stores().front()->manifest().geometry(), extent));
-      for (FrameRequest& along : latticeRequests(cache.stores(), request)) {
+      std::vector<FrameRequest> views = latticeRequests(cache.stores(), request);
+      ViewsProgress of_views("ambient occlusion", rowsOf(views), progress);
+      for (FrameRequest& along : views) {
         along.extinction = &lattice;
-        drawOpacities(cache, along, silent, statistics);
+        drawOpacities(cache, along, of_views, statistics);
         lattice.turn();
       }
       out->ambient = std::make_shared<AmbientGrid>(gatherAmbient(lattice, out->ambient_radius, progress));
@@ -298,13 +313,20 @@ void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& reque
         continue;
       }
     }
-    for (const std::vector<ShadowView>& point : mapsOf(light, request, extent)) {
+    const std::vector<std::vector<ShadowView>> points = mapsOf(light, request, extent);
+    std::uint64_t rows = 0;
+    for (const std::vector<ShadowView>& point : points) {
+      for (const ShadowView& view : point) rows += static_cast<std::uint64_t>(view.view.size.height);
+    }
+    const std::string step = fmt::format("shadows of light {}", i + 1);
+    ViewsProgress of_maps(step.c_str(), rows, progress);
+    for (const std::vector<ShadowView>& point : points) {
       std::vector<std::shared_ptr<const DeepShadowMap>> maps;
       for (const ShadowView& view : point) {
         auto map = std::make_shared<DeepShadowMap>(view.view, view.depths);
         FrameRequest of_light = ofOpacities(request, view.view);
         of_light.shadows = map.get();
-        drawOpacities(cache, of_light, silent, statistics);
+        drawOpacities(cache, of_light, of_maps, statistics);
         map->finish();
         shadowed.start = std::max(shadowed.start, kShadowStart * std::max(extent.voxel, pixelEdge(view)));
         maps.push_back(std::move(map));

@@ -40,7 +40,8 @@ std::vector<FrameRequest> lightRequests(const std::vector<const BrickedVolume*>&
 std::shared_ptr<const Illumination> knownIllumination(const FrameRequest& request, const Illumination* earlier);
 
 /// Gives the request the shadow maps of its lights and its ambient occlusion, unless the request has them. The parts of
-/// the last illumination that are right are kept. Adds the cost to `statistics`. throws: as renderFrame.
-void illuminate(BrickCache& cache, const Progress& progress, FrameRequest& request, FrameStatistics& statistics);
+/// the last illumination that are right are kept. Reports each part as a step of its own. Adds the cost to
+/// `statistics`. throws: as renderFrame.
+void illuminate(BrickCache& cache, Progress& progress, FrameRequest& request, FrameStatistics& statistics);
 
 }  // namespace kiln

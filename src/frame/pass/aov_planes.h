@@ -6,8 +6,8 @@
 
 #include "engine/shared/aov_pixels.h"
 #include "image/image.h"
-#include "scene/render_options.h"
 #include "scene/camera/camera.h"
+#include "scene/render_options.h"
 
 namespace kiln {
 

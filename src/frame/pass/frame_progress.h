@@ -33,7 +33,27 @@ class PartProgress {
   std::mutex telling_;
 };
 
-/// Adds the progress of the parts to the frame's.
+/// The progress of views that are drawn before a frame, as a step of its own. Counts their rows of pixels.
+class ViewsProgress : public Progress {
+ public:
+  /// `rows`: of all views. requires: `step` and `progress` outlive the object.
+  ViewsProgress(const char* step, std::uint64_t rows, Progress& progress);
+
+  /// Begins a part of so many rows.
+  void begin(int rows) { of_part_ = static_cast<std::uint64_t>(rows); }
+  void advance(const char* step, const char* unit, std::uint64_t done, std::uint64_t total) override;
+  bool cancelled() const override { return progress_.cancelled(); }
+  /// Counts the part as drawn. A part without bricks reports nothing by itself.
+  void end();
+
+ private:
+  const char* const step_;
+  const std::uint64_t rows_;
+  std::uint64_t before_ = 0, of_part_ = 0;
+  Progress& progress_;
+};
+
+/// Adds the progress of the parts to the frame's. Steps before the frame are passed on.
 class FrameProgress : public Progress {
  public:
   /// `total`: the sum over all parts; 0 for a single part with its own total. requires: `progress` outlives the object.
