@@ -31,7 +31,7 @@ struct VisibilityOptions {
   bool test_samples = true;
   bool operator==(const VisibilityOptions&) const = default;
 };
-/// Positions of samples (engine/pixel/decisions/samples.md).
+/// Positions of samples (engine/pixel/decisions/places.md).
 /// - kPixel: intersections of pixel rays and slabs; a sample contributes to its pixel only.
 /// - kVoxel: voxels, splatted as by Lee and Ihm.
 enum class Lattice { kPixel, kVoxel };
