@@ -20,7 +20,6 @@ find src tools tests scripts cmake ./*.* LICENSE -not -name '*.pyc' | sed 's|^\.
     if (path == "src/CONTRIBUTING.md" || path ~ /^src\/contributing\//) return 40
     if (path ~ /^src\/engine\/.*README\.md$/) return 200
     if (path ~ /\/README\.md$/) return 60
-    if (path ~ /^src\/frame\/decisions\/(light|occlusion|tiles-and-bricks)\.md$/) return 0
     if (path ~ /\/decisions\//) return 40
     return 0
   }

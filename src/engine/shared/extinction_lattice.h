@@ -18,7 +18,7 @@
 
 namespace kiln {
 
-/// Rays along an edge of a cell. Figures: frame/decisions/occlusion.md.
+/// Rays along an edge of a cell. Figures: frame/decisions/occlusion-cells.md.
 inline constexpr int kRaysOfCell = 2;
 
 /// A parallel view of a lattice: view.size rays, and `depth` times their distance from depth `near` on. unit: near:

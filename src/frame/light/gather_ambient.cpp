@@ -21,7 +21,7 @@ void untilStopped(const Progress& progress, std::int64_t count, const Work& work
 }
 
 // Edge of the grid's cells. unit: cells of the lattice. An even number: all points of the grid then lie alike among the
-// cells, and smooth surfaces show no rings. Figures: frame/decisions/occlusion.md.
+// cells, and smooth surfaces show no rings. Figures: frame/decisions/occlusion-points.md.
 constexpr int kCellsOfGrid = 2;
 // Cones, evenly over the sphere.
 constexpr int kCones = 24;
