@@ -48,6 +48,8 @@ void Prefetcher::announce(BrickCache& cache) {
     reads_ = std::any_of(in_view_.begin(), in_view_.end(), [&](const BrickInView& brick) {
       return !cache.holds({brick.key, store_});
     });
+    // A cancelled frame leaves its announcements, whose bricks would replace those of this frame.
+    if (!*reads_) cache.announce({});
   }
   if (*reads_) cache.announce(next(kAnnounced));
 }

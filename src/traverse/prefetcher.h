@@ -30,8 +30,8 @@ class Prefetcher {
   /// Returns the bricks after the current one, or the first bricks, of which up to `count` are to be read ahead.
   /// thread: not while tiles are drawn. cost: up to two tests per examined brick, and a bounded number of bricks.
   std::vector<NextBrick> next(std::size_t count);
-  /// Announces the next bricks to a cache that reads ahead, unless all bricks were in memory at the first call: a brick
-  /// leaves memory only for one that is read. thread: as `next`.
+  /// Announces the next bricks to a cache that reads ahead, unless all bricks were in memory at the first call. Bricks
+  /// that leave memory later are read when their turn comes. thread: as `next`.
   void announce(BrickCache& cache);
   /// Records a drawn brick and whether a pixel changed.
   void drew(const BrickKey& key, bool changed);

@@ -78,9 +78,10 @@ class FileNames {
 
 /// State of a written file when the write call returns.
 enum class WritePolicy {
-  kSynced,     // the bytes are on the disk
-  kUnsynced,   // every reader sees the bytes; a later `syncAll` brings them onto the disk
-  kBegun,      // as kUnsynced, and the disk begins to write a large file at once: `syncAll` waits for less
+  kSynced,    // the bytes are on the disk
+  kUnsynced,  // every reader sees the bytes; a later `syncAll` brings them onto the disk
+  kBegun,  // as kUnsynced, and the disk begins to write a large file at once: `syncAll` waits for less, the writer for
+           // a full queue
   kPastCache,  // as kUnsynced, but past the page cache if the file system can; for large data not read soon
 };
 

@@ -28,12 +28,13 @@ inline constexpr std::size_t kMostSpare = std::size_t{32} << 20;
 
 /// Allocate memory in large pages, as far as a buffer fills them and the system has them; `giveBackPages` returns them.
 /// Memory of takeZeroPages is zero: all threads clear spared pages, new ones are zero; beyond kZerosAtOnce the thread
-/// that touches a new page first pays its fault. thread: safe. throws: std::bad_alloc.
+/// that touches a new page first pays its fault. requires: the caller holds no lock that tasks of other threads need.
+/// thread: safe. throws: std::bad_alloc.
 void* takePages(std::size_t bytes);
 void* takeZeroPages(std::size_t bytes);
 void giveBackPages(void* pages, std::size_t bytes) noexcept;
-/// Keeps up to kMostSpare bytes for the next buffer of equal size, with their contents. A renderer replaces bricks and
-/// pictures all the time, and the system would clear each page again.
+/// Keeps up to kMostSpare bytes for the next buffer of equal size in MiB, with their contents. A renderer replaces
+/// bricks and pictures all the time, and the system would clear each page again.
 void sparePages(void* pages, std::size_t bytes) noexcept;
 
 /// An allocator as std::allocator, but large buffers have pages of their own, and elements without a value stay

@@ -27,37 +27,29 @@ bool writes(const RenderJob& job, std::initializer_list<std::string_view> ending
 bool writesExr(const RenderJob& job) { return writes(job, {".exr"}); }
 bool writesPng(const RenderJob& job) { return writes(job, {".png"}) || !job.output.video.path.empty(); }
 bool writesJpeg(const RenderJob& job) { return writes(job, {".jpg", ".jpeg"}); }
-bool writesDisplayed(const RenderJob& job) {
-  return !job.output.video.path.empty() || writes(job, {".png", ".jpg", ".jpeg", ".tif", ".tiff"});
-}
 bool composites(const RenderJob& job) { return job.picture.mode == Mode::kComposite; }
 bool hasLight(const RenderJob& job) {
   const auto is_lit = [&](const VolumeOptions& volume) { return volume.shading.value_or(job.picture.shading).phong; };
   return job.picture.shading.phong || std::any_of(job.volumes.begin(), job.volumes.end(), is_lit);
 }
 bool attenuates(const RenderJob& job) { return job.picture.mode == Mode::kAttenuatedMip; }
-bool mixesChannels(const RenderJob& job) { return !composites(job) && job.volumes.size() > 1; }
 bool hasLens(const RenderJob& job) { return job.picture.lens.aperture > 0; }
 bool hasLegend(const RenderJob& job) { return job.picture.annotations.legend; }
 bool hasAnnotations(const RenderJob& job) { return job.picture.annotations.any(); }
-bool testsAreas(const RenderJob& job) { return job.speed.visibility.method != VisibilityMethod::kNone; }
 bool approximates(const RenderJob& job) { return job.speed.visibility.method == VisibilityMethod::kQuadtree; }
 
 constexpr std::array<std::string_view, 3> kOfExr = {"--exr-type", "--compression", "--exr-statistics"};
 constexpr std::array<std::string_view, 1> kOfPng = {"--png-bits"};
 constexpr std::array<std::string_view, 1> kOfJpeg = {"--jpeg-quality"};
-constexpr std::array<std::string_view, 2> kOfDisplay = {"--exposure", "--tone"};
-constexpr std::array<std::string_view, 9> kOfOpacity = {"--shading",           "--ambient", "--diffuse",
-                                                        "--specular",          "--power",   "--shadows",
-                                                        "--ambient-occlusion", "--light",   "--opacity-threshold"};
+constexpr std::array<std::string_view, 10> kOfOpacity = {
+    "--shading", "--ambient",           "--diffuse", "--specular",          "--power",
+    "--shadows", "--ambient-occlusion", "--light",   "--opacity-threshold", "--tone"};
 constexpr std::array<std::string_view, 7> kOfLight = {"--ambient", "--diffuse",           "--specular", "--power",
                                                       "--shadows", "--ambient-occlusion", "--light"};
 constexpr std::array<std::string_view, 1> kOfAttenuation = {"--attenuation"};
-constexpr std::array<std::string_view, 1> kOfChannels = {"--channel-colors"};
-constexpr std::array<std::string_view, 2> kOfLens = {"--focus", "--aperture-eyes"};
+constexpr std::array<std::string_view, 1> kOfLens = {"--aperture-eyes"};
 constexpr std::array<std::string_view, 1> kOfLegend = {"--legend-title"};
 constexpr std::array<std::string_view, 2> kOfAnnotations = {"--annotation-color", "--annotation-size"};
-constexpr std::array<std::string_view, 1> kOfAreas = {"--projected-area"};
 constexpr std::array<std::string_view, 1> kOfQuadtree = {"--quadtree-epsilon"};
 
 struct Need {
@@ -71,15 +63,12 @@ constexpr Need kNeeds[] = {
     {kOfExr, writesExr, "EXR pictures (none is written)"},
     {kOfPng, writesPng, "PNG pictures (none is written)"},
     {kOfJpeg, writesJpeg, "JPEG pictures (none is written)"},
-    {kOfDisplay, writesDisplayed, "PNG, JPEG, TIFF and video (none is written)"},
     {kOfOpacity, composites, "--mode composite (found a projection)"},
     {kOfLight, hasLight, "--shading phong (found none)"},
     {kOfAttenuation, attenuates, "--mode attenuated-mip (found another mode)"},
-    {kOfChannels, mixesChannels, "projections of several volumes (found another picture)"},
     {kOfLens, hasLens, "depth of field (found no --aperture)"},
     {kOfLegend, hasLegend, "a legend (found no --legend)"},
     {kOfAnnotations, hasAnnotations, "annotations (none is drawn)"},
-    {kOfAreas, testsAreas, "tests of visibility (found --visibility none)"},
     {kOfQuadtree, approximates, "--visibility quadtree (found another method)"},
 };
 
@@ -92,7 +81,7 @@ std::vector<std::string> idleFlags(const GivenFlags& flags, const RenderJob& job
     for (const std::string_view flag : need.flags) {
       if (!flags.has(flag) || std::find(seen.begin(), seen.end(), flag) != seen.end()) continue;
       seen.emplace_back(flag);
-      out.push_back(fmt::format("{}: applies to {}, and has no effect here", flag, need.text));
+      out.push_back(fmt::format("{}: has no effect here; applies to {}", flag, need.text));
     }
   }
   return out;

@@ -9,8 +9,8 @@
 
 namespace kiln {
 
-/// Returns a warning for each given flag without effect on the files of the job: "--exr-type: applies to EXR pictures
-/// (none is written), and has no effect here". `job`: with the flags applied.
+/// Returns a warning for each given flag without effect on the files of the job: "--exr-type: has no effect here;
+/// applies to EXR pictures (none is written)". `job`: with the flags applied.
 std::vector<std::string> idleFlags(const GivenFlags& flags, const RenderJob& job);
 
 }  // namespace kiln

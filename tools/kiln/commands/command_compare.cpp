@@ -5,6 +5,7 @@
 
 #include "base/file/file.h"
 #include "base/memory/memory.h"
+#include "base/memory/spare_pages.h"
 #include "commands.h"
 #include "examples.h"
 #include "image/compare.h"
@@ -23,6 +24,7 @@ struct CompareArguments {
 };
 
 void run(const CompareArguments& arguments) {
+  boundSparePages(0);  // kept memory of earlier pictures is not counted
   if (!arguments.output.empty()) {
     requireImagePath(arguments.output);
     FileSystem::real().requirePlaceFor(arguments.output);

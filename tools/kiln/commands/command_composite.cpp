@@ -4,6 +4,7 @@
 
 #include "base/file/file.h"
 #include "base/memory/memory.h"
+#include "base/memory/spare_pages.h"
 #include "commands.h"
 #include "composite/composite_parts.h"
 #include "examples.h"
@@ -23,6 +24,7 @@ struct CompositeArguments {
 };
 
 void run(const CompositeArguments& a, Context& context) {
+  boundSparePages(0);  // kept memory of earlier pictures is not counted
   requireImagePath(a.output);
   FileSystem::real().requirePlaceFor(a.output);
   OutputFiles outputs;
