@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <initializer_list>
-#include <span>
 #include <string_view>
 
 #include "base/file/file.h"
@@ -16,12 +14,11 @@ namespace {
 
 // Returns whether a file of the job has one of these endings. A job without files writes all kinds: it is a dry run.
 bool writes(const RenderJob& job, std::initializer_list<std::string_view> endings) {
-  bool named = false, found = false;
-  for (const std::filesystem::path& path : namesOf(job.output)) {
-    named = true;
-    found = found || std::find(endings.begin(), endings.end(), extensionOf(path)) != endings.end();
-  }
-  return !named || found;
+  const std::vector<std::filesystem::path> files = namesOf(job.output);
+  const auto has_ending = [&](const std::filesystem::path& path) {
+    return std::find(endings.begin(), endings.end(), extensionOf(path)) != endings.end();
+  };
+  return files.empty() || std::any_of(files.begin(), files.end(), has_ending);
 }
 
 bool writesExr(const RenderJob& job) { return writes(job, {".exr"}); }
@@ -38,51 +35,59 @@ bool hasLegend(const RenderJob& job) { return job.picture.annotations.legend; }
 bool hasAnnotations(const RenderJob& job) { return job.picture.annotations.any(); }
 bool approximates(const RenderJob& job) { return job.speed.visibility.method == VisibilityMethod::kQuadtree; }
 
-constexpr std::array<std::string_view, 3> kOfExr = {"--exr-type", "--compression", "--exr-statistics"};
-constexpr std::array<std::string_view, 1> kOfPng = {"--png-bits"};
-constexpr std::array<std::string_view, 1> kOfJpeg = {"--jpeg-quality"};
-constexpr std::array<std::string_view, 10> kOfOpacity = {
-    "--shading", "--ambient",           "--diffuse", "--specular",          "--power",
-    "--shadows", "--ambient-occlusion", "--light",   "--opacity-threshold", "--tone"};
-constexpr std::array<std::string_view, 7> kOfLight = {"--ambient", "--diffuse",           "--specular", "--power",
-                                                      "--shadows", "--ambient-occlusion", "--light"};
-constexpr std::array<std::string_view, 1> kOfAttenuation = {"--attenuation"};
-constexpr std::array<std::string_view, 1> kOfLens = {"--aperture-eyes"};
-constexpr std::array<std::string_view, 1> kOfLegend = {"--legend-title"};
-constexpr std::array<std::string_view, 2> kOfAnnotations = {"--annotation-color", "--annotation-size"};
-constexpr std::array<std::string_view, 1> kOfQuadtree = {"--quadtree-epsilon"};
-
+// What an option applies to.
 struct Need {
-  std::span<const std::string_view> flags;
   bool (*met)(const RenderJob&);
-  std::string_view text;  // behind "applies to"
+  std::string_view text;
 };
+constexpr Need kNeedsExr = {writesExr, "EXR pictures (none is written)"};
+constexpr Need kNeedsPng = {writesPng, "PNG pictures (none is written)"};
+constexpr Need kNeedsJpeg = {writesJpeg, "JPEG pictures (none is written)"};
+constexpr Need kNeedsComposite = {composites, "--mode composite (found a projection)"};
+constexpr Need kNeedsPhong = {hasLight, "--shading phong (found none)"};
+constexpr Need kNeedsAttenuation = {attenuates, "--mode attenuated-mip (found another mode)"};
+constexpr Need kNeedsLens = {hasLens, "depth of field (found no --aperture)"};
+constexpr Need kNeedsLegend = {hasLegend, "a legend (found no --legend)"};
+constexpr Need kNeedsAnnotations = {hasAnnotations, "annotations (none is drawn)"};
+constexpr Need kNeedsQuadtree = {approximates, "--visibility quadtree (found another method)"};
+constexpr Need kNeedsNothing = {[](const RenderJob&) { return true; }, ""};
 
-// The first unmet need of a flag is reported.
-constexpr Need kNeeds[] = {
-    {kOfExr, writesExr, "EXR pictures (none is written)"},
-    {kOfPng, writesPng, "PNG pictures (none is written)"},
-    {kOfJpeg, writesJpeg, "JPEG pictures (none is written)"},
-    {kOfOpacity, composites, "--mode composite (found a projection)"},
-    {kOfLight, hasLight, "--shading phong (found none)"},
-    {kOfAttenuation, attenuates, "--mode attenuated-mip (found another mode)"},
-    {kOfLens, hasLens, "depth of field (found no --aperture)"},
-    {kOfLegend, hasLegend, "a legend (found no --legend)"},
-    {kOfAnnotations, hasAnnotations, "annotations (none is drawn)"},
-    {kOfQuadtree, approximates, "--visibility quadtree (found another method)"},
+struct IdleRow {
+  std::string_view flag;
+  Need need, also = kNeedsNothing;  // the first that is unmet is reported
+};
+constexpr IdleRow kIdleRows[] = {
+    {"--exr-type", kNeedsExr},
+    {"--compression", kNeedsExr},
+    {"--exr-statistics", kNeedsExr},
+    {"--png-bits", kNeedsPng},
+    {"--jpeg-quality", kNeedsJpeg},
+    {"--shading", kNeedsComposite},
+    {"--tone", kNeedsComposite},
+    {"--opacity-threshold", kNeedsComposite},
+    {"--ambient", kNeedsComposite, kNeedsPhong},
+    {"--diffuse", kNeedsComposite, kNeedsPhong},
+    {"--specular", kNeedsComposite, kNeedsPhong},
+    {"--power", kNeedsComposite, kNeedsPhong},
+    {"--shadows", kNeedsComposite, kNeedsPhong},
+    {"--ambient-occlusion", kNeedsComposite, kNeedsPhong},
+    {"--light", kNeedsComposite, kNeedsPhong},
+    {"--attenuation", kNeedsAttenuation},
+    {"--aperture-eyes", kNeedsLens},
+    {"--legend-title", kNeedsLegend},
+    {"--annotation-color", kNeedsAnnotations},
+    {"--annotation-size", kNeedsAnnotations},
+    {"--quadtree-epsilon", kNeedsQuadtree},
 };
 
 }  // namespace
 
 std::vector<std::string> idleFlags(const GivenFlags& flags, const RenderJob& job) {
-  std::vector<std::string> out, seen;
-  for (const Need& need : kNeeds) {
-    if (need.met(job)) continue;
-    for (const std::string_view flag : need.flags) {
-      if (!flags.has(flag) || std::find(seen.begin(), seen.end(), flag) != seen.end()) continue;
-      seen.emplace_back(flag);
-      out.push_back(fmt::format("{}: has no effect here; applies to {}", flag, need.text));
-    }
+  std::vector<std::string> out;
+  for (const auto& [flag, need, also] : kIdleRows) {
+    const Need& first = need.met(job) ? also : need;
+    if (flags.has(flag) && !first.met(job))
+      out.push_back(fmt::format("{}: has no effect here; applies to {}", flag, first.text));
   }
   return out;
 }
