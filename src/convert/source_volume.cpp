@@ -20,8 +20,6 @@
 namespace kiln {
 namespace {
 
-constexpr const char* kVolumeName = "array";
-
 Manifest emptyManifest(const SourceInfo& info, const ArrayOptions& options) {
   ConvertOptions conversion;
   conversion.brick_size = options.brick_size;
@@ -43,7 +41,7 @@ std::uint64_t coarseBytes(const Manifest& manifest) {
 void requireMemory(const Manifest& manifest, const BrickIndex& index, std::uint64_t memory_bytes) {
   const std::uint64_t needed = BrickIndex::bytesOf(index.size(), 0, manifest.brick_size) + coarseBytes(manifest);
   if (needed <= memory_bytes) return;
-  throw Error(ErrorCode::kBudget, kVolumeName, "memory",
+  throw Error(ErrorCode::kBudget, kArrayName, "memory",
               fmt::format("coarser levels and index take {} (allowed: {}); give {} or more", formatBytes(needed),
                           formatBytes(memory_bytes), roundedUpBytes(needed)));
 }
@@ -171,7 +169,7 @@ std::uint64_t CoarseLevel::bytesOf(const Extent3& dims, VoxelType type) {
 }
 
 SourceVolume::SourceVolume(std::unique_ptr<VolumeSource> source, const ArrayOptions& options, Progress& progress)
-    : BrickedVolume(kVolumeName), source_(std::move(source)) {
+    : BrickedVolume(kArrayName), source_(std::move(source)) {
   Manifest manifest = emptyManifest(source_->info(), options);
   BrickIndex index(manifest.lattices());
   requireMemory(manifest, index, options.memory_bytes);

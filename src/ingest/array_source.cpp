@@ -8,8 +8,6 @@
 namespace kiln {
 namespace {
 
-constexpr const char* kArrayName = "array";
-
 using Strides = std::array<std::int64_t, 3>;  // along x, y and z. unit: bytes
 
 Strides denseStrides(const Extent3& dims, VoxelType type) {

@@ -40,6 +40,9 @@ struct VoxelArray {
   VolumeClass volume_class = VolumeClass::kUnknown;
 };
 
+/// The format of an array, and its name in errors.
+inline constexpr const char* kArrayName = "array";
+
 /// Opens an array, for a conversion without a file. throws: Error kUsage without voxels; kFormat for dims or an affine
 /// that no volume has.
 std::unique_ptr<VolumeSource> arraySource(const VoxelArray& array);

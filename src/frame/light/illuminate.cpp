@@ -122,9 +122,11 @@ void drawOpacities(BrickCache& cache, const FrameRequest& request, ViewsProgress
   statistics.addView(drawing.finish());
 }
 
-std::uint64_t rowsOf(const std::vector<FrameRequest>& views) {
+// Returns the rows of pixels of all views.
+template <class Seen>
+std::uint64_t rowsOf(const std::vector<Seen>& views) {
   std::uint64_t out = 0;
-  for (const FrameRequest& view : views) out += static_cast<std::uint64_t>(view.view.size.height);
+  for (const Seen& seen : views) out += static_cast<std::uint64_t>(seen.view.size.height);
   return out;
 }
 
@@ -315,9 +317,7 @@ void illuminate(BrickCache& cache, Progress& progress, FrameRequest& request, Fr
     }
     const std::vector<std::vector<ShadowView>> points = mapsOf(light, request, extent);
     std::uint64_t rows = 0;
-    for (const std::vector<ShadowView>& point : points) {
-      for (const ShadowView& view : point) rows += static_cast<std::uint64_t>(view.view.size.height);
-    }
+    for (const std::vector<ShadowView>& point : points) rows += rowsOf(point);
     const std::string step = fmt::format("shadows of light {}", i + 1);
     ViewsProgress of_maps(step.c_str(), rows, progress);
     for (const std::vector<ShadowView>& point : points) {
