@@ -29,7 +29,7 @@ class Halves {
   // The lower bytes of the halves of words, and the upper bytes. unit: 1 / 256.
   static HWY_INLINE Halves lowerBytes(VI words) { return bytesFrom(words, 24, 8); }
   static HWY_INLINE Halves upperBytes(VI words) { return bytesFrom(words, 16, 0); }
-  // unit: of shares: 1 / 32768.
+  // `a_share`, `b_share`: unit: 1 / 32768.
   static HWY_INLINE Halves mix(const Halves& a, const Halves& a_share, const Halves& b, const Halves& b_share) {
     const auto sum = [](VI p, VI p_share, VI q, VI q_share) {
       return hn::Add(product(p, p_share), product(q, q_share));
@@ -64,7 +64,7 @@ class Halves {
   static HWY_INLINE Halves upperBytes(VI words) {
     return hn::And(hn::BitCast(D16(), words), hn::Set(D16(), std::int16_t{-256}));
   }
-  // unit: of shares: 1 / 32768.
+  // `a_share`, `b_share`: unit: 1 / 32768.
   static HWY_INLINE Halves mix(const Halves& a, const Halves& a_share, const Halves& b, const Halves& b_share) {
     return hn::Add(hn::MulFixedPoint15(a.both_, a_share.both_), hn::MulFixedPoint15(b.both_, b_share.both_));
   }

@@ -245,13 +245,13 @@ class SampleLight {
     constexpr auto kPassed = [](const DeepShadowMap::Depths& z, std::uint16_t whole)
                                  HWY_ATTR { return passedIn(z, whole); };
     const std::int32_t beside[4] = {0, 1, map.frame().stride, map.frame().stride + 1};
-    alignas(64) std::int32_t places[kLanes], whole[kLanes], asks[kLanes];
+    alignas(64) std::int32_t places[kLanes], whole[kLanes], is_between[kLanes];
     alignas(64) std::int32_t depths[4][kLanes] = {}, shares[4][kLanes] = {};
     hn::Store(place, di, places);
     hn::Store(hn::ConvertTo(di, at.z), di, whole);
-    hn::Store(hn::VecFromMask(di, hn::RebindMask(di, between)), di, asks);
+    hn::Store(hn::VecFromMask(di, hn::RebindMask(di, between)), di, is_between);
     for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
-      if (asks[i] == 0) continue;
+      if (is_between[i] == 0) continue;
       for (int corner = 0; corner < 4; ++corner) {
         const auto piece = map.pieceAt(places[i] + beside[corner], static_cast<std::uint16_t>(whole[i]), kPassed);
         depths[corner][i] = static_cast<std::int32_t>(piece.depths);

@@ -16,9 +16,9 @@
 
 namespace kiln {
 
-/// A cell of the grid, packed so that a vector of samples gathers cells as words.
+/// A cell of the grid, packed so that samples load cells as words.
 struct AmbientCell {
-  std::int8_t mean = kHalfOpen;  // of twice the visibility, less 1
+  std::int8_t mean = kHalfOpen;  // 2 * visibility - 1
   std::int8_t along[3] = {0, 0, 0};
   static constexpr std::int8_t kHalfOpen = 127;
   static constexpr float kMean = 0.5f / kHalfOpen, kAlong = 0.25f / 127;  // units of the members

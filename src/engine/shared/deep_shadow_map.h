@@ -8,8 +8,8 @@
 // Source: Lokovic and Veach 2000, §3.2 (compression of a visibility function). Differs: at most kShadowKnots knots a
 // pixel, in integers; the knot that matters least makes room for a knot too many.
 //
-// Cost. A look-up reads a word, and four cache lines near layers. Memory: 68 bytes a pixel, and 28 more while the map
-// is drawn.
+// Cost. A look-up reads a word, and four cache lines near layers. Memory: 68 bytes a place (shadowStride), and 28
+// more while the map is drawn.
 #pragma once
 
 #include <algorithm>
@@ -25,8 +25,12 @@
 
 namespace kiln {
 
-/// Places from row to row of a map: pixels above each other must not share the sets of a cache.
-constexpr int shadowStride(int width) { return width + (64 + 17 - width % 64) % 64; }
+/// Places from row to row of a map of so many pixels. Rows that begin at equal sets of a cache would evict each other:
+/// a row begins 17 places of 64 behind the row above. Figures: frame/decisions/shadow-lookups.md.
+constexpr int shadowStride(int width) {
+  constexpr int kSets = 64, kShift = 17;  // unit: places
+  return width + (kSets + kShift - width % kSets) % kSets;
+}
 
 /// Knots of a pixel: 16 depths and transmittances of two bytes each fill a cache line.
 inline constexpr int kShadowKnots = 16;
