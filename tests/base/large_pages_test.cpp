@@ -75,7 +75,7 @@ TEST(LargePages, OfTheNextOnesAreNobodyElses) {
   }
 }
 
-// The system's pages are zero only once; a freed array's are kept for the next.
+// New pages of the system are zero. Pages of a freed array are kept and cleared for the next array.
 TEST(LargePages, OfAFreedArrayAreZeroInTheNext) {
   for (const std::size_t bytes : {kLargePage, 2 * kLargePage + 1, 8 * kLargePage - 12345}) {
     for (int round = 0; round < 4; ++round) {

@@ -87,7 +87,7 @@ class CellShare {
   HWY_INLINE Halves mix(const Halves& here, const Halves& after) const {
     return Halves::mix(here, here_, after, after_);
   }
-  // Factor of numbers between cells along three axes.
+  // Sum of the weights of eight cells: the shares along an axis sum to 32767 / 32768.
   static constexpr float kWhole = (32767.0f / 32768) * (32767.0f / 32768) * (32767.0f / 32768);
 
  private:
