@@ -47,6 +47,7 @@ function(kiln_find_mpi)
       set(CMAKE_DISABLE_FIND_PACKAGE_MPI ON)
     endif()
   endif()
+  set(MPI_CXX_SKIP_MPICXX ON)  # classes of MPI 2, which take a trial compilation and which Kiln does not use
   kiln_find_optional(KILN_MPI "kiln works on one machine" MPI libopenmpi-dev 3.0 COMPONENTS CXX)
   set(MPI_FOUND ${MPI_FOUND} PARENT_SCOPE)
   kiln_return_lists()
