@@ -320,13 +320,6 @@ VolumeFormat volumeFormatOf(const fs::path& input) {
   return {withArticle(found.name), found.format != Format::kForeign};
 }
 
-std::string namedNote(const SourceInfo& info, const std::string& note) {
-  if (info.files.empty()) return note;
-  const fs::path& opened = info.files.front();
-  const std::string own = opened.filename().string() + ": ";
-  return opened.string() + ": " + (note.starts_with(own) ? note.substr(own.size()) : note);
-}
-
 fs::path containerOf(const fs::path& input) {
   const std::string text = input.string();
   const std::size_t colon = text.find(":/");

@@ -86,8 +86,6 @@ class PhantomSource : public VolumeSource {
 
 }  // namespace
 
-bool namesPhantom(const std::filesystem::path& input) { return input.string().starts_with(kScheme); }
-
 std::unique_ptr<VolumeSource> openPhantom(const std::filesystem::path& input, const SourceOptions& options) {
   const std::string name = input.string();
   const std::string_view rest = std::string_view(name).substr(kScheme.size());

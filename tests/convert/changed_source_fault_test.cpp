@@ -10,6 +10,7 @@
 #include "base/thread/parallel.h"
 #include "convert/foreign_cache.h"
 #include "convert/resume/source_state.h"
+#include "convert/store_of_source.h"
 #include "ingest/open_source.h"
 #include "store/store_reader.h"
 #include "support/files/foreign_files.h"

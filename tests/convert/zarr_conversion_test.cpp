@@ -7,6 +7,7 @@
 #include "base/thread/parallel.h"
 #include "convert/foreign_cache.h"
 #include "convert/plan.h"
+#include "convert/store_of_source.h"
 #include "ingest/open_source.h"
 #include "store/manifest/read_manifest.h"
 #include "support/files/zarr_files.h"

@@ -5,6 +5,7 @@
 #include "base/file/file.h"
 #include "base/hash.h"
 #include "convert/foreign_cache.h"
+#include "convert/store_of_source.h"
 #include "ingest/open_source.h"
 #include "store/store_reader.h"
 

@@ -2,6 +2,7 @@
 
 #include <system_error>
 
+#include "convert/store_of_source.h"
 #include "convert/volume_sample.h"
 #include "frame/slice.h"
 #include "histogram_text.h"
