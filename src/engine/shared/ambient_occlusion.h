@@ -12,6 +12,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "base/memory/large_pages.h"
 #include "grid/coords.h"
 
 namespace kiln {
@@ -27,9 +28,12 @@ static_assert(sizeof(AmbientCell) == 4);
 
 class AmbientGrid {
  public:
+  // In large pages, because look-ups are scattered.
+  using Cells = std::vector<AmbientCell, UnsetAllocator<AmbientCell>>;
+
   /// shape: `cells` in x order first; cell (i, j, k) is at grid_from_world⁻¹ (i, j, k). requires: two cells along each
   /// axis.
-  AmbientGrid(const Extent3& dims, const glm::dmat4& grid_from_world, std::vector<AmbientCell> cells)
+  AmbientGrid(const Extent3& dims, const glm::dmat4& grid_from_world, Cells cells)
       : dims_(dims), grid_from_world_(grid_from_world), cells_(std::move(cells)) {}
 
   const Extent3& dims() const { return dims_; }
@@ -39,7 +43,7 @@ class AmbientGrid {
  private:
   Extent3 dims_;
   glm::dmat4 grid_from_world_;
-  std::vector<AmbientCell> cells_;
+  Cells cells_;
 };
 
 /// Ambient light of samples given in view space.

@@ -14,13 +14,16 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <glm/vec3.hpp>
 #include <limits>
 #include <vector>
 
+#include "base/memory/large_pages.h"
 #include "scene/camera/camera.h"
 
 namespace kiln {
@@ -115,7 +118,7 @@ class DeepShadowMap {
     const std::size_t behind = passed(knots.z, whole);
     const std::size_t last = std::clamp<std::size_t>(behind, 1, kShadowKnots - 1);
     // All light reaches depths in front of the first knot.
-    return {bothOf(knots.z, last), behind == 0 ? ~std::uint32_t{0} : bothOf(knots.t, last)};
+    return {bothOf(knots.z, last), bothOf(knots.t, last) | (behind == 0 ? ~std::uint32_t{0} : 0)};
   }
 
  private:
@@ -145,7 +148,10 @@ class DeepShadowMap {
     return out;
   }
   static std::uint32_t bothOf(const Depths& knots, std::size_t last) {
-    return knots[last - 1] | static_cast<std::uint32_t>(knots[last]) << 16;
+    static_assert(std::endian::native == std::endian::little);
+    std::uint32_t both;
+    std::memcpy(&both, knots.data() + last - 1, sizeof both);
+    return both;
   }
 
   // The depth behind which no light is left.
@@ -154,9 +160,12 @@ class DeepShadowMap {
 
   View view_;
   Frame frame_;
-  std::vector<Knots> pixels_;
-  std::vector<std::int32_t> spans_;  // from finish() on
-  std::vector<Column> columns_;      // until finished
+  // In large pages, because look-ups are scattered: frame/decisions/shadow-lookups.md.
+  template <class T>
+  using Pages = std::vector<T, UnsetAllocator<T>>;
+  Pages<Knots> pixels_;
+  Pages<std::int32_t> spans_;  // from finish() on
+  Pages<Column> columns_;      // until finished
 };
 
 }  // namespace kiln

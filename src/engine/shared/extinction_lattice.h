@@ -13,6 +13,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/memory/large_pages.h"
 #include "grid/coords.h"
 #include "scene/camera/camera.h"
 
@@ -37,8 +38,12 @@ LatticeView turned(const LatticeView& lattice);
 
 class ExtinctionLattice {
  public:
+  // In large pages, because turned views and cones read cells far apart.
+  template <class T>
+  using Cells = std::vector<T, UnsetAllocator<T>>;
+
   explicit ExtinctionLattice(const LatticeView& lattice)
-      : lattice_(lattice), sums_(static_cast<std::size_t>(lattice.cells().count())) {}
+      : lattice_(lattice), sums_(static_cast<std::size_t>(lattice.cells().count()), 0) {}
 
   const LatticeView& lattice() const { return lattice_; }
   /// Edge of a cell. unit: world.
@@ -65,7 +70,7 @@ class ExtinctionLattice {
   }
   /// Transmittances of paths as long as the edge of a cell, of all views that have ended. unit: 1 / 255. shape:
   /// lattice().cells().
-  const std::vector<std::uint8_t>& transmittances() const { return open_; }
+  const Cells<std::uint8_t>& transmittances() const { return open_; }
 
  private:
   static constexpr std::uint16_t kClosed = std::numeric_limits<std::uint16_t>::max();
@@ -77,8 +82,8 @@ class ExtinctionLattice {
 
   LatticeView lattice_;
   int turns_ = 0;
-  std::vector<std::uint16_t> sums_;  // opacities, of the drawn view
-  std::vector<std::uint8_t> open_;
+  Cells<std::uint16_t> sums_;  // opacities, of the drawn view
+  Cells<std::uint8_t> open_;
 };
 
 }  // namespace kiln

@@ -117,9 +117,9 @@ class Gathering {
 
   const Extent3& dims() const { return dims_; }
 
-  std::vector<AmbientCell> run() const {
+  AmbientGrid::Cells run() const {
     const std::vector<std::uint8_t> marked = marks();
-    std::vector<AmbientCell> out(marked.size());
+    AmbientGrid::Cells out(marked.size(), AmbientCell());
     const Cones cones{directions_, steps_, levels_};
     // Rows of a plane fill vectors together.
     const std::int64_t blocks = (dims_.y + kRowsTogether - 1) / kRowsTogether;

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "base/memory/large_pages.h"
 #include "engine/shared/ambient_occlusion.h"
 #include "grid/coords.h"
 
@@ -38,7 +39,7 @@ class OpenLevel {
   const std::uint8_t* bytes() const { return reinterpret_cast<const std::uint8_t*>(words_.data()); }
 
   Extent3 cells_;
-  std::vector<std::int32_t> words_;
+  std::vector<std::int32_t, UnsetAllocator<std::int32_t>> words_;
 };
 
 /// A look-up of a cone: the middle of a step of `1 << level` cells.
