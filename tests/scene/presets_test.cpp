@@ -116,6 +116,7 @@ TEST(Presets, CtPresets_showTheTissueOfTheirName) {
     const TransferFunction film = presetFor("ct-xray", head);
     EXPECT_LT(film.at(shift + kFat).opacity, film.at(shift + kMuscle).opacity);
     EXPECT_LT(film.at(shift + kMuscle).opacity, film.at(shift + kBone).opacity);
+    EXPECT_FALSE(film.shaded);
   }
 }
 

@@ -68,7 +68,7 @@ std::vector<CtPreset> madePresets() {
         {1300, tint::kBone, 0.03},
         {1600, tint::kWhite, 0.6},
         {2200, tint::kWhite, 0.97}}},
-      // As a radiograph: each layer absorbs little, more with its density.
+      // As a radiograph: each layer absorbs little, more with its density, and no layer reflects light.
       {"ct-xray",
        OpacityLength::kObject,
        {{-500, tint::kFilmDark, 0},
@@ -76,7 +76,8 @@ std::vector<CtPreset> madePresets() {
         {80, tint::kFilm, 0.003},
         {300, tint::kFilmLight, 0.012},
         {1000, tint::kFilmWhite, 0.05},
-        {2000, glm::dvec3(1), 0.12}}},
+        {2000, glm::dvec3(1), 0.12}},
+       false},
   };
 }
 

@@ -17,6 +17,7 @@ struct CtPreset {
   std::string_view name;
   OpacityLength length;
   std::vector<TransferPoint> points;  // values in Hounsfield units
+  bool shaded = true;
 };
 
 /// In the order of a list for users.

@@ -186,6 +186,7 @@ TransferFunction computedTomography(const CtPreset& preset, const Manifest& mani
   const ValueRange range = usableRange(manifest);
   TransferFunction out{preset.length == OpacityLength::kObject ? lengthInObject(manifest) : 0, preset.points};
   for (TransferPoint& point : out.points) point.value = valueOfHounsfield(range, point.value);
+  out.shaded = preset.shaded;
   return out;
 }
 
