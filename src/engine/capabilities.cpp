@@ -127,6 +127,9 @@ std::string EngineChoice::text() const {
 void requireCapability(const EngineChoice& engine, Capability capability, std::string_view subject,
                        std::string_view remedy) {
   if (engine.capabilities().*capability) return;
+  // The engine of several volumes draws as the pixel lattice does, which lacks nothing for one volume.
+  if (engine.kind() == EngineKind::kMultiVolume)
+    throw Error(ErrorCode::kUsage, fmt::format("{} one volume (found several volumes); {}", subject, remedy));
   throw Error(ErrorCode::kUsage,
               fmt::format("{} {} (found {}); {}", subject, enginesWith(capability), engine.text(), remedy));
 }

@@ -134,7 +134,7 @@ TEST_F(VolumesCli, WhatOneVolumeOnlyHasIsRefused) {
     return more;
   };
   refused(with({"--lattice", "voxel"}), 2, "--lattice voxel: draws one volume (found several)");
-  refused(with({"--part", "1/2"}), 2, "--part: needs --lattice pixel, or --lattice voxel (found several volumes)");
+  refused(with({"--part", "1/2"}), 2, "--part: needs one volume (found several volumes)");
   refused(with({"--level", "9"}), 2, "there is no level 9");
   refused(with({"--add-tf", "auto", "--add-tf", "auto"}), 2, "--add-tf");
   refused({"render", in("h.kiln"), "-o", in("x.exr"), "--add", in("no.kiln")}, 1, "no.kiln");

@@ -33,6 +33,12 @@ TEST(Words, UnknownOption_proposesAnOptionOfTheCommand) {
   }
 }
 
+TEST(Words, OptionGivenTwice_isNamedWithItsValues) {
+  const ToolResult result = runTool({"render", "a.kiln", "-o", "a.png", "--look", "plain", "--look", "studio"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err, "kiln: --look: takes one value (found plain and studio); give the option once\n");
+}
+
 TEST(Words, SurplusWord_leadsToItsOption) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"convert", "a.nrrd", "b.nrrd", "out.kiln"},

@@ -51,6 +51,8 @@ int refuseCommandLine(const CLI::App& app, const CLI::ParseError& error, const k
   }
   if (const std::string unknown = kiln::tool::unknownOptionText(app); !unknown.empty())
     complain("kiln: {}\n", unknown);
+  else if (const std::string repeated = kiln::tool::repeatedOptionText(app); !repeated.empty())
+    complain("kiln: {}\n", repeated);
   else
     complain("kiln: {}; run 'kiln --help' or 'kiln COMMAND --help'\n", error.what());
   return 2;

@@ -18,7 +18,7 @@ namespace kiln::tool {
 namespace {
 
 // Names in ParaView, Blender, F3D, ffmpeg and other renderers. Only pairs whose second option the command has count.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kSynonyms = {{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kSynonyms = {{
     {"--bg", "--background"},
     {"--background-color", "--background"},
     {"--resolution", "--size"},
@@ -37,6 +37,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kSynonym
     {"--step", "--sample-distance"},
     {"--jobs", "--threads"},
     {"--force", "--overwrite"},
+    {"--threshold", "--tf"},
+    {"--font-size", "--annotation-size"},
 }};
 
 std::vector<std::string> longOptionsOf(const CLI::App& command) {
@@ -111,6 +113,18 @@ std::string unknownOptionText(const CLI::App& app) {
           proposal ? fmt::format("{}?", *proposal) : fmt::format("run 'kiln {} --help'", command->get_name()));
     }
     if (const std::string surplus = surplusText(*command); !surplus.empty()) return surplus;
+  }
+  return "";
+}
+
+std::string repeatedOptionText(const CLI::App& app) {
+  for (const CLI::App* const command : app.get_subcommands()) {
+    for (const CLI::Option* const option : command->get_options()) {
+      const std::vector<std::string>& values = option->results();
+      if (option->get_expected_max() == 1 && values.size() > 1)
+        return fmt::format("{}: takes one value (found {} and {}); give the option once", option->get_name(),
+                           shellText(values[0]), shellText(values[1]));
+    }
   }
   return "";
 }

@@ -1,4 +1,4 @@
-// Proposals for options that a command does not have, and for words beyond those that it takes.
+// Refusals of options that a command does not have, of options given twice, and of words beyond those that it takes.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -10,5 +10,9 @@ namespace kiln::tool {
 /// "convert: expected INPUT and OUT (found a b c); ..." for unexpected words; empty if all words were expected. Names
 /// of other programs' options lead to the options of the same meaning.
 std::string unknownOptionText(const CLI::App& app);
+
+/// Returns "--look: takes one value (found plain and studio); give the option once" for the first option with more
+/// values than it takes; empty if there is none.
+std::string repeatedOptionText(const CLI::App& app);
 
 }  // namespace kiln::tool
