@@ -201,13 +201,13 @@ ClipRegion::Overlap ClipRegion::classify(const VoxelBox& voxels) const noexcept 
   return out;
 }
 
-const glm::vec3* ClipRegion::cutGradient(const glm::dvec3& index) const noexcept {
+const glm::vec3* ClipRegion::cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept {
   const glm::vec3* gradient = nullptr;
   double nearest = std::numeric_limits<double>::infinity();
   const auto compare = [&](const std::vector<HalfSpace>& faces) {
     for (const HalfSpace& h : faces) {
       const double inside = glm::dot(h.normal, index) + h.offset;
-      if (!(inside < h.voxel) || !(inside * h.world_distance < nearest)) continue;
+      if (!(inside < h.voxel) || !(inside * h.world_distance < nearest) || glm::dot(h.normal, to_eye) > 0) continue;
       nearest = inside * h.world_distance;
       gradient = &h.gradient;
     }

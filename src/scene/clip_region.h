@@ -4,7 +4,7 @@
 // Shading. Within a voxel of a face, samples are lit by the face's normal, so that a cut looks flat. The distance is a
 // whole voxel, because only then is there a layer of voxels to show the face, wherever it runs between voxels. The
 // border of the volume is lit as a face, too: beyond the border there are no values, and gradients at the border are
-// noise.
+// noise. A face that looks away from the eye lights nothing: a ray that leaves through the face would show a dark line.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -73,8 +73,9 @@ class ClipRegion {
 
   /// Returns the shading gradient of a sample that lies less than a voxel's extent (along the normal) inside a face:
   /// or inside the volume's border: the normal of the nearest such face, in the level's index space, of any positive
-  /// length; null if there is no such face. requires: a part of the sample at `index` is inside.
-  const glm::vec3* cutGradient(const glm::dvec3& index) const noexcept;
+  /// length; null if there is no such face. `to_eye`: direction in the level's index space; faces that look away from
+  /// the eye light no sample; 0: all faces do. requires: a part of the sample at `index` is inside.
+  const glm::vec3* cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye = glm::dvec3(0)) const noexcept;
 
  private:
   // Shows points with normal·p + offset >= least.

@@ -157,7 +157,7 @@ void castBrick(benchmark::State& state) {
 // A cell's voxels, all opaque enough to be visible, at 1.5 pixels a voxel in perspective.
 struct VoxelScene {
   explicit VoxelScene(const Scene& s)
-      : projector(s.levels.projector(0)), view(projector, plainLight(s.request.shading, 1e-3f, projector)) {
+      : projector(s.levels.projector(0)), view(projector, plainLight(s.request.shading, {1e-3f}, projector)) {
     const VoxelCoord lo = {60, 60, 60};
     std::int32_t codes[kVoxelBatch];
     for (std::int32_t i = 0; i < kVoxelBatch; ++i) codes[i] = voxelCode(i % 4, i / 4, 0);

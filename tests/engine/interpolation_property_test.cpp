@@ -69,7 +69,7 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
   const FrameLevels levels(volume, 0, view, ProjectedArea::kBox);
   const double unit = request.transfer_function.unit;
   const SampleTable table(request.transfer_function, unit, volume.type, volume.range);
-  const auto noise = static_cast<float>(kGradientNoise * (volume.range.hi - volume.range.lo));
+  const GradientSense gradients{static_cast<float>(kGradientNoise * (volume.range.hi - volume.range.lo))};
   const auto visibility = makeMaskVisibility(request.view.size.width, request.view.size.height);
   const BrickBlock block = store.read({0, {0, 0, 0}});
   Image image(request.view.size.width, request.view.size.height);
@@ -79,8 +79,8 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
   const std::vector<SlabZone> zones = slabZones(zonedVolume(volume, levels, request.sampling()), view, 0);
   for (std::size_t i = 0; i < zones.size(); ++i) {
     const SlabZone& zone = zones[i];
-    const Appearance look{request.shading, Shader(request.shading, view, noise, projector), &levels.clipRegion(0),
-                          noise, request.interpolation};
+    const Appearance look{request.shading, Shader(request.shading, view, gradients, projector), &levels.clipRegion(0),
+                          gradients, request.interpolation};
     const SlabContext frame(zone, projector, levels.dims(0), levels.endVoxels(0), table, look);
     const std::vector<SlabCell> cells = allCells(frame, block);
     skipped += cells.size() - visibleCells(frame, block).size();

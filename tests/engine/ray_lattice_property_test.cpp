@@ -60,14 +60,16 @@ class SamplesAlone {
   std::array<double, 4> composited(int x, int y) const;
 
  private:
-  // Returns the world normal of the nearest face of the volume less than a voxel away, else the gradient.
-  glm::dvec3 normalAt(const glm::dvec3& index) const {
+  // Returns the world normal of the nearest face of the volume less than a voxel away that looks at the eye, else the
+  // gradient. `ray`: from the eye, in index space.
+  glm::dvec3 normalAt(const glm::dvec3& index, const glm::dvec3& ray) const {
     const glm::dmat3 world_from_gradient = glm::transpose(glm::inverse(glm::dmat3(volume_.geometry.world_from_index)));
     glm::dvec3 out = world_from_gradient * field_.gradient(index);
     double nearest = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
-      const double inside =
-          std::min(index[axis] + 0.5, static_cast<double>(volume_.geometry.dims[axis]) - 0.5 - index[axis]);
+      if (ray[axis] == 0) continue;
+      const auto edge = static_cast<double>(volume_.geometry.dims[axis]);
+      const double inside = ray[axis] > 0 ? index[axis] + 0.5 : edge - 0.5 - index[axis];
       const double distance = inside / glm::length(world_from_gradient[axis]);
       if (inside < 1 && distance < nearest) nearest = distance, out = world_from_gradient[axis];
     }
@@ -77,7 +79,7 @@ class SamplesAlone {
   // Returns a sample's colour lit by a headlight, from the sample's normal and the direction to the eye.
   glm::dvec3 lit(const glm::dvec3& color, const glm::dvec3& index, const glm::dvec3& ray) const {
     if (!request_.shading.phong) return color;
-    const glm::dvec3 normal = normalAt(index);
+    const glm::dvec3 normal = normalAt(index, ray);
     if (!(glm::length(normal) > 0)) return color;
     const glm::dvec3 along = glm::dmat3(volume_.geometry.world_from_index) * ray;
     const double cosine = std::abs(glm::dot(glm::normalize(normal), glm::normalize(along)));

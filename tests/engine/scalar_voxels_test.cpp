@@ -48,7 +48,7 @@ VoxelView viewAt(bool perspective, double px_per_voxel, bool phong, double edge_
   camera.height = kEdge / px_per_voxel;
   camera.fov_deg = 2 * std::atan(camera.height / 48) * 180 / 3.14159265358979;
   const Projector projector(volume, resolve(camera, {kEdge, kEdge}));
-  PlainLight light = plainLight({}, 1e-3f, projector);
+  PlainLight light = plainLight({}, {1e-3f}, projector);
   light.phong = phong;
   return VoxelView(projector, light);
 }

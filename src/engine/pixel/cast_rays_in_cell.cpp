@@ -166,12 +166,21 @@ class CellCaster {
       const CellPlaces::Where w = p_.whereIs(hn::Load(DI(), s_.kept_code + n));
       for (int a = 0; a < 3; ++a) hn::StoreU(p_.pointAt(a, w, hn::Load(d, s_.at + n)), d, s_.index_place[a] + n);
       keepSlopes(n, std::min(kept_ - n, hn::Lanes(d)));
+      keepSlope(n, outOfSurface(n, slopesFrom(n)));
       if (in_.mask != nullptr) keepSlope(n, orOfMask(slopesFrom(n), 0));
     }
     if (context_.look().clip->showsAll()) return;
     for (std::size_t n = 0; n < kept_; ++n) {
       if (!context_.look().clip->contains(siteOf(n).index)) s_.opacity[n] = 0;
     }
+  }
+
+  // Gradients of crossings, turned so that the outward sign turns them to the side from which their rays come.
+  HWY_INLINE Vector outOfSurface(std::size_t n, const Vector& slope) const {
+    const D d;
+    if (on_face_) return slope;
+    const V sign = hn::AndNot(hn::LoadU(d, s_.excess[0] + n), hn::SignBit(d));
+    return {hn::Xor(slope.x, sign), hn::Xor(slope.y, sign), hn::Xor(slope.z, sign)};
   }
 
   void maskSurfaces() {
@@ -403,6 +412,7 @@ class CellCaster {
     out.gradient = {s_.slope[0][n], s_.slope[1][n], s_.slope[2][n]};
     if (!std::isfinite(out.gradient.x + out.gradient.y + out.gradient.z)) out.gradient = glm::vec3(0);
     out.view = context_.projector().viewOfIndex(out.index);
+    out.to_eye = context_.projector().towardsEye(out.view);
     return out;
   }
 
@@ -465,7 +475,7 @@ class CellCaster {
       const Packing packed(kept);
       const auto move = [&](auto tag, auto* of) { hn::StoreU(packed(hn::Load(tag, of + n)), tag, of + seen); };
       move(di, s_.index), move(di, s_.kept_code), move(d, s_.entry), move(d, s_.opacity);
-      if (exact()) move(d, s_.at);
+      if (exact()) move(d, s_.at), move(d, s_.excess[0]);
       for (int a = 0; derives_ && a < 3; ++a) move(d, s_.slope[a]);
       for (int a = 0; places_ && a < 3; ++a) move(d, s_.index_place[a]);
       if (l_.plane.colors != nullptr) move(d, s_.row);
@@ -564,7 +574,8 @@ class CellCaster {
         V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
         const CellPlaces::Where w = p_.whereIs(hn::LoadU(DI(), s_.kept_code + n + i));
         const Vector slope = slopeOf(n, i);
-        lightOn(d, l_.light, l_.perspective, in_.at_border ? slopeAtBorder(w, slope) : slope, p_.sightOf(w), matte,
+        const Sight sight = p_.sightOf(w);
+        lightOn(d, l_.light, l_.perspective, in_.at_border ? slopeAtBorder(w, sight, slope).slope : slope, sight, matte,
                 gloss);
         const auto lit = [&](V color) { return fused(color, matte, gloss); };
         red = lit(red), green = lit(green), blue = lit(blue);
@@ -583,26 +594,38 @@ class CellCaster {
     }
   }
 
-  // Replaces the gradients of samples less than a voxel inside the volume's border by the normal of the nearest face,
-  // as ClipRegion::cutGradient does.
-  HWY_NOINLINE Vector slopeAtBorder(const CellPlaces::Where& w, Vector slope) const {
+  struct SlopeAtBorder {
+    Vector slope;
+    M on_face;
+  };
+  // Replaces the gradients of samples less than a voxel inside the volume's border by the normal of the nearest face
+  // that looks at the eye, as ClipRegion::cutGradient does.
+  HWY_NOINLINE SlopeAtBorder slopeAtBorder(const CellPlaces::Where& w, const Sight& sight, Vector slope) const {
     const D d;
+    const V far = hn::Set(d, CellPlaces::kFar);
+    M on_face = hn::FirstN(d, 0);
     const V none = hn::Zero(d), normal = hn::Set(d, l_.light.gradient.directed);
-    V nearest = hn::Set(d, CellPlaces::kFar);
+    V nearest = far;
     for (int a = 0; a < 3; ++a) {
       const V at = p_.indexOf(a, w, 0);
       const auto from_anchor = [&](double index) {
         return hn::Set(d, static_cast<float>(index - static_cast<double>(r_.anchor[a])));
       };
-      const V inside = hn::Min(hn::Sub(at, from_anchor(-0.5)), hn::Sub(from_anchor(r_.volume_hi[a]), at));
+      // Cosine of the axis and the direction from the eye, times a length.
+      const glm::vec3& m = l_.light.view_from_index_gradient[a];
+      const V along = hn::Set(d, m.z);
+      const V away = l_.perspective ? fused(hn::Set(d, m.x), sight.u, fused(hn::Set(d, m.y), sight.v, along)) : along;
+      const V inside = hn::Min(hn::IfThenElse(hn::Gt(away, none), hn::Sub(at, from_anchor(-0.5)), far),
+                               hn::IfThenElse(hn::Lt(away, none), hn::Sub(from_anchor(r_.volume_hi[a]), at), far));
       const V distance = hn::Mul(inside, hn::Set(d, l_.layer_height[a]));
       const M lit = hn::And(hn::Lt(inside, hn::Set(d, 1.0f)), hn::Lt(distance, nearest));
       nearest = hn::IfThenElse(lit, distance, nearest);
+      on_face = hn::Or(on_face, lit);
       slope.x = hn::IfThenElse(lit, a == 0 ? normal : none, slope.x);
       slope.y = hn::IfThenElse(lit, a == 1 ? normal : none, slope.y);
       slope.z = hn::IfThenElse(lit, a == 2 ? normal : none, slope.z);
     }
-    return slope;
+    return {slope, on_face};
   }
 
   // Lights a vector of samples, the i-th of its batch on, in any lights.
@@ -611,11 +634,13 @@ class CellCaster {
     CellPlaces::Where w = p_.whereIs(hn::LoadU(DI(), s_.kept_code + n));
     if (l_.surfaces > 0) w.t = hn::LoadU(d, s_.at + n);
     const Sight sight = p_.sightOf(w);
-    const Vector inside = slopeOf(n - i, i);
-    const Vector slope = in_.at_border ? slopeAtBorder(w, inside) : inside;
+    const Vector inside = l_.surfaces > 0 && !derives_ ? outOfSurface(n, slopeOf(n - i, i)) : slopeOf(n - i, i);
+    const SlopeAtBorder found =
+        in_.at_border ? slopeAtBorder(w, sight, inside) : SlopeAtBorder{inside, hn::FirstN(d, 0)};
     Colors colors{red, green, blue};
     SampleLight(*l_.lights, l_.perspective)
-        .on(slope, sight, p_.viewOf(w, sight), hn::FirstN(d, std::min(count, hn::Lanes(d))), colors);
+        .on(found.slope, found.on_face, sight, p_.viewOf(w, sight), hn::FirstN(d, std::min(count, hn::Lanes(d))),
+            colors);
     red = colors.red, green = colors.green, blue = colors.blue;
   }
 

@@ -14,12 +14,13 @@ namespace kiln {
 struct SampleSite {
   glm::dvec3 index;    // in the level's index space
   glm::dvec3 view;     // in view space
+  glm::dvec3 to_eye;   // direction in the level's index space
   glm::vec3 gradient;  // unit: value per voxel; 0 if not finite
 };
 
 /// Returns the gradient of the cut face near a sample; null if there is none. Surfaces have no cut faces.
 inline const glm::vec3* cutFaceAt(const Appearance& look, const SampleSite& site) {
-  return look.surfaces ? nullptr : look.clip->cutGradient(site.index);
+  return look.surfaces ? nullptr : look.clip->cutGradient(site.index, site.to_eye);
 }
 
 inline Color finishedColor(const Appearance& look, const Material& material, const SampleSite& site) {
@@ -36,7 +37,7 @@ inline glm::vec3 finishedNormal(const Appearance& look, const SampleSite& site) 
 
 /// Unit normal of a cut face at a point on it, in view space.
 inline glm::vec3 faceNormal(const Appearance& look, const SampleSite& site) {
-  const glm::vec3* const face = look.clip->cutGradient(site.index);
+  const glm::vec3* const face = look.clip->cutGradient(site.index, site.to_eye);
   return face != nullptr ? look.shader.normalOnCut(*face, site.view) : glm::vec3(0);
 }
 

@@ -9,6 +9,7 @@
 
 #include <hwy/highway.h>
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -54,8 +55,10 @@ class SampleLight {
  public:
   SampleLight(const Shader& shader, bool perspective) : s_(shader.model()), perspective_(perspective) {}
 
-  // Lights the colours of samples at view-space positions; `alive`: lanes that hold samples.
-  HWY_INLINE void on(const Vector& slope, const Sight& sight, const Vector& at, M alive, Colors& colors) const {
+  // Lights the colours of samples at view-space positions. `on_face`: slopes are normals of the volume's faces;
+  // `alive`: lanes that hold samples.
+  HWY_INLINE void on(const Vector& slope, M on_face, const Sight& sight, const Vector& at, M alive,
+                     Colors& colors) const {
     if (s_.scatters) return scatter(sight, at, alive, colors);
     const D d;
     const V one = hn::Set(d, 1.0f), zero = hn::Zero(d);
@@ -71,6 +74,9 @@ class SampleLight {
     const V facing = hn::Mul(dotOf(normal, to_eye), inverse);
     normal = scaled(normal, hn::Or(inverse, hn::And(facing, hn::SignBit(d))));
     for (V* axis : {&normal.x, &normal.y, &normal.z}) *axis = hn::IfThenElseZero(directed, *axis);
+    const M behind = hn::And(hn::AndNot(on_face, directed),
+                             hn::And(hn::Lt(facing, zero), hn::Gt(facing, hn::Set(d, GrazingNormal::kReversed))));
+    if (!hn::AllFalse(d, behind)) normal = atSilhouette(normal, facing, to_eye, behind);
     const V cosine = hn::Min(hn::Abs(facing), one);
 
     const V open = s_.occlusion.none() ? one : openOf(at, normal);
@@ -124,6 +130,21 @@ class SampleLight {
   }
 
  private:
+  // The vector form of seenNormal, of normals that were reversed: a sum of the normal and the direction to the eye,
+  // whose length follows from `facing`.
+  static HWY_INLINE Vector atSilhouette(const Vector& reversed, V facing, const Vector& to_eye, M behind) {
+    const D d;
+    const V one = hn::Set(d, 1.0f), squared = hn::Mul(facing, facing);
+    const V turning = fused(hn::Set(d, GrazingNormal::kSlope), facing, hn::Set(d, GrazingNormal::kOffset));
+    const V across = hn::Min(turning, one);
+    const V length = hn::Sqrt(fused(hn::Mul(across, across), hn::Sub(one, squared), squared));
+    const V scale = hn::Div(hn::Set(d, -1.0f), length);
+    const V of_normal = hn::IfThenElse(behind, hn::Mul(across, scale), one);
+    const V of_eye = hn::IfThenElseZero(behind, hn::Mul(hn::Mul(hn::Add(across, one), facing), scale));
+    const auto sum = [&](V normal, V eye) { return fused(of_eye, eye, hn::Mul(of_normal, normal)); };
+    return {sum(reversed.x, to_eye.x), sum(reversed.y, to_eye.y), sum(reversed.z, to_eye.z)};
+  }
+
   HWY_INLINE Vector toEye(const Sight& sight) const {
     const D d;
     if (!perspective_) return {hn::Zero(d), hn::Zero(d), hn::Set(d, -1.0f)};
@@ -233,6 +254,14 @@ class SampleLight {
     return depths.size() - behind;
   }
 
+  // A bit for each lane of a mask.
+  static HWY_INLINE std::uint32_t bitsOf(M mask) {
+    const D d;
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(d, mask, bytes);
+    return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
+  }
+
   struct Pixels {
     VI x, y;
   };
@@ -245,13 +274,12 @@ class SampleLight {
     constexpr auto kPassed = [](const DeepShadowMap::Depths& z, std::uint16_t whole)
                                  HWY_ATTR { return passedIn(z, whole); };
     const std::int32_t beside[4] = {0, 1, map.frame().stride, map.frame().stride + 1};
-    alignas(64) std::int32_t places[kLanes], whole[kLanes], is_between[kLanes];
+    alignas(64) std::int32_t places[kLanes], whole[kLanes];
     alignas(64) std::int32_t depths[4][kLanes] = {}, shares[4][kLanes] = {};
     hn::Store(place, di, places);
     hn::Store(hn::ConvertTo(di, at.z), di, whole);
-    hn::Store(hn::VecFromMask(di, hn::RebindMask(di, between)), di, is_between);
-    for (std::size_t i = 0; i < hn::Lanes(d); ++i) {
-      if (is_between[i] == 0) continue;
+    for (std::uint32_t lanes = bitsOf(between); lanes != 0; lanes &= lanes - 1) {
+      const auto i = static_cast<std::size_t>(std::countr_zero(lanes));
       for (int corner = 0; corner < 4; ++corner) {
         const auto piece = map.pieceAt(places[i] + beside[corner], static_cast<std::uint16_t>(whole[i]), kPassed);
         depths[corner][i] = static_cast<std::int32_t>(piece.depths);

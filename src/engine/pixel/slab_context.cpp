@@ -69,7 +69,7 @@ SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, co
   out.least_interval = table.leastInterval();
   for (int axis = 0; axis < 3; ++axis)
     out.layer_height[axis] = 1 / glm::length(projector.viewFromIndexGradient()[axis]);
-  out.light = plainLight(look.shading, look.gradient_noise, projector);
+  out.light = plainLight(look.shading, look.gradients, projector);
   out.light.phong = out.light.phong && !detailed;
   if (!detailed && look.shading.phong && !isPlain(look.shading)) out.lights = &look.shader;
   out.near = static_cast<float>(zone.near);

@@ -20,7 +20,7 @@ struct Appearance {
   Shading shading;
   Shader shader;  // belongs to the level
   const ClipRegion* clip = nullptr;
-  float gradient_noise = 0;  // unit: value per voxel
+  GradientSense gradients;
   Interpolation interpolation = Interpolation::kLinear;
   bool surfaces = false;                // samples are crossings of surfaces
   const SampleTable* colors = nullptr;  // colours of a companion's values; null: the volume's own

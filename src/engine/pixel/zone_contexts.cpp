@@ -17,9 +17,9 @@ std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels
                                          const VolumeAppearance& look) {
   const Projector& projector = levels.projector(zone.level);
   const Appearance of_sample{look.shading,
-                             Shader(look.shading, look.view, look.gradient_noise, projector, look.illumination),
+                             Shader(look.shading, look.view, look.gradients, projector, look.illumination),
                              &levels.clipRegion(zone.level),
-                             look.gradient_noise,
+                             look.gradients,
                              look.interpolation,
                              !look.transfer_function.surfaces.empty(),
                              tables.colors,

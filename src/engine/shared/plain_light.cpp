@@ -12,12 +12,15 @@ float factorToOne(float size) { return std::ldexp(1.0f, -std::clamp(std::ilogb(s
 
 }  // namespace
 
-GradientScale::GradientScale(float noise) {
+GradientScale::GradientScale(const GradientSense& sense) {
+  const float noise = sense.noise;
   // Keep a factor of 1 unless squares come near the limits of a float.
   if (noise > 0 && (noise < 1e-8f || noise > 1e8f)) factor = factorToOne(noise);
   const float scaled = noise * factor;
   least_squared = scaled * scaled;
   if (noise > 0) directed = 2 * noise;
+  factor *= sense.outward_sign;
+  directed *= -sense.outward_sign;
 }
 
 glm::mat3 withoutLength(const glm::mat3& m) {
@@ -35,7 +38,7 @@ bool isPlain(const Shading& shading) {
          shading.lights[0].kind == LightKind::kHeadlight && shading.lights[0].color == glm::dvec3(1);
 }
 
-PlainLight plainLight(const Shading& shading, float gradient_noise, const Projector& level) {
+PlainLight plainLight(const Shading& shading, const GradientSense& gradients, const Projector& level) {
   const double intensity = shading.lights.empty() ? 0 : shading.lights[0].intensity;
   PlainLight out;
   out.phong = shading.phong && isPlain(shading);
@@ -43,7 +46,7 @@ PlainLight plainLight(const Shading& shading, float gradient_noise, const Projec
   out.diffuse = static_cast<float>(intensity * shading.diffuse);
   out.specular = static_cast<float>(intensity * shading.specular);
   out.power = static_cast<float>(shading.power);
-  out.gradient = GradientScale(gradient_noise);
+  out.gradient = GradientScale(gradients);
   out.view_from_index_gradient = withoutLength(level.viewFromIndexGradient());
   return out;
 }

@@ -9,14 +9,20 @@
 
 namespace kiln {
 
-/// Scale and noise threshold of gradients. Gradients are multiplied by `factor`, a power of two, so that their squares
-/// fit floats for values from 1e-30 to 1e30 per voxel. A scaled square of at most `least_squared` has no direction.
+/// How gradients of a volume tell of its surfaces.
+struct GradientSense {
+  float noise = 0;          // shorter gradients have no direction. unit: value per voxel
+  float outward_sign = -1;  // the factor that turns gradients out of matter
+};
+
+/// Scale and noise threshold of gradients. Gradients are multiplied by `factor`, a power of two with a sign, so that
+/// their squares fit floats for values from 1e-30 to 1e30 per voxel. A scaled square of at most `least_squared` has no
+/// direction.
 struct GradientScale {
-  float factor = 1, least_squared = 0;
-  float directed = 1;  // a length above the noise. unit: value per voxel
+  float factor = 1, least_squared = 0;  // the factor's sign turns gradients out of matter
+  float directed = 1;                   // a gradient's part into matter, longer than the noise. unit: value per voxel
   GradientScale() = default;
-  /// `noise`: length below which a gradient has no direction. unit: value per voxel.
-  explicit GradientScale(float noise);
+  explicit GradientScale(const GradientSense& sense);
 };
 
 /// Returns `m` scaled by a power of two so that its largest entry is near one and squares of products with it fit
@@ -33,7 +39,7 @@ struct PlainLight {
 /// Returns true if PlainLight can represent `shading`.
 bool isPlain(const Shading& shading);
 
-/// Light for one level; without phong if `shading` is not plain. `gradient_noise`: see Shader.
-PlainLight plainLight(const Shading& shading, float gradient_noise, const Projector& level);
+/// Light for one level; without phong if `shading` is not plain.
+PlainLight plainLight(const Shading& shading, const GradientSense& gradients, const Projector& level);
 
 }  // namespace kiln

@@ -53,6 +53,12 @@ class Projector {
   glm::dvec3 viewOfIndex(const glm::dvec3& index) const {
     return ((origin_ + index.z * axis_z_) + index.y * axis_y_) + index.x * axis_x_;
   }
+  /// Direction to the eye from a view-space point, in index space. unit: any length.
+  glm::dvec3 towardsEye(const glm::dvec3& view_point) const {
+    const glm::dvec3 to_eye = perspective_ ? -view_point : glm::dvec3(0, 0, -1);
+    const auto along = [&](int axis) { return glm::dot(glm::dvec3(index_rows_[axis]), to_eye); };
+    return {along(0), along(1), along(2)};
+  }
   /// Edge of a voxel in view space. requires: 0 <= axis < 3.
   const glm::dvec3& axis(int axis) const { return axis == 0 ? axis_x_ : axis == 1 ? axis_y_ : axis_z_; }
   /// Row that maps a view-space point p to its index coordinate `axis`: dot(row, (p, 1)).

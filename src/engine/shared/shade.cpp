@@ -13,7 +13,7 @@ Shader::PlacedLight placed(const Light& light, const View& view, const glm::vec3
 
 }  // namespace
 
-Shader::Shader(const Shading& shading, const View& view, float gradient_noise, const Projector& level,
+Shader::Shader(const Shading& shading, const View& view, const GradientSense& gradients, const Projector& level,
                const Illumination* illumination) {
   m_.phong = shading.phong;
   m_.perspective = level.perspective();
@@ -28,7 +28,7 @@ Shader::Shader(const Shading& shading, const View& view, float gradient_noise, c
     m_.ambient *= albedo, m_.diffuse *= albedo;
     m_.phase = {1 - g * g, 1 + g * g, 2 * g};
   }
-  m_.gradient = GradientScale(gradient_noise);
+  m_.gradient = GradientScale(gradients);
   m_.view_from_index_gradient = withoutLength(level.viewFromIndexGradient());
   for (std::size_t i = 0; i < shading.lights.size(); ++i) {
     const Light& light = shading.lights[i];

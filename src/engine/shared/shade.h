@@ -1,6 +1,6 @@
 // Phong shading of a sample, as scene/shading.h defines it, shared by all engines. Parameters that are constant over
 // samples are computed once for each level of a frame; the inline rest cannot fail. A single headlight, the common
-// case, costs one product and one power. Source: Blinn 1977. Differs: normals turn towards the eye.
+// case, costs one product and one power. Source: Blinn 1977. Differs: normals turn towards the eye (`seenNormal`).
 #pragma once
 
 #include <algorithm>
@@ -32,6 +32,36 @@ inline float gradientNoiseOf(const Manifest& manifest, const TransferFunction& f
   if (!function.surfaces.empty()) return 0;
   const ValueRange range = classifiedRange(function, manifest.range);
   return range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (range.hi - range.lo));
+}
+
+/// Returns the sign that turns gradients out of matter: -1 if the highest values are at least as opaque as the lowest
+/// values, as of surfaces and labels, else 1.
+inline float outwardSignOf(const TransferFunction& function) {
+  const std::vector<TransferPoint>& points = function.points;
+  return !points.empty() && points.back().opacity < points.front().opacity ? 1.0f : -1.0f;
+}
+
+inline GradientSense gradientSenseOf(const Manifest& manifest, const TransferFunction& function) {
+  return {gradientNoiseOf(manifest, function), outwardSignOf(function)};
+}
+
+/// Cosines to the eye of normals that point away from the eye, but are lit as at a silhouette. A ray that grazes a ball
+/// of ten voxels' radius has its sample up to 1.5 voxels behind the contour, at a cosine of -0.15. From there to -0.3
+/// the normal turns. Figures: engine/shared/decisions/light.md.
+struct GrazingNormal {
+  static constexpr float kKept = -0.15f, kReversed = -0.3f;
+  /// The factor on a normal's part across the view, between kReversed and 0: from -1 to 1.
+  static constexpr float kSlope = 2 / (kKept - kReversed), kOffset = 1 - kSlope * kKept;
+};
+
+/// Returns the normal with which a sample is lit. `outward`: unit normal out of matter; `facing`: its cosine to the
+/// eye. Behind a silhouette the reversed normal would point into matter, where no light is: there the normal is
+/// mirrored at the plane across the view. Continuous.
+inline glm::vec3 seenNormal(const glm::vec3& outward, float facing, const glm::vec3& to_eye) {
+  if (facing >= 0) return outward;
+  if (facing <= GrazingNormal::kReversed) return -outward;
+  const float across = std::min(GrazingNormal::kSlope * facing + GrazingNormal::kOffset, 1.0f);
+  return glm::normalize(across * (outward - facing * to_eye) - facing * to_eye);
 }
 
 /// unit: linear light.
@@ -73,9 +103,8 @@ class Shader {
   };
 
   Shader() = default;
-  /// `gradient_noise`: length below which a gradient has no direction. unit: value per voxel of `level`. Shadows are
-  /// drawn if there is an `illumination`, which outlives the object.
-  Shader(const Shading& shading, const View& view, float gradient_noise, const Projector& level,
+  /// Shadows are drawn if there is an `illumination`, which outlives the object.
+  Shader(const Shading& shading, const View& view, const GradientSense& gradients, const Projector& level,
          const Illumination* illumination = nullptr);
 
   const Model& model() const { return m_; }
@@ -87,7 +116,7 @@ class Shader {
     if (!m_.phong) return {material.r, material.g, material.b};
     if (m_.scatters) return scattered(material, view_point);
     if (!(glm::dot(scaled, scaled) > m_.gradient.least_squared)) return withoutDirection(material, view_point);
-    return lit(material, scaled, view_point);
+    return lit(material, scaled, view_point, &seenNormal);
   }
 
   /// Light of a sample on a cut face. `index_normal` is the clip plane's normal, so no noise threshold applies.
@@ -95,7 +124,7 @@ class Shader {
   Color onCut(const Material& material, const glm::vec3& index_normal, const glm::dvec3& view_point) const {
     if (!m_.phong) return {material.r, material.g, material.b};
     if (m_.scatters) return scattered(material, view_point);
-    return lit(material, index_normal, view_point);
+    return lit(material, index_normal, view_point, &towardsEye);
   }
 
   /// Unit normal in view space, turned towards the eye; 0 if the gradient has no direction.
@@ -105,11 +134,16 @@ class Shader {
     return normalOnCut(scaled, view_point);
   }
   glm::vec3 normalOnCut(const glm::vec3& index_normal, const glm::dvec3& view_point) const {
-    const glm::vec3 out = glm::normalize(m_.view_from_index_gradient * index_normal);
-    return glm::dot(out, toEye(view_point)) < 0 ? -out : out;
+    const glm::vec3 out = glm::normalize(m_.view_from_index_gradient * index_normal), to_eye = toEye(view_point);
+    return towardsEye(out, glm::dot(out, to_eye), to_eye);
   }
 
  private:
+  using Turned = glm::vec3(const glm::vec3& normal, float facing, const glm::vec3& to_eye);
+  static glm::vec3 towardsEye(const glm::vec3& normal, float facing, const glm::vec3&) {
+    return facing < 0 ? -normal : normal;
+  }
+
   Color scattered(const Material& material, const glm::dvec3& view_point) const {
     const glm::vec3 at(view_point), to_eye = toEye(view_point);
     glm::vec3 light = glm::vec3(m_.ambient * m_.occlusion(at, glm::vec3(0))) + m_.diffuse * m_.phase(-1) * m_.headlight;
@@ -142,14 +176,14 @@ class Shader {
     return m_.perspective ? -glm::normalize(glm::vec3(view_point)) : glm::vec3(0, 0, -1);
   }
 
-  Color lit(const Material& material, const glm::vec3& index_gradient, const glm::dvec3& view_point) const {
+  Color lit(const Material& material, const glm::vec3& index_gradient, const glm::dvec3& view_point,
+            Turned* turned) const {
     glm::vec3 normal = m_.view_from_index_gradient * index_gradient;
     const glm::vec3 to_eye = toEye(view_point);
-    const float facing = glm::dot(normal, to_eye);
-    const float length = glm::length(normal);
-    const float cosine = std::min(std::abs(facing) / length, 1.0f);
+    const float length = glm::length(normal), facing = glm::dot(normal, to_eye) / length;
+    const float cosine = std::min(std::abs(facing), 1.0f);
     const bool needs_normal = !m_.lights.empty() || !m_.occlusion.none();
-    if (needs_normal) normal *= (facing < 0 ? -1.0f : 1.0f) / length;
+    if (needs_normal) normal = turned(normal / length, facing, to_eye);
     const float open = m_.occlusion(glm::vec3(view_point), normal);
     const float diffuse = m_.occludes_diffuse ? m_.diffuse * open : m_.diffuse;
     glm::vec3 matte = glm::vec3(m_.ambient * open) + diffuse * cosine * m_.headlight;

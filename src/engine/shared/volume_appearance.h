@@ -17,8 +17,8 @@ struct VolumeAppearance {
   const TransferFunction& transfer_function;
   Shading shading;  // as the function reflects or scatters it
   const View& view;
-  double unit = 1;           // length that opacities refer to. unit: world
-  float gradient_noise = 0;  // shorter gradients are noise. unit: value per voxel
+  double unit = 1;  // length that opacities refer to. unit: world
+  GradientSense gradients;
   Interpolation interpolation = Interpolation::kLinear;
   const Illumination* illumination = nullptr;  // null without shadows
   const CompanionColors* colors = nullptr;     // colours of another volume's values; null: the function's own
@@ -31,7 +31,7 @@ struct VolumeAppearance {
         shading(shadingOf(function, light)),
         view(from),
         unit(function.unitIn(volume.geometry().meanSpacing())),
-        gradient_noise(gradientNoiseOf(volume, function)),
+        gradients(gradientSenseOf(volume, function)),
         interpolation(between),
         illumination(shadows) {}
 };

@@ -90,7 +90,8 @@ class CellSplatter {
     const float* const m = shaded.material + 4 * n;
     Material material = {m[0], m[1], m[2], m[3]};
     if (context_.gradient_opacity.active()) material = context_.gradient_opacity(valueOf(code), slope);
-    const glm::vec3* const face = cut_ ? context_.clip->cutGradient(indexOf(code)) : nullptr;
+    const glm::vec3* const face =
+        cut_ ? context_.clip->cutGradient(indexOf(code), context_.projector->towardsEye(place())) : nullptr;
     if (!context_.light_is_plain) {
       const Color color = face != nullptr ? shader.onCut(material, *face, place()) : shader(material, slope, place());
       material = {color.r, color.g, color.b, material.tau};

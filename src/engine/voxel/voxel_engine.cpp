@@ -44,9 +44,9 @@ SplatContext VoxelEngine::makeContext(int level) const {
   out.classifier = &classifier_;
   out.test_samples = tests_.test_samples;
   out.projector = &levels_.projector(level);
-  out.shader = Shader(look.shading, look.view, look.gradient_noise, *out.projector, look.illumination);
+  out.shader = Shader(look.shading, look.view, look.gradients, *out.projector, look.illumination);
   out.light_is_plain = isPlain(look.shading);
-  out.view = VoxelView(*out.projector, plainLight(look.shading, look.gradient_noise, *out.projector));
+  out.view = VoxelView(*out.projector, plainLight(look.shading, look.gradients, *out.projector));
   out.gradient_opacity = GradientOpacity(look.transfer_function, look.unit, *out.projector);
   out.clip = &levels_.clipRegion(level);
   out.part = out.clip->part().voxels();

@@ -90,6 +90,8 @@ struct Scene {
         border(borderOf(volume.geometry)) {
     const ValueRange range = volume.range();
     gradient_noise = range.empty() ? 0 : kGradientNoise * (range.hi - range.lo);
+    const auto& points = function.points;
+    if (!points.empty() && points.back().opacity < points.front().opacity) outward_sign = 1;
     step_world = settings.step_voxels * volume.geometry.shortestEdge();
     unit_world = transfer_function.unit > 0 ? transfer_function.unit : volume.geometry.meanSpacing();
     if (!function.labels.empty()) {
@@ -124,7 +126,7 @@ struct Scene {
   glm::dmat4 world_from_index, index_from_world;
   glm::dmat3 gradient_world_from_index;
   std::vector<Face> faces, border;
-  double gradient_noise = 0, step_world = 1, unit_world = 1;
+  double gradient_noise = 0, outward_sign = -1, step_world = 1, unit_world = 1;
   std::optional<EmptyBlocks> empty_blocks;
 };
 
@@ -181,21 +183,38 @@ void march(const Scene& scene, const Ray& ray, const Sample& sample) {
   }
 }
 
-/// Returns the normal at a sample: of the nearest face (of the clipping or of the volume) less than a voxel away, else
-/// of the gradient; zero if there is none.
-glm::dvec3 normalAt(const Scene& scene, const glm::dvec3& index) {
+struct Normal {
+  glm::dvec3 normal;
+  bool of_face = false;  // its sign has no meaning
+};
+
+/// Returns the normal at a sample: of the nearest face (of the clipping or of the volume) less than a voxel away that
+/// looks at the eye, else of the gradient, out of matter; zero if there is none.
+Normal normalAt(const Scene& scene, const glm::dvec3& index, const glm::dvec3& to_eye) {
   const Face* nearest = nullptr;
   for (const std::vector<Face>* faces : {&scene.faces, &scene.border}) {
     for (const Face& face : *faces) {
+      if (glm::dot(face.world_normal, to_eye) > 0) continue;
       if (face.at(index) < face.voxel() && (!nearest || face.distance(index) < nearest->distance(index)))
         nearest = &face;
     }
   }
-  if (nearest) return glm::normalize(nearest->world_normal);
+  if (nearest) return {glm::normalize(nearest->world_normal), true};
   const glm::dvec3 difference = scene.gradient(index);
   // The negated comparison also leaves a NaN gradient, which has no direction, unshaded.
-  if (!(glm::length(difference) >= scene.gradient_noise) || glm::length(difference) == 0) return glm::dvec3(0);
-  return glm::normalize(scene.gradient_world_from_index * difference);
+  if (!(glm::length(difference) >= scene.gradient_noise) || glm::length(difference) == 0) return {glm::dvec3(0)};
+  return {scene.outward_sign * glm::normalize(scene.gradient_world_from_index * difference)};
+}
+
+/// Returns the normal with which a sample is lit: see seenNormal in engine/shared/shade.h.
+glm::dvec3 seenFrom(const Normal& at, const glm::dvec3& to_eye) {
+  constexpr double kKept = 0.15, kReversed = 0.3;
+  const double facing = glm::dot(at.normal, to_eye);
+  if (facing >= 0) return at.normal;
+  if (at.of_face || facing <= -kReversed) return -at.normal;
+  const glm::dvec3 along = facing * to_eye;
+  const double across = std::min(1 + 2 * (facing + kKept) / (kReversed - kKept), 1.0);
+  return glm::normalize(across * (at.normal - along) - along);
 }
 
 /// Returns the extinction at a sample.
@@ -315,8 +334,8 @@ glm::dvec3 shaded(Scenes scenes, const Scene& scene, const Shading& shading, con
     }
     return scattering->albedo * color * sum;
   }
-  glm::dvec3 normal = normalAt(scene, index);
-  if (normal == glm::dvec3(0)) {
+  const Normal found = normalAt(scene, index, to_eye);
+  if (found.normal == glm::dvec3(0)) {
     // The material's colour, without the share of the lights that shadows take away.
     glm::dvec3 all(0), reaching(0);
     for (const Light& light : shading.lights) {
@@ -326,10 +345,14 @@ glm::dvec3 shaded(Scenes scenes, const Scene& scene, const Shading& shading, con
     if (all == reaching) return color;
     return color * (shading.ambient * all + shading.diffuse * reaching) / ((shading.ambient + shading.diffuse) * all);
   }
-  if (glm::dot(normal, to_eye) < 0) normal = -normal;
-  glm::dvec3 matte(shading.ambient * ambientShare(scenes, shading, world, normal)), gloss(0);
+  const glm::dvec3 seen = seenFrom(found, to_eye);
+  glm::dvec3 matte(shading.ambient * ambientShare(scenes, shading, world, seen)), gloss(0);
   for (const Light& light : shading.lights) {
     const glm::dvec3 to_light = directionOf(light);
+    const bool from_eye = light.kind == LightKind::kHeadlight;
+    const glm::dvec3 normal = from_eye && glm::dot(found.normal, to_eye) < 0 ? -found.normal
+                              : from_eye                                     ? found.normal
+                                                                             : seen;
     if (!(glm::dot(normal, to_light) > 0)) continue;
     const glm::dvec3 halfway = glm::normalize(to_light + to_eye);
     const glm::dvec3 reaching = reachingShare(scenes, shading, light, world, to_light, glm::dot(normal, to_light)) *
