@@ -11,8 +11,6 @@
 namespace kiln {
 namespace {
 
-constexpr std::string_view kScheme = "phantom:";
-
 std::string knownNames() {
   std::string out;
   for (const phantom::PhantomKind& kind : phantom::phantomKinds()) {
@@ -48,7 +46,7 @@ Extent3 requireExtent(const std::string& name, std::string_view text, const phan
   const auto legal = [](std::int64_t n) { return n >= 1 && n <= kMaxDim; };
   const std::optional<Extent3> dims = extentIn(text);
   if (!dims || !legal(dims->x) || !legal(dims->y) || !legal(dims->z)) {
-    refuse(name, "a phantom's size is three whole numbers from 1 to 2147483647, as in " + std::string(kScheme) +
+    refuse(name, "a phantom's size is three whole numbers from 1 to 2147483647, as in " + std::string(kPhantomScheme) +
                      std::string(kind.name) + ":" + written(kind.usual_dims));
   }
   const std::int64_t slice = dims->x * dims->y;
@@ -88,7 +86,7 @@ class PhantomSource : public VolumeSource {
 
 std::unique_ptr<VolumeSource> openPhantom(const std::filesystem::path& input, const SourceOptions& options) {
   const std::string name = input.string();
-  const std::string_view rest = std::string_view(name).substr(kScheme.size());
+  const std::string_view rest = std::string_view(name).substr(kPhantomScheme.size());
   const std::size_t colon = rest.find(':');
   const phantom::PhantomKind* kind = phantom::findPhantom(rest.substr(0, colon));
   if (!kind) refuse(name, "there is no phantom of that name; there are " + knownNames());

@@ -1,6 +1,8 @@
 // The formats behind `openSource`, one opener per file. Each opener throws the errors of `openSource`.
 #pragma once
 
+#include <string_view>
+
 #include "ingest/source/listed_volume.h"
 #include "ingest/source/slice_files.h"
 #include "ingest/source/volume_source.h"
@@ -38,6 +40,8 @@ std::vector<ListedVolume> listDicom(const std::vector<std::filesystem::path>& fi
 std::vector<ListedVolume> listTiff(const std::vector<std::filesystem::path>& stack);
 ListedVolume listPictures(SliceFormat format, const std::vector<std::filesystem::path>& stack);
 
+/// Beginning of the name of a computed volume.
+inline constexpr std::string_view kPhantomScheme = "phantom:";
 /// True if `input` names a computed volume, "phantom:NAME:XxYxZ", instead of a file.
 bool namesPhantom(const std::filesystem::path& input);
 std::unique_ptr<VolumeSource> openPhantom(const std::filesystem::path& input, const SourceOptions& options);

@@ -11,6 +11,6 @@ std::string namedNote(const SourceInfo& info, const std::string& note) {
   return opened.string() + ": " + (note.starts_with(own) ? note.substr(own.size()) : note);
 }
 
-bool namesPhantom(const std::filesystem::path& input) { return input.string().starts_with("phantom:"); }
+bool namesPhantom(const std::filesystem::path& input) { return input.string().starts_with(kPhantomScheme); }
 
 }  // namespace kiln
