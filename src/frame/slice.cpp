@@ -19,7 +19,7 @@ namespace kiln {
 namespace {
 
 // The axes of the volume along the picture's columns and rows.
-struct Layout {
+struct SliceLayout {
   int axis, right, down;
   bool flip_rows;
   double voxels_per_column, voxels_per_row;
@@ -33,8 +33,8 @@ std::int64_t pixelsOf(double pixels) {
   return std::llround(std::clamp(pixels, 1.0, kMost));
 }
 
-Layout layoutOf(const VolumeGeometry& volume, int axis) {
-  Layout out{};
+SliceLayout layoutOf(const VolumeGeometry& volume, int axis) {
+  SliceLayout out{};
   out.axis = axis;
   out.right = axis == 0 ? 1 : 0;
   out.down = axis == 2 ? 1 : 2;
@@ -94,7 +94,7 @@ class SliceColors {
 };
 
 // Draws the pixels whose voxels are in the brick; `columns` and `rows` are the voxels along the picture's sides.
-void drawBrick(const BrickBlock& block, const Layout& layout, const std::vector<std::int64_t>& columns,
+void drawBrick(const BrickBlock& block, const SliceLayout& layout, const std::vector<std::int64_t>& columns,
                const std::vector<std::int64_t>& rows, std::int64_t index, const SliceColors& colors, Image& image) {
   const VoxelBox& core = block.core;
   const Pixels across = pixelsIn(columns, core.lo[layout.right], core.hi[layout.right]);
@@ -121,7 +121,7 @@ void drawBrick(const BrickBlock& block, const Layout& layout, const std::vector<
 }  // namespace
 
 std::pair<std::int64_t, std::int64_t> sliceSize(const VolumeGeometry& level, int axis) {
-  const Layout layout = layoutOf(level, axis);
+  const SliceLayout layout = layoutOf(level, axis);
   return {layout.width, layout.height};
 }
 
@@ -151,7 +151,7 @@ Image renderSlice(const BrickedVolume& store, const SliceRequest& request, const
   if (index < 0 || index >= count)
     throw Error(ErrorCode::kUsage, fmt::format("--index: {} is not between 0 and {}", index, count - 1));
   const SliceColors colors(request, store.manifest());
-  const Layout layout = layoutOf(volume, request.axis);
+  const SliceLayout layout = layoutOf(volume, request.axis);
   if (layout.width > kLargestSliceSide || layout.height > kLargestSliceSide) {
     throw Error(ErrorCode::kUsage, fmt::format("a slice of {} x {} pixels is larger than {}", layout.width,
                                                layout.height, kLargestSliceSide));

@@ -23,7 +23,7 @@ void append(Volumes& out, Volumes more) {
   out.insert(out.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-Volumes ofOneVolume(const fs::path& input, const SourceOptions& options) {
+Volumes listOfOne(const fs::path& input, const SourceOptions& options) {
   const SourceInfo info = openSource(input, options)->info();
   ListedVolume out;
   out.name = input.filename().string();
@@ -40,7 +40,7 @@ Volumes ofFile(const fs::path& file, const SourceOptions& options) {
   if (format == "a DICOM") return listDicom({file});
   if (format == "an HDF5") return listHdf5(file, options);
   if (format == "a BigDataViewer") return listHdf5(imageOfBdv(file), options);
-  return ofOneVolume(file, options);
+  return listOfOne(file, options);
 }
 
 // Returns the volumes of files in a folder; files that cannot be listed are one volume with the reason.
@@ -90,8 +90,8 @@ Volumes ofFolder(const fs::path& folder, const SourceOptions& options) {
 
 std::vector<ListedVolume> volumesIn(const fs::path& input, const SourceOptions& options) {
   std::error_code ignored;
-  if (namesPhantom(input)) return ofOneVolume(input, options);
-  if (containerOf(input) != input) return ofOneVolume(input, options);
+  if (namesPhantom(input)) return listOfOne(input, options);
+  if (containerOf(input) != input) return listOfOne(input, options);
   if (!fs::is_directory(input, ignored)) return ofFile(input, options);
   return isZarrFolder(input, options) ? listZarr(input, options) : ofFolder(input, options);
 }

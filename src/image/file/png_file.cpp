@@ -108,14 +108,14 @@ bool writeEnd(png_structp png, png_infop info) noexcept {
   return true;
 }
 
-struct Layout {
+struct PngLayout {
   png_uint_32 width = 0, height = 0;
   std::size_t stored_row_bytes = 0;  // as in the file
   std::size_t row_bytes = 0;         // as RGBA of 8 or 16 bits
   int bits = 8, passes = 1;
 };
 
-bool readLayout(png_structp png, png_infop info, Layout* layout) noexcept {
+bool readLayout(png_structp png, png_infop info, PngLayout* layout) noexcept {
   if (setjmp(png_jmpbuf(png))) return false;
   png_set_user_limits(png, 2 * kLargestSide_px, kLargestSide_px);  // side-by-side stereo pictures
   png_read_info(png, info);
@@ -217,8 +217,8 @@ Head readHead(std::span<const std::byte> data, const std::filesystem::path& path
 }
 
 // Reads everything in front of the pixels. throws: Error kFormat, kBudget.
-Layout begin(Reader& reader, std::span<const std::byte> data, const std::filesystem::path& path,
-             std::uint64_t memory_bytes) {
+PngLayout begin(Reader& reader, std::span<const std::byte> data, const std::filesystem::path& path,
+                std::uint64_t memory_bytes) {
   // A text exists in memory stored, unpacked, in libpng's copy and in Kiln's copy.
   constexpr std::uint64_t kCopies = 4, kMostChunkBytes = std::uint64_t{1} << 28;
   if (!looksLikePng(data)) throw notPng(path, "it does not begin as a PNG does");
@@ -235,7 +235,7 @@ Layout begin(Reader& reader, std::span<const std::byte> data, const std::filesys
   if (!reader.info) throw notPng(path, "libpng could not be started");
   png_set_read_fn(reader.png, &reader, onRead);
   png_set_chunk_malloc_max(reader.png, static_cast<png_alloc_size_t>(each));
-  Layout layout;
+  PngLayout layout;
   if (!readLayout(reader.png, reader.info, &layout)) throw notPng(path, reader.messages.text);
   return layout;
 }
@@ -243,7 +243,7 @@ Layout begin(Reader& reader, std::span<const std::byte> data, const std::filesys
 // Calls f(y, samples) for each row from top to bottom; RGBA of layout.bits each. Interlaced files are held in memory
 // whole.
 template <class F>
-void forEachRow(Reader& reader, const Layout& layout, const std::filesystem::path& path, F&& f) {
+void forEachRow(Reader& reader, const PngLayout& layout, const std::filesystem::path& path, F&& f) {
   const bool interlaced = layout.passes > 1;
   std::vector<png_byte> samples(layout.row_bytes * (interlaced ? layout.height : 1));
   for (int pass = 0; pass < layout.passes; ++pass) {
@@ -257,11 +257,11 @@ void forEachRow(Reader& reader, const Layout& layout, const std::filesystem::pat
 }
 
 // Memory of the samples that forEachRow holds. unit: bytes.
-std::uint64_t bytesOfRows(const Layout& layout) {
+std::uint64_t bytesOfRows(const PngLayout& layout) {
   return std::uint64_t{layout.row_bytes} * (layout.passes > 1 ? layout.height : 1);
 }
 
-void requirePlausible(const Layout& layout, std::span<const std::byte> data, const std::filesystem::path& path) {
+void requirePlausible(const PngLayout& layout, std::span<const std::byte> data, const std::filesystem::path& path) {
   if (std::uint64_t{layout.stored_row_bytes} * layout.height <= kLargestRatio * data.size()) return;
   throw notPng(path, "its header promises " + std::to_string(layout.width) + "x" + std::to_string(layout.height) +
                          " pixels, more than a file of " + std::to_string(data.size()) + " bytes can hold");
@@ -333,7 +333,7 @@ std::map<std::string, std::string> decodePngText(std::span<const std::byte> data
 
 Image decodePng(std::span<const std::byte> data, const std::filesystem::path& path, std::uint64_t memory_bytes) {
   Reader reader;
-  const Layout layout = begin(reader, data, path, memory_bytes);
+  const PngLayout layout = begin(reader, data, path, memory_bytes);
   requirePlausible(layout, data, path);
   const std::uint64_t pixels = std::uint64_t{layout.width} * layout.height;
   requireMemory(pixels * 4 * sizeof(float) + bytesOfRows(layout), memory_bytes, path);
@@ -347,7 +347,7 @@ Image decodePng(std::span<const std::byte> data, const std::filesystem::path& pa
 
 void checkPng(std::span<const std::byte> data, const std::filesystem::path& path, std::uint64_t memory_bytes) {
   Reader reader;
-  const Layout layout = begin(reader, data, path, memory_bytes);
+  const PngLayout layout = begin(reader, data, path, memory_bytes);
   requirePlausible(layout, data, path);
   requireMemory(bytesOfRows(layout), memory_bytes, path);
   forEachRow(reader, layout, path, [](png_uint_32, const png_byte*) {});
