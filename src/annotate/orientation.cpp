@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <numbers>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -18,7 +19,7 @@ namespace kiln {
 namespace {
 
 // unit: the font's size.
-constexpr double kLine = 0.14, kHead = 0.6, kHeadWidth = 0.42, kLetterGap = 0.6, kAside = 1.1;
+constexpr double kLine = 0.14, kHead = 0.6, kHeadWidth = 0.42, kLetterGap = 0.6, kAside = 1.1, kLetterRoom = 1.1;
 constexpr double kDim = 0.5;
 // Length below which a direction's letter would lie over the middle of the marker. Towards the eye the letter stands
 // aside, away from the eye a patient's letter is left out: its place is the place of the letter in front.
@@ -75,14 +76,40 @@ glm::dvec2 middleOfDirections(const AnnotatedPicture& picture, const Style& styl
   return {style.margin + reach, picture.view.size.height - style.margin - reach};
 }
 
+std::vector<std::optional<glm::dvec2>> letterPlaces(const AnnotatedPicture& picture,
+                                                    const std::vector<Direction>& directions, const Style& style) {
+  const bool patient = picture.box.frame != PatientFrame::kUnknown;
+  const glm::dvec2 middle = middleOfDirections(picture, style);
+  std::vector<std::optional<glm::dvec2>> out(directions.size());
+  for (std::size_t i = directions.size(); i-- > 0;) {
+    const glm::dvec2 seen(directions[i].seen);
+    const double length = glm::length(seen);
+    if (patient && directions[i].seen.z > 1e-9 && length < kShort) continue;
+    const bool is_short = length < kShort;
+    glm::dvec2 place = is_short ? middle + kAside * style.em * besideAll(directions)
+                                : middle + style.em * (kArmLength * seen + kLetterGap * (seen / length));
+    // Upwards, or to the right of an upright direction.
+    glm::dvec2 across = is_short ? glm::dvec2(0, -1) : glm::dvec2(seen.y, -seen.x) / length;
+    if (across.y > 1e-9 || (across.y > -1e-9 && across.x < 0)) across = -across;
+    for (std::size_t nearer = directions.size(); --nearer > i;) {
+      const std::optional<glm::dvec2>& other = out[nearer];
+      if (other && glm::distance(place, *other) < kLetterRoom * style.em)
+        place = *other + kLetterRoom * style.em * across;
+    }
+    out[i] = place;
+  }
+  return out;
+}
+
 void addAxes(const AnnotatedPicture& picture, Drawing& drawing) {
   const Style& style = drawing.style();
   const bool patient = picture.box.frame != PatientFrame::kUnknown;
   const glm::dvec2 middle = middleOfDirections(picture, style);
   const std::vector<Direction> directions = directionsOf(picture);
-  for (const Direction& direction : directions) {
+  const std::vector<std::optional<glm::dvec2>> letters = letterPlaces(picture, directions, style);
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const Direction& direction = directions[i];
     const glm::dvec2 seen(direction.seen);
-    const double length = glm::length(seen);
     const bool behind = direction.seen.z > 1e-9;
     const glm::dvec2 tip = middle + kArmLength * style.em * seen;
     const double opacity = behind ? kDim : 1;
@@ -91,10 +118,7 @@ void addAxes(const AnnotatedPicture& picture, Drawing& drawing) {
     else
       drawing.fill(arrow(middle, tip, kLine * style.em, kHead * style.em, kHeadWidth * style.em),
                    kAxisColors[static_cast<std::size_t>(direction.axis)], 1);
-    if (patient && behind && length < kShort) continue;
-    const glm::dvec2 place = length < kShort ? middle + kAside * style.em * besideAll(directions)
-                                             : tip + kLetterGap * style.em * (seen / length);
-    letterAt(direction.name, place, patient ? opacity : 1, drawing);
+    if (letters[i]) letterAt(direction.name, *letters[i], patient ? opacity : 1, drawing);
   }
 }
 

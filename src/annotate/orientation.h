@@ -3,6 +3,7 @@
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -22,5 +23,9 @@ struct Direction {
 std::vector<Direction> directionsOf(const AnnotatedPicture& picture);
 /// The point where the directions begin. unit: pixels.
 glm::dvec2 middleOfDirections(const AnnotatedPicture& picture, const Style& style);
+/// Returns the middles of the directions' letters; nothing for a letter that is left out. A letter that would lie over
+/// the letter of a direction nearer to the eye stands beside it. unit: pixels.
+std::vector<std::optional<glm::dvec2>> letterPlaces(const AnnotatedPicture& picture,
+                                                    const std::vector<Direction>& directions, const Style& style);
 
 }  // namespace kiln

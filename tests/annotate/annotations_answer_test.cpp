@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 #include <optional>
 
 #include "annotate/annotator.h"
@@ -378,6 +379,34 @@ TEST(Directions, PatientFrames_haveTheirLetters) {
   }
   picture.box.frame = PatientFrame::kUnknown;
   EXPECT_EQ(directionsOf(picture).size(), 3u);
+}
+
+// Known: seen from a quarter of a turn between two axes, both point to the same side of the picture.
+TEST(Directions, LettersOfAxesThatPointToOneSide_areApart) {
+  AnnotatedPicture picture = pictureOf({Projection::kOrthographic, {480, 400}});
+  picture.box.frame = PatientFrame::kRas;
+  for (const double azimuth : {0.0, 30.0, 40.0, 45.0, 50.0, 90.0}) {
+    for (const double elevation : {0.0, 10.0, 45.0}) {
+      Camera camera;
+      camera.projection = Projection::kOrthographic;
+      camera.target = centreOf(picture.box);
+      const double a = azimuth * std::numbers::pi / 180, e = elevation * std::numbers::pi / 180;
+      camera.eye =
+          camera.target + 100.0 * glm::dvec3(std::cos(e) * std::sin(a), std::cos(e) * std::cos(a), std::sin(e));
+      camera.up = {0, 0, 1};
+      camera.height = 110;
+      picture.view = resolve(camera, {480, 400});
+      const Style style(picture);
+      const auto places = letterPlaces(picture, directionsOf(picture), style);
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        if (!places[i]) continue;
+        EXPECT_GT(std::min(places[i]->x, 400 - places[i]->y), 0.5 * style.em);
+        for (std::size_t j = 0; j < i; ++j) {
+          if (places[j]) EXPECT_GT(glm::distance(*places[i], *places[j]), style.em) << azimuth << ' ' << elevation;
+        }
+      }
+    }
+  }
 }
 
 // Known: an axis along the view has its letter at the middle of the marker, where it would cross the other arrows.
