@@ -31,11 +31,6 @@ RenderJob withDrawnAovs(RenderJob job) {
   return job;
 }
 
-BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress) {
-  if (!job.picture.skip_damaged) return {};
-  return [&progress](const Error& damage) { progress.warn(std::string("drawn without ") + damage.what()); };
-}
-
 FrameMemory withBehind(FrameMemory memory, bool writes_behind, const RenderJob& job) {
   if (writes_behind) memory.behind = writeBehindBytes(memory, job);
   return memory;
@@ -106,6 +101,11 @@ std::vector<Doubt> doubtsOf(const RenderJob& job, const OpenedVolumes& volumes, 
                    "--shadows: the eye sees no shadow of a headlight (found no other light); add a light, "
                    "such as --light cam:-1,1,1"});
   return out;
+}
+
+BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress) {
+  if (!job.picture.skip_damaged) return {};
+  return [&progress](const Error& damage) { progress.warn(std::string("drawn without ") + damage.what()); };
 }
 
 void judge(DrawnFrame& drawn, const FrameRequest& request, const OpenedVolumes& volumes) {

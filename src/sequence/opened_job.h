@@ -43,6 +43,10 @@ struct DrawnFrame {
   bool continued = false;  // an earlier run drew some tiles; times cover all runs, other statistics the last
 };
 
+/// Returns the handler of bricks that cannot be read: a warning for each if the job skips damaged bricks, else empty.
+/// requires: `progress` outlives the handler.
+BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress);
+
 /// Sets the reason for an empty frame. `request` is made of the frame's scene.
 void judge(DrawnFrame& drawn, const FrameRequest& request, const OpenedVolumes& volumes);
 

@@ -60,11 +60,6 @@ std::uint64_t bricksBytes(const RenderJob& job, const OpenedVolumes& volumes) {
   return cacheBytes(memory, job.speed.memory_bytes, volumes.first().path());
 }
 
-BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress) {
-  if (!job.picture.skip_damaged) return {};
-  return [&progress](const Error& damage) { progress.warn(std::string("drawn without ") + damage.what()); };
-}
-
 ImageSize scaled(const ImageSize& size, double factor, bool panorama) {
   const auto side = [&](int full) { return std::clamp(static_cast<int>(std::lround(full * factor)), 1, full); };
   ImageSize out{side(size.width), side(size.height)};

@@ -15,7 +15,7 @@ namespace {
 
 constexpr DicomTag kRecords = 0x00041220, kReferencedFile = 0x00041500;
 
-bool isThere(const fs::path& folder, const std::string& name) {
+bool holdsFile(const fs::path& folder, const std::string& name) {
   std::error_code ignored;
   return fs::exists(folder / name, ignored) || fs::exists(folder / lowered(name), ignored);
 }
@@ -32,7 +32,7 @@ std::string missingOf(const fs::path& path) {
   for (std::size_t i = 0; records != nullptr && i < records->items.size(); ++i) {
     std::string name = records->items[i].text(kReferencedFile);
     std::replace(name.begin(), name.end(), '\\', '/');
-    if (name.empty() || isThere(path.parent_path(), name)) continue;
+    if (name.empty() || holdsFile(path.parent_path(), name)) continue;
     if (missing++ == 0) example = name;
   }
   if (missing == 0) return "";
