@@ -29,6 +29,7 @@ kiln_add_worker(gdcm_reader kiln_gdcm_libraries)
 
 if(HDF5_READER_FOUND)
   kiln_add_worker(hdf5_reader ${HDF5_READER_LIBRARY} nlohmann_json::nlohmann_json)
+  target_compile_options(kiln_hdf5_reader PRIVATE -Og)  # JSON is most of what there is to optimise
   target_compile_definitions(kiln_hdf5_reader PRIVATE H5_USE_110_API)  # newer libraries have it, too
   target_include_directories(kiln_hdf5_reader SYSTEM PRIVATE ${HDF5_READER_INCLUDE_DIR})
 endif()
