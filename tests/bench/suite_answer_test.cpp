@@ -1,13 +1,12 @@
 // Known answers: each key of a suite is read back, and each error names its place. The paper's printed ratios and
 // speed-ups are quotients of its printed numbers, up to the rounding of both.
-#include "bench/suite.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "base/error.h"
 #include "bench/published.h"
+#include "bench/suite.h"
 #include "bench/views.h"
 #include "grid/geometry.h"
 #include "support/system/expect_error.h"
