@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "scene/transfer/preset_ranges.h"
 
 namespace kiln {
 namespace {
@@ -333,7 +334,7 @@ TEST(Presets, ConstantAndEmptyVolumesHaveAFunctionToo) {
 TEST(Presets, WindowOfTheSource_isTheDefault) {
   Manifest head = ctHead(0, VoxelType::i16);
   head.look.ramp = DeclaredLook::Ramp{100, 700, {255, 0, 255, 255}};
-  for (const TransferFunction& f : {presetFor("auto", head), displayRamp(head)}) {
+  for (const TransferFunction& f : {presetFor("auto", head), displayRamp(head, usableRange(head))}) {
     EXPECT_EQ(f.points.front().value, 100);
     EXPECT_EQ(f.points.back().value, 700);
     EXPECT_EQ(f.at(100).color, glm::dvec3(0));
@@ -341,7 +342,7 @@ TEST(Presets, WindowOfTheSource_isTheDefault) {
   }
   EXPECT_EQ(presetFor("auto", head).at(100).opacity, 0);
   EXPECT_GT(presetFor("auto", head).at(700).opacity, presetFor("auto", head).at(400).opacity);
-  EXPECT_EQ(displayRamp(head).at(0).opacity, 1);
+  EXPECT_EQ(displayRamp(head, usableRange(head)).at(0).opacity, 1);
   EXPECT_EQ(presetFor("ct-skin", head).points.size(), presetFor("ct-skin", ctHead(0, VoxelType::i16)).points.size());
   head.volume_class = VolumeClass::kFog;
   EXPECT_NE(presetFor("auto", head).points.back().value, 700) << "a fog is drawn as fog";

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <utility>
 #include <variant>
 
@@ -23,6 +24,7 @@
 #include "scene/transfer/display_map.h"
 #include "scene/transfer/label_styles.h"
 #include "scene/transfer/presets.h"
+#include "scene/transfer/projection_range.h"
 #include "scene/transfer/transfer_function_fade.h"
 #include "scene/volume_part.h"
 
@@ -53,6 +55,12 @@ void requireFewRegions(const std::vector<TransferFunction>& keys) {
   }
 }
 
+// Share of the volume that clipping leaves; 1 if that is nothing.
+double shownShare(const VolumeGeometry& volume, const Clipping& clipping) {
+  const std::int64_t shown = boxOfClip(volume, clipping).count();
+  return shown > 0 ? static_cast<double>(shown) / static_cast<double>(volume.dims.count()) : 1;
+}
+
 }  // namespace
 
 TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
@@ -61,12 +69,15 @@ TransferFunction resolvedFor(const PictureOptions& picture, const TransferFuncti
   if (manifest.volume_class == VolumeClass::kLabels)
     requireCapability(engine, &EngineCapabilities::labels, "--mode: a volume of labels needs", "leave --mode out");
   const auto* const name = std::get_if<std::string>(&choice);
-  if (engine.capabilities().composites || name == nullptr || *name != "auto") {
+  const bool projected = !engine.capabilities().composites && name != nullptr;
+  if (!projected || (*name != "auto" && (!isStretched(*name) || picture.window))) {
     TransferFunction function = resolve(choice, picture.window, manifest);
     requireSurfaces(engine, function);
     return function;
   }
-  return resolve(displayRamp(manifest, color), picture.window, manifest);
+  const ValueRange range = projectionRange(manifest, picture.mode, shownShare(manifest.geometry(), picture.clipping));
+  if (*name != "auto") return resolve(choice, Window{std::midpoint(range.lo, range.hi), range.hi - range.lo}, manifest);
+  return resolve(displayRamp(manifest, range, color), picture.window, manifest);
 }
 
 ShownFunction shownFunction(const std::filesystem::path& file, const TransferFunction& function,
@@ -166,6 +177,7 @@ SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manife
   for (std::size_t i = 0; i < job.volumes.size(); ++i) {
     const VolumeOptions& volume = job.volumes[i];
     still.window = volume.window;
+    still.clipping = clippingOf(i);
     add(volume.functions, volume.transfer_function, *looks_[i], channelColor(job, i, *looks_[i]));
   }
   framed_ = framedBox(shown_box);

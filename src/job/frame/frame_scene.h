@@ -47,7 +47,7 @@ struct FrameScene {
 };
 
 /// Returns the function for `choice` in the picture, as `resolve`; where values are projected, "auto" is a ramp of
-/// grey, or of `color`.
+/// grey, or of `color`, and presets without a window cover projectionRange.
 TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
                              const Manifest& manifest, const std::optional<glm::dvec3>& color = {});
 

@@ -263,8 +263,8 @@ OpacityCurve risingOpacity(const ValueRange& range, const Manifest& manifest) {
            {range.hi, opacityForDepth(manifest, kEnd)}}};
 }
 
-TransferFunction displayRamp(const Manifest& manifest, const std::optional<glm::dvec3>& color) {
-  const ValueRange range = usableRange(manifest);
+TransferFunction displayRamp(const Manifest& manifest, const ValueRange& range,
+                             const std::optional<glm::dvec3>& color) {
   DeclaredLook::Ramp ramp = manifest.look.ramp.value_or(DeclaredLook::Ramp{range.lo, range.hi, {}});
   const SrgbBytes& bytes = SrgbBytes::all();
   if (color) ramp.color = {bytes.of(color->r), bytes.of(color->g), bytes.of(color->b)};
@@ -286,6 +286,10 @@ std::string presetList() {
   std::string out;
   for (const std::string& preset : presetNames()) out += (out.empty() ? "" : ", ") + preset;
   return out + ", iso:VALUE,... or solid:VALUE";
+}
+
+bool isStretched(std::string_view name) {
+  return name == "grayscale" || std::ranges::find(colorMapNames(), name) != colorMapNames().end();
 }
 
 bool isPreset(std::string_view name) {

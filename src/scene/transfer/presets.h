@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "grid/value_range.h"
 #include "scene/transfer/transfer_function.h"
 #include "store/manifest/manifest.h"
 
@@ -33,8 +34,12 @@ bool isPreset(std::string_view name);
 /// throws: Error kUsage naming the presets, or the fault in VALUE.
 TransferFunction presetFor(std::string_view name, const Manifest& manifest);
 
-/// Returns black to white over the range of values, or to the colour over the window that the source declares. The
-/// function is opaque, in equal display steps, as viewers of slices and projections show values.
-TransferFunction displayRamp(const Manifest& manifest, const std::optional<glm::dvec3>& color = {});
+/// Returns black to white over `range`, or to the colour over the window that the source declares. The function is
+/// opaque, in equal display steps, as viewers of slices and projections show values.
+TransferFunction displayRamp(const Manifest& manifest, const ValueRange& range,
+                             const std::optional<glm::dvec3>& color = {});
+
+/// True for presets that stretch colours over the volume's values: colour maps and "grayscale".
+bool isStretched(std::string_view name);
 
 }  // namespace kiln
