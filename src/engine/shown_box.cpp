@@ -1,10 +1,15 @@
 #include "engine/shown_box.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <optional>
 #include <vector>
 
-#include "engine/shared/classifier.h"
+#include "engine/shown_depths.h"
+#include "engine/side_views.h"
 #include "grid/voxel_type.h"
 #include "store/brick_index.h"
 #include "store/codec/brick_block.h"
@@ -12,51 +17,9 @@
 namespace kiln {
 namespace {
 
-// A cube that is filled with its most opaque value and has a lower alpha is haze: less than 8 steps of an 8-bit pixel.
+// A cube that is filled with its most opaque value and has a lower alpha shows nothing by itself. Matter that is faint
+// and thick shows in the views along the axes.
 constexpr double kLeastAlpha = 1.0 / 32;
-
-// Returns the function with all opacities below `least` set to zero. Segments are split where they cross `least`.
-TransferFunction withoutHaze(TransferFunction function, double least) {
-  for (LabelStyle& style : function.labels) style.opacity = style.opacity < least ? 0 : style.opacity;
-  for (IsoSurface& surface : function.surfaces) surface.opacity = surface.opacity < kLeastAlpha ? 0 : surface.opacity;
-  std::vector<TransferPoint> points;
-  for (TransferPoint point : function.points) {
-    const bool shown = point.opacity >= least;
-    if (!points.empty() && shown != (points.back().opacity >= least) && point.value > points.back().value) {
-      // The pair of points at the crossing is a step from or to zero.
-      const TransferPoint& before = points.back();
-      const double t = (least - before.opacity) / (point.opacity - before.opacity);
-      const double value = std::lerp(before.value, point.value, t);
-      points.push_back({value, point.color, shown ? 0 : least});
-      points.push_back({value, point.color, shown ? least : 0});
-    }
-    points.push_back(point);
-  }
-  for (TransferPoint& point : points) point.opacity = point.opacity < least ? 0 : point.opacity;
-  function.points = std::move(points);
-  return function;
-}
-
-// Decides which ranges of values some function shows.
-class ShownValues {
- public:
-  ShownValues(const Manifest& manifest, std::span<const TransferFunction> functions, double thickness,
-              const Progress& progress) {
-    for (const TransferFunction& function : functions) {
-      progress.throwIfCancelled("looking for the visible box");
-      const double unit = function.unitIn(manifest.geometry().meanSpacing());
-      const double least = 1 - std::pow(1 - kLeastAlpha, unit / thickness);
-      classifiers_.emplace_back(withoutHaze(function, least), unit, VoxelType::f64, manifest.range);
-    }
-  }
-  bool in(const ValueRange& range) const {
-    return !range.empty() && std::any_of(classifiers_.begin(), classifiers_.end(),
-                                         [&](const Classifier& c) { return c.interesting(range); });
-  }
-
- private:
-  std::vector<Classifier> classifiers_;
-};
 
 bool contains(const VoxelBox& outer, const VoxelBox& inner) { return intersection(outer, inner) == inner; }
 
@@ -82,86 +45,207 @@ VoxelBox cutBy(const Clipping& clipping, const ClipRegion& region, const VoxelBo
   return out;
 }
 
-// Step 1: the box around the sub-bricks that may show something.
-VoxelBox boxOfIndex(const BrickedVolume& store, const ShownValues& shown, const ClipRegion& region,
-                    const Progress& progress) {
+// What the bound of a cube's values may show: an opacity, 0 for too little. unit of `length`: world.
+double opacityIn(const ShownDepths& shown, const ValueRange& range, double length) {
+  const double alpha = -std::expm1(-shown.depth(range, length));
+  return alpha < kLeastAlpha ? 0 : alpha;
+}
+
+// Calls each(cube, range) for the cubes of the index, of bricks that `wanted` admits, inside the clip region.
+template <class Wanted, class Each>
+void forCubes(const BrickedVolume& store, const ClipRegion& region, const Progress& progress, Wanted&& wanted,
+              Each&& each) {
   const std::int64_t size = store.manifest().brick_size;
   const Extent3 lattice = store.index().lattice(0);
-  VoxelBox out;
-  const auto isNew = [&](const VoxelBox& cube) {
-    return !cube.empty() && !contains(out, cube) && region.classify(cube) != ClipRegion::Overlap::kOutside;
+  const auto in_region = [&](const VoxelBox& cube) {
+    return !cube.empty() && region.classify(cube) != ClipRegion::Overlap::kOutside;
   };
   for (std::int64_t i = 0; i < lattice.count(); ++i) {
     progress.throwIfCancelled("looking for the visible box");
     const BrickKey key{0, brickAt(lattice, i)};
     const BrickEntry& entry = store.index().at(key);
     const VoxelBox core = coreBox(key.brick, size, store.manifest().geometry().dims);
-    if (!isNew(core) || !shown.in(entry.support)) continue;
+    if (!wanted(core, entry.support) || !in_region(core)) continue;
     if (!entry.sub_ranges) {
-      include(out, core);
+      each(core, entry.support);
       continue;
     }
     entry.sub_ranges->any([&](std::size_t sub, const VoxelCoord& at) {
       const VoxelBox cube = subBrickOf(core, size, entry.sub_ranges->along(), at);
-      if (isNew(cube) && shown.in(entry.sub_ranges->at(sub, entry.support))) include(out, cube);
+      if (in_region(cube)) each(cube, entry.sub_ranges->at(sub, entry.support));
       return false;
     });
   }
+}
+
+// The box around all cubes whose values give `length` at least a depth.
+VoxelBox boxOfIndex(const BrickedVolume& store, const ShownDepths& shown, const ClipRegion& region, double length,
+                    double least_depth, const Progress& progress) {
+  VoxelBox out;
+  const auto wanted = [&](const VoxelBox& cube, const ValueRange& range) {
+    return !contains(out, cube) && shown.depth(range, length) >= least_depth;
+  };
+  forCubes(store, region, progress, wanted, [&](const VoxelBox& cube, const ValueRange& range) {
+    if (wanted(cube, range)) include(out, cube);
+  });
   return out;
 }
 
-// Returns the box, in voxels of the block, of cells that show something inside `within`. A cell is a voxel and its next
-// neighbours.
-template <class T>
-VoxelBox boxOfVoxels(const BrickBlock& block, const ShownValues& shown, const VoxelBox& within) {
-  VoxelBox out;
-  const T* const values = block.data<T>();
-  const std::int64_t steps[] = {0, 1, block.strideY(), block.strideZ()};
-  for (std::int64_t z = within.lo.z; z < within.hi.z; ++z) {
-    for (std::int64_t y = within.lo.y; y < within.hi.y; ++y) {
-      for (std::int64_t x = within.lo.x; x < within.hi.x; ++x) {
-        const VoxelBox cell = {{x, y, z}, {x + 1, y + 1, z + 1}};
-        if (contains(out, cell)) {
-          x = out.hi.x - 1;
-          continue;
-        }
-        ValueRange range;
-        for (const std::int64_t step : steps) {
-          const std::int64_t voxel = block.offsetOf(cell.lo) + step;
-          if (block.shown.all() || block.shown.at(voxel)) range.include(static_cast<double>(values[voxel]));
-        }
-        if (shown.in(range)) include(out, intersection({{x, y, z}, {x + 2, y + 2, z + 2}}, within));
-      }
+// The box beside which not even the volume's whole diagonal shows anything of a cube's values. Closer than the voxels
+// of a level whose voxels are larger than cubes.
+VoxelBox boxBesideNothing(const BrickedVolume& store, const ShownDepths& shown, const ClipRegion& region,
+                          const Progress& progress) {
+  const auto corners = store.manifest().geometry().corners();
+  double diagonal = 0;
+  for (const glm::dvec3& a : corners) {
+    for (const glm::dvec3& b : corners) diagonal = std::max(diagonal, glm::distance(a, b));
+  }
+  return boxOfIndex(store, shown, region, diagonal, kLeastColumn, progress);
+}
+
+// Adds the cells of a brick to the views. A cell is a voxel and its next neighbours.
+class CellsOfBrick {
+ public:
+  CellsOfBrick(const BrickBlock& block, const ShownDepths& shown, const ClipRegion& region, const VolumeGeometry& level,
+               const std::optional<Section>& section)
+      : block_(block), shown_(shown), region_(region), dims_(level.dims) {
+    const glm::dvec3 spacing = level.spacing();
+    spacing_ = {spacing.x, spacing.y, spacing.z};
+    faces_ = section && section->opacity > 0 && !region.showsAll();
+    values_on_faces_ = faces_ && !section->color_map.empty();
+  }
+
+  void addTo(SideViews& views) {
+    Numbers near = numbersOf(0), far;
+    for (std::int64_t z = 0; z < dims_.z; ++z, std::swap(near, far)) {
+      far = numbersOf(z + 1);
+      for (std::int64_t y = 0; y < dims_.y; ++y) addRow(near, far, y, z, views);
     }
   }
-  return out;
+
+ private:
+  // Numbers of the values of a slice, with a column and a row more than the volume; ShownDepths::kNone: missing,
+  // hidden.
+  using Numbers = std::vector<int>;
+
+  Numbers numbersOf(std::int64_t z) const {
+    Numbers out;
+    out.reserve(static_cast<std::size_t>((dims_.x + 1) * (dims_.y + 1)));
+    withVoxelType(block_.type, [&]<class T>(std::type_identity<T>) {
+      for (std::int64_t y = 0; y <= dims_.y; ++y) {
+        const std::int64_t row = block_.offsetOf({0, y, z});
+        for (std::int64_t x = 0; x <= dims_.x; ++x) {
+          const bool hidden = !block_.shown.all() && !block_.shown.at(row + x);
+          out.push_back(hidden ? ShownDepths::kNone : shown_.binOf(static_cast<double>(block_.data<T>()[row + x])));
+        }
+      }
+    });
+    return out;
+  }
+
+  void addRow(const Numbers& near, const Numbers& far, std::int64_t y, std::int64_t z, SideViews& views) const {
+    const auto row = static_cast<std::size_t>(y * (dims_.x + 1)), next = row + static_cast<std::size_t>(dims_.x + 1);
+    for (std::int64_t x = 0; x < dims_.x; ++x) {
+      const auto i = static_cast<std::size_t>(x);
+      int first = near[row + i], last = first;
+      if (!shown_.ofLabels()) {
+        // As numbers without a sign, missing values are above all others.
+        auto least = static_cast<unsigned>(first);
+        for (const Numbers* const slice : {&near, &far}) {
+          for (const std::size_t at : {row + i, row + i + 1, next + i, next + i + 1}) {
+            least = std::min(least, static_cast<unsigned>((*slice)[at]));
+            last = std::max(last, (*slice)[at]);
+          }
+        }
+        first = static_cast<int>(least);
+      }
+      if (last != ShownDepths::kNone) addCell({x, y, z}, first, last, views);
+    }
+  }
+
+  void addCell(const VoxelCoord& cell, int first, int last, SideViews& views) const {
+    if (!values_on_faces_ && !(shown_.depth(first, last, 1) > 0)) return;
+    const VoxelBox voxels = {cell, {cell.x + 2, cell.y + 2, cell.z + 2}};
+    if (!region_.showsAll() && region_.classify(voxels) == ClipRegion::Overlap::kOutside) return;
+    // A face is opaque.
+    constexpr double kOpaque = 10;
+    const bool on_face = faces_ && isCut(cell);
+    std::array<double, 3> depth;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      depth[axis] = on_face ? kOpaque : shown_.depth(first, last, spacing_[axis]);
+    if (depth[0] > 0) views.add(cell, depth);
+  }
+
+  // Whether some corner is outside the region, and some inside.
+  bool isCut(const VoxelCoord& cell) const {
+    int inside = 0;
+    for (int corner = 0; corner < 8; ++corner)
+      inside += region_.contains(glm::dvec3(cell.x + (corner & 1), cell.y + (corner >> 1 & 1), cell.z + (corner >> 2)));
+    return inside > 0 && inside < 8;
+  }
+
+  const BrickBlock& block_;
+  const ShownDepths& shown_;
+  const ClipRegion& region_;
+  const Extent3 dims_;
+  std::array<double, 3> spacing_;
+  bool faces_, values_on_faces_;
+};
+
+// Step 2: adds what the voxels of a coarser level hide.
+void addThinCubes(const BrickedVolume& store, const ShownDepths& shown, const ClipRegion& region, const Extent3& span,
+                  const Progress& progress, SideViews& views) {
+  const Manifest& manifest = store.manifest();
+  const VoxelBox found = views.box();
+  VoxelBox inside;
+  for (int axis = 0; axis < 3; ++axis)
+    inside.lo[axis] = found.lo[axis] * span[axis], inside.hi[axis] = found.hi[axis] * span[axis];
+  const double most = static_cast<double>(std::max({span.x, span.y, span.z}));
+  const double length = most * manifest.geometry().meanSpacing();
+  const auto cube = static_cast<double>(manifest.brick_size / subBricksOf(manifest.brick_size));
+  // A line of one voxel through a cube covers this part of the pixels that hold the cube.
+  const double line = std::min(1.0, cube / most * cube / most) / cube;
+  const auto wanted = [&](const VoxelBox& box, const ValueRange& range) {
+    return !contains(inside, box) && opacityIn(shown, range, length) > 0;
+  };
+  forCubes(store, region, progress, wanted, [&](const VoxelBox& box, const ValueRange& range) {
+    if (wanted(box, range)) views.addThin(coarseBox(box, span), line * opacityIn(shown, range, length));
+  });
 }
 
-// Step 3: moves the faces of `box` inward to the voxels that show something.
-void refine(const BrickedVolume& store, const ShownValues& shown, ShownBox& box) {
+// Returns the finest level that is one brick; nothing if there is none.
+std::optional<int> levelOfOneBrick(const BrickedVolume& store) {
+  for (int level = 0; level < store.index().levels(); ++level) {
+    if (store.index().lattice(level).count() == 1) return level;
+  }
+  return std::nullopt;
+}
+
+VoxelBox boxOfBrick(const BrickedVolume& store, int level, const ShownDepths& shown, const Clipping& clipping,
+                    const ClipRegion& region, const Progress& progress, ShownBox& reads) {
   const Manifest& manifest = store.manifest();
-  int level = 0;
-  const int levels = store.index().levels();
-  while (level < levels && store.index().lattice(level).count() > 1) ++level;
-  if (level == levels) return;
   const BrickKey key{level, {}};
   const BrickEntry& entry = store.index().at(key);
-  const BrickBlock block = store.read(key);
-  box.files += entry.constant ? 0 : 1;
-  box.file_bytes += entry.file_bytes;
-
+  const VolumeGeometry& geometry = store.level(level).geometry;
   const Extent3 span = manifest.spanOf(level);
-  const VoxelBox within = intersection(coarseBox(box.box, span), boxOf(store.level(level).geometry.dims));
-  const VoxelBox found =
-      withVoxelType(block.type, [&]<class T>(std::type_identity<T>) { return boxOfVoxels<T>(block, shown, within); });
-  if (found.empty()) return;
-  // A coarse voxel is a mean, in which a thin layer is lost: a face that would move further stays.
-  const std::int64_t most = manifest.brick_size / subBricksOf(manifest.brick_size) + manifest.apron;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::int64_t lo = found.lo[axis] * span[axis], hi = found.hi[axis] * span[axis];
-    if (lo > box.box.lo[axis] && lo - box.box.lo[axis] <= most) box.box.lo[axis] = lo;
-    if (hi < box.box.hi[axis] && box.box.hi[axis] - hi <= most) box.box.hi[axis] = hi;
+  SideViews views(geometry.dims);
+  {
+    const BrickBlock block = store.read(key);
+    CellsOfBrick(block, shown, ClipRegion(clipping, manifest.geometry(), span), geometry, clipping.section)
+        .addTo(views);
   }
+  reads.files += entry.constant ? 0 : 1;
+  reads.file_bytes += entry.file_bytes;
+  if (level > 0) addThinCubes(store, shown, region, span, progress, views);
+  const VoxelBox found = views.box();
+  VoxelBox out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.lo[axis] = found.lo[axis] * span[axis];
+    out.hi[axis] = std::min(found.hi[axis] * span[axis], manifest.geometry().dims[axis]);
+  }
+  // A section shows other values, too.
+  const bool closer = level > 0 && !clipping.section && !out.empty();
+  return closer ? intersection(out, boxBesideNothing(store, shown, region, progress)) : out;
 }
 
 }  // namespace
@@ -177,10 +261,16 @@ ShownBox shownBox(const BrickedVolume& store, std::span<const TransferFunction> 
   Clipping whole = clipping;
   whole.part.reset();
   const ClipRegion region(whole, manifest.geometry());
-  const double cube = static_cast<double>(manifest.brick_size / subBricksOf(manifest.brick_size));
-  const ShownValues shown(manifest, functions, cube * manifest.geometry().meanSpacing(), progress);
-  ShownBox out{boxOfIndex(store, shown, region, progress)};
-  if (read_brick && !out.box.empty()) refine(store, shown, out);
+  const double spacing = manifest.geometry().meanSpacing();
+  const ShownDepths shown(functions, spacing, manifest.range, progress);
+  ShownBox out;
+  const std::optional<int> level = read_brick ? levelOfOneBrick(store) : std::nullopt;
+  if (level) {
+    out.box = boxOfBrick(store, *level, shown, whole, region, progress, out);
+  } else {
+    const auto cube = static_cast<double>(manifest.brick_size / subBricksOf(manifest.brick_size));
+    out.box = boxOfIndex(store, shown, region, cube * spacing, -std::log1p(-kLeastAlpha), progress);
+  }
   out.box = cutBy(whole, region, out.box);
   return out;
 }

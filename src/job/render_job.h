@@ -51,10 +51,10 @@ struct PictureOptions {
   std::vector<glm::dvec3> channel_colors;  // color of each projected volume, in order of the volumes, with "auto"
   Aovs aovs;
   CameraSpec camera;
-  Fit fit = Fit::kVisible;       // the box that a camera without an eye fits into the picture
+  std::optional<Fit> fit;  // the box that a camera without an eye fits; absent: kRegion with an outline, else kVisible
   std::optional<Stereo> stereo;  // draw one eye of a pair, or both, of which the camera is the middle
   Lens lens;
-  /// "auto" is grey from black to white over the range of values where a value is projected.
+  /// Where values are projected, "auto" is grey from black to white over the values of projectionRange.
   TransferFunctionChoice transfer_function = std::string("auto");
   std::optional<Window> window;  // the values of the transfer function's first and last points
   Shading shading;

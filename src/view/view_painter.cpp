@@ -98,7 +98,9 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job, const Prog
   const ShownBoxOf remembered = [&](std::size_t volume, const std::vector<TransferFunction>& functions,
                                     const Clipping& clipping) {
     for (const ShownMemo& memo : shown_) {
-      if (memo.volume == volume && memo.functions == functions && memo.clipping == clipping) return memo.box;
+      if (memo.volume == volume && memo.functions == functions && memo.clipping == clipping &&
+          memo.clipping.section == clipping.section)
+        return memo.box;
     }
     std::erase_if(shown_, [&](const ShownMemo& memo) { return memo.volume == volume; });
     const VolumeGeometry box = shown_box(volume, functions, clipping);

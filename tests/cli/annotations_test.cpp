@@ -30,7 +30,7 @@ class AnnotationsCli : public ToolTest {
   // `kiln render h.kiln -o NAME --size 160x120 OPTIONS`, with all annotations.
   std::vector<std::string> render(const std::string& name, std::vector<std::string> options = {},
                                   bool annotated = true) const {
-    options.insert(options.begin(), {"render", in("h.kiln"), "-o", in(name), "--size", "160x120"});
+    options.insert(options.begin(), {"render", in("h.kiln"), "-o", in(name), "--size", "160x120", "--fit", "visible"});
     if (annotated) options.insert(options.end(), kAll.begin(), kAll.end());
     return options;
   }

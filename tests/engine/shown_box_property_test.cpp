@@ -72,13 +72,75 @@ TEST(ShownBox, NothingShown_isEmpty) {
   EXPECT_TRUE(shownIn(store, rampTo(1)).empty());
 }
 
-// A cube of 4 voxels with opacity o per voxel has the alpha 1 - (1 - o)^4: of 0.004 it is 0.016, of 0.02 it is 0.078.
-TEST(ShownBox, Haze_isLeftOut) {
+// A ray through 10 voxels of opacity o has the alpha 1 - (1 - o)^10: of 0.0002 it is 0.002, of 0.003 it is 0.03, which
+// is 49 of 255 steps of sRGB in white on black. No cube of 8 voxels has an alpha of 1/32.
+TEST(ShownBox, Haze_countsByTheWholeRay) {
   const VoxelBox box = {{30, 20, 20}, {40, 30, 30}};
-  const StoreReader store(makeStore(airWith(box, 255), "haze", 16));
-  ASSERT_EQ(16 / subBricksOf(16), 8);
-  EXPECT_TRUE(shownIn(store, rampTo(0.003)).empty());
-  EXPECT_FALSE(shownIn(store, rampTo(0.02)).empty());
+  for (const std::int64_t brick : {16, 128}) {
+    const StoreReader store(makeStore(airWith(box, 255), "haze" + std::to_string(brick), brick));
+    EXPECT_TRUE(shownIn(store, rampTo(0.0002)).empty());
+    const std::int64_t most = brick == 128 ? 1 : 16;  // two voxels of the level that is one brick
+    expectAround(shownIn(store, rampTo(0.003)), box, most, std::to_string(brick));
+  }
+}
+
+// A ball of radius 20 has a disc of 1257 pixels: one voxel elsewhere is 0.08 % of the opacity, nine are 0.7 %.
+TEST(ShownBox, Specks_doNotMoveTheBox) {
+  const auto volumeWith = [](std::int64_t edge) {
+    return fill({kDims}, [edge](std::int64_t x, std::int64_t y, std::int64_t z) {
+      const std::int64_t dx = x - 25, dy = y - 25, dz = z - 22;
+      const bool in_ball = dx * dx + dy * dy + dz * dz <= 400,
+                 in_speck = x >= 66 && x < 66 + edge && y >= 45 && y < 45 + edge && z >= 38 && z < 38 + edge;
+      return in_ball || in_speck ? 255.0 : 0.0;
+    });
+  };
+  const TransferFunction solid{1, {{254, glm::dvec3(1), 0}, {254.5, glm::dvec3(1), 1}}};
+  const VoxelBox ball = {{5, 5, 2}, {46, 46, 43}};
+  for (const std::int64_t brick : {16, 128}) {
+    // In bricks of 16 voxels, a pixel of the level that is one brick is a thirtieth of the ball.
+    const StoreReader small(makeStore(volumeWith(1), "speck" + std::to_string(brick), brick));
+    if (brick == 128) expectAround(shownIn(small, solid), ball, 1, "speck");
+    const StoreReader large(makeStore(volumeWith(3), "spot" + std::to_string(brick), brick));
+    const VoxelBox both = shownIn(large, solid);
+    EXPECT_GE(both.hi.x, 69) << brick;
+    EXPECT_GE(both.hi.y, 48) << brick;
+  }
+  // Without the ball, the speck is all there is.
+  const StoreReader alone(makeStore(airWith({{66, 45, 38}, {67, 46, 39}}, 255), "alone", 128));
+  expectAround(shownIn(alone, solid), {{66, 45, 38}, {67, 46, 39}}, 1, "alone");
+}
+
+// A rod of one voxel is less than a thousandth of the body that it touches, and is seen.
+TEST(ShownBox, ThinParts_stay) {
+  DenseVolume volume = airWith({{5, 5, 5}, {40, 45, 40}}, 255);
+  for (std::int64_t x = 40; x < 60; ++x) volume.set(x, 25, 20, 255);
+  for (const std::int64_t brick : {16, 128}) {
+    const StoreReader store(makeStore(volume, "rod" + std::to_string(brick), brick));
+    EXPECT_GE(shownIn(store, rampTo(1)).hi.x, 60) << brick;
+  }
+}
+
+// A face with a window is opaque everywhere in the volume; with the function's colours, where the function is not 0.
+TEST(ShownBox, SectionsCount) {
+  const VoxelBox box = {{20, 20, 20}, {30, 30, 30}};
+  const StoreReader store(makeStore(airWith(box, 255), "section", 128));
+  Clipping cut;
+  cut.planes = {{{0, 1, 0}, -25.0}};  // y >= 25
+  expectAround(shownIn(store, rampTo(1), cut), {{20, 25, 20}, {30, 30, 30}}, 1, "no section");
+  cut.section = Section{"gray", glm::dvec2(128, 255), 1};
+  expectAround(shownIn(store, rampTo(1), cut), {{0, 25, 0}, {kDims.x, 30, kDims.z}}, 1, "window");
+  cut.section = Section{};
+  expectAround(shownIn(store, rampTo(0.0001), cut), {{20, 25, 20}, {30, 26, 30}}, 1, "function");
+  cut.section.reset();
+  EXPECT_TRUE(shownIn(store, rampTo(0.0001), cut).empty());
+}
+
+// Known by halves: an oblique plane through the corner of a cube leaves a smaller box.
+TEST(ShownBox, ObliquePlanes_cutTheBox) {
+  const StoreReader store(makeStore(airWith({{10, 10, 10}, {40, 40, 40}}, 255), "oblique", 128));
+  Clipping cut;
+  cut.planes = {{{-1, -1, -1}, 40.0}};  // x + y + z <= 40
+  expectAround(shownIn(store, rampTo(1), cut), {{10, 10, 10}, {21, 21, 21}}, 3, "oblique");
 }
 
 TEST(ShownBox, AllFunctionsCount) {

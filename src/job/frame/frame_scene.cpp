@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numeric>
 #include <utility>
 #include <variant>
@@ -116,6 +117,12 @@ VolumeGeometry boxOfAll(const std::vector<const Manifest*>& manifests) {
   return boxAround(volumes);
 }
 
+// Opaque where a projection is brighter than its background, the colour of the least value: by 8 of 255 steps.
+TransferFunction brighterThanBackground(const ValueRange& window) {
+  const double value = std::lerp(window.lo, window.hi, 1.0 / 32);
+  return {0, {{value, glm::dvec3(1), 0}, {value, glm::dvec3(1), 1}}};
+}
+
 // The texts of placeholders, in their order.
 PlaceholderTexts textsOfFrame(const RenderJob& job, int frame, const Manifest& manifest) {
   const double time_s = (frame - 1) / job.output.video.rate.perSecond();
@@ -189,16 +196,36 @@ Clipping SceneOfJob::clippingOf(std::size_t volume) const {
   return job_.volumes.empty() ? common : withPlanes(job_.volumes[volume].clipping, common.planes);
 }
 
+// The outline of the volume is part of what is seen.
+Fit SceneOfJob::fit() const {
+  return job_.picture.fit.value_or(job_.picture.annotations.box ? Fit::kRegion : Fit::kVisible);
+}
+
+// The functions that say what a camera fits; none if that is the whole region.
+std::vector<TransferFunction> SceneOfJob::fittedFunctions(std::size_t volume) const {
+  const std::vector<TransferFunction>& functions = functions_[volume].values;
+  if (engineOf(job_).capabilities().composites) return functions;
+  // Minima are those of the air around, and a background of the job's own shows the border of the region.
+  if (job_.picture.mode == Mode::kMinip || job_.picture.background) return {};
+  std::vector<TransferFunction> out;
+  for (const TransferFunction& function : functions) {
+    if (function.points.empty()) return {};
+    out.push_back(brighterThanBackground({function.points.front().value, function.points.back().value}));
+  }
+  return out;
+}
+
 FramedBox SceneOfJob::framedBox(const ShownBoxOf& shown_box) const {
-  const Fit fit = job_.picture.fit;
+  const Fit fit = this->fit();
   if (fit == Fit::kBox || job_.series || !isFramed(job_.animation.camera, job_.picture.camera)) return geometry_;
-  const bool visible = fit == Fit::kVisible && shown_box && engineOf(job_).capabilities().composites;
   std::vector<VolumeGeometry> boxes;
   for (std::size_t i = 0; i < manifests_.size(); ++i) {
     const VolumeGeometry volume = manifests_[i]->geometry();
     const Clipping clipping = clippingOf(i);
+    const std::vector<TransferFunction> functions =
+        fit == Fit::kVisible && shown_box ? fittedFunctions(i) : std::vector<TransferFunction>();
     const VolumeGeometry box =
-        visible ? shown_box(i, functions_[i].values, clipping) : partOf(volume, boxOfClip(volume, clipping));
+        functions.empty() ? partOf(volume, boxOfClip(volume, clipping)) : shown_box(i, functions, clipping);
     if (box.dims.count() > 0) boxes.push_back(box);
   }
   return boxes.empty() ? FramedBox(geometry_) : FramedBox(boxAround(boxes), fit);

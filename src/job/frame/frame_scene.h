@@ -87,6 +87,8 @@ class SceneOfJob {
   };
   const Manifest& manifest() const { return *manifests_.front(); }
   Clipping clippingOf(std::size_t volume) const;
+  Fit fit() const;
+  std::vector<TransferFunction> fittedFunctions(std::size_t volume) const;
   FramedBox framedBox(const ShownBoxOf& shown_box) const;
   std::vector<ShownFunction> shownIn(const FrameScene& scene) const;
   Camera cameraOf(int frame) const;
