@@ -21,7 +21,7 @@ std::vector<Shape> shapesOf(const AnnotatedPicture& picture) {
   const Style style(picture);
   std::vector<Shape> out;
   if (annotations.box) out = outlineOfVolume(picture, style);
-  if (!annotations.letters()) return out;
+  if (!annotations.letters() || !style.legible) return out;
   Drawing drawing(style);
   if (annotations.axes) addAxes(picture, drawing);
   if (annotations.scale_bar) addScaleBar(picture, drawing);

@@ -9,15 +9,15 @@
 #include <utility>
 
 #include "annotate/font.h"
-#include "scene/annotation_text.h"
+#include "annotate/places.h"
 
 namespace kiln {
 namespace {
 
 constexpr double kTextsOfSide = 36;  // lines of text, without gaps, along the shorter side
+constexpr double kLeastLines = 6;    // of the least text along the shorter side; smaller pictures have no letters
 constexpr double kDarkInk = 0.005, kLightInk = 1;
 constexpr double kRimOpacity = 0.5;
-constexpr double kLinePitch = 1.4;
 
 // Lightness of what is behind the volume; transparent counts as paper.
 double lightnessOf(const Background& background) {
@@ -43,7 +43,9 @@ bool DepthTest::shows(const glm::dvec2& pixel, float depth) const {
 
 Style::Style(const AnnotatedPicture& picture) {
   const ImageSize& size = picture.view.size;
-  em = picture.annotations.size * std::min(size.width, size.height) / kTextsOfSide;
+  const int side = std::min(size.width, size.height);
+  em = std::max(picture.annotations.size * side / kTextsOfSide, kLeastText);
+  legible = side >= kLeastLines * kLeastText;
   margin = 1.2 * em;
   line = 0.09 * em;
   halo = 0.11 * em;
@@ -75,13 +77,11 @@ std::vector<Shape> Drawing::take() && {
 
 void addText(const AnnotatedPicture& picture, Drawing& drawing) {
   const Style& style = drawing.style();
-  const std::string text = withSingleBraces(picture.annotations.text);
-  double base = style.margin + kCapHeight * style.em;
-  for (std::size_t begin = 0; begin <= text.size(); base += kLinePitch * style.em) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    drawing.text(std::string_view(text).substr(begin, end - begin), {style.margin, base}, style.em,
-                 Drawing::Align::kLeft);
-    begin = end + 1;
+  const CornerText text = cornerText(picture, style);
+  double base = style.margin + kCapHeight * text.size;
+  for (const std::string& line : text.lines) {
+    drawing.text(line, {style.margin, base}, text.size, Drawing::Align::kLeft);
+    base += kTextPitch * text.size;
   }
 }
 

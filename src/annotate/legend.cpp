@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "annotate/font.h"
+#include "annotate/places.h"
 #include "annotate/round_numbers.h"
 
 namespace kiln {
@@ -14,7 +15,7 @@ namespace {
 
 // unit: the font's size.
 constexpr double kBarWidth = 0.9, kBarHeight = 13, kTick = 0.3, kGap = 0.3, kPitch = 1.5, kSquare = 1, kNumbers = 0.9;
-constexpr double kTitle = 1.7, kBetween = 1.2, kOfScaleBar = 3, kLeastBar = 4;
+constexpr double kTitle = 1.7, kBetween = 1.2, kLeastBar = 4, kColumnGap = 1;
 constexpr int kMostTicks = 7;
 
 // The values that the function shows; where values are projected, all values between its ends.
@@ -31,25 +32,90 @@ ValueRange valuesOf(const ShownFunction& of, bool projected) {
   return out;
 }
 
-// Returns the width of the widest text. unit: pixels.
-template <class Texts, class TextOf>
-double widest(const Texts& texts, double size, const TextOf& text_of) {
-  double out = 0;
-  for (const auto& text : texts) out = std::max(out, lineOf(text_of(text), size).width);
-  return out;
-}
-
 std::string tickText(const ColorBar& bar, double tick) {
   const double step = bar.ticks.size() > 1 ? bar.ticks[1] - bar.ticks[0] : std::abs(tick);
   return textOfNumber(tick, step);
 }
 
-LegendEntry countOfOthers(std::size_t others) { return {glm::dvec3(-1), fmt::format("… {} more", others)}; }
+LegendEntry countOfOthers(std::size_t others) { return {glm::dvec3(-1), fmt::format("+{} more", others)}; }
 
 bool hasBar(const TransferFunction& function) {
   const auto colored = [](const GradientRegion& region) { return region.color.has_value(); };
   return !function.points.empty() &&
          (function.regions.empty() || !std::all_of(function.regions.begin(), function.regions.end(), colored));
+}
+
+// The parts of a function, without their places.
+void addParts(const ShownFunction& shown, std::string title, std::vector<LegendPart>& out) {
+  if (hasBar(shown.function)) out.push_back({&shown, std::exchange(title, {})});
+  std::vector<LegendEntry> entries = legendEntries(shown, kMostEntries);
+  if (!entries.empty()) out.push_back({&shown, std::move(title), std::move(entries)});
+}
+
+double squareWidth(double em) { return std::round(kSquare * em) + kGap * em; }
+
+// The height at which nothing is shortened. unit: pixels.
+double fullHeight(const LegendPart& part, double em) {
+  return em * (part.entries.empty() ? kBarHeight : kPitch * static_cast<double>(part.entries.size()));
+}
+
+double heightOf(const LegendPart& part, double em) {
+  return part.entries.empty() ? part.bar.at.height() : kPitch * em * static_cast<double>(part.rows);
+}
+
+// Divides the entries into columns of `rows`. Returns the width of all columns. unit: pixels.
+double divide(LegendPart& part, std::size_t rows, double em) {
+  part.rows = rows;
+  part.columns.clear();
+  double end = 0;
+  for (std::size_t first = 0; first < part.entries.size(); first += rows) {
+    part.columns.push_back(first == 0 ? 0 : end + kColumnGap * em);
+    double widest = 0;
+    for (std::size_t i = first; i < std::min(first + rows, part.entries.size()); ++i)
+      widest = std::max(widest, lineOf(part.entries[i].text, em).width);
+    end = part.columns.back() + squareWidth(em) + widest;
+  }
+  return end;
+}
+
+// Lays the entries out below each other, or in columns of equal length, and leaves out what does not fit. unit: pixels.
+void fitEntries(LegendPart& part, double height, double most_width, double em) {
+  const auto most_rows = static_cast<std::size_t>(std::max(1.0, height / (kPitch * em) + 1e-9));
+  const auto cutTexts = [&] {
+    for (LegendEntry& entry : part.entries) {
+      const bool counts = entry.color.x < 0;
+      if (!counts) entry.text = cutToWidth(entry.text, em, most_width - squareWidth(em));
+    }
+  };
+  cutTexts();
+  for (std::size_t columns = (part.entries.size() + most_rows - 1) / most_rows;; --columns) {
+    if (part.shown != nullptr && columns * most_rows < part.entries.size()) {
+      part.entries = legendEntries(*part.shown, columns * most_rows);
+      cutTexts();
+    }
+    const std::size_t rows = (part.entries.size() + columns - 1) / columns;
+    part.width = divide(part, rows, em);
+    if (columns == 1 || part.width <= most_width) return;
+  }
+}
+
+void fitBar(LegendPart& part, double height, bool projected, double em) {
+  const ValueRange values = valuesOf(*part.shown, projected);
+  part.bar.lo = values.lo, part.bar.hi = values.hi;
+  part.bar.at.y1 = std::max(2, static_cast<int>(std::lround(height)));
+  const int ticks = static_cast<int>(std::lround(kMostTicks * height / (kBarHeight * em)));
+  part.bar.ticks = roundTicks(values.lo, values.hi, std::clamp(ticks, 2, kMostTicks));
+  double numbers = 0;
+  for (const double tick : part.bar.ticks)
+    numbers = std::max(numbers, lineOf(tickText(part.bar, tick), kNumbers * em).width);
+  part.width = static_cast<double>(std::max(1L, std::lround(kBarWidth * em))) + (kTick + kGap) * em + numbers;
+}
+
+// Height of titles and of the gaps between parts. unit: pixels.
+double heightBeside(const std::vector<LegendPart>& parts, double em) {
+  double out = kBetween * em * static_cast<double>(parts.size() - 1);
+  for (const LegendPart& part : parts) out += part.title.empty() ? 0 : kTitle * em;
+  return out;
 }
 
 // Leaves out the last parts where even short ones would not fit, and says so. unit: pixels.
@@ -58,49 +124,65 @@ void keepFitting(double room, double em, std::vector<LegendPart>& parts) {
   if (parts.size() <= most) return;
   const std::size_t others = parts.size() - (most - 1);
   parts.resize(most - 1);
-  parts.push_back({nullptr, "", {countOfOthers(others)}, {}, {}});
+  parts.push_back({nullptr, "", {countOfOthers(others)}});
 }
 
-// The parts of a function, without their places.
-void addParts(const ShownFunction& shown, std::string title, std::vector<LegendPart>& out) {
-  if (hasBar(shown.function)) out.push_back({&shown, std::exchange(title, {}), {}, {}, {}});
-  std::vector<LegendEntry> entries = legendEntries(shown, kMostEntries);
-  if (!entries.empty()) out.push_back({&shown, std::move(title), std::move(entries), {}, {}});
-}
-
-double heightOf(const LegendPart& part, double em) {
-  return em * (part.entries.empty() ? kBarHeight : kPitch * static_cast<double>(part.entries.size()));
-}
-
-// Returns the room beside numbers or texts. unit: pixels from the left of the part to the end of its texts.
-double widthOf(const LegendPart& part, double em) {
-  if (!part.entries.empty())
-    return std::round(kSquare * em) + kGap * em +
-           widest(part.entries, em, [](const LegendEntry& entry) { return entry.text; });
-  const double numbers = widest(part.bar.ticks, kNumbers * em, [&](double tick) { return tickText(part.bar, tick); });
-  return static_cast<double>(std::max(1L, std::lround(kBarWidth * em))) + (kTick + kGap) * em + numbers;
-}
-
-// Shortens a part to a height. unit: pixels.
-void shorten(LegendPart& part, double height, bool projected, double em) {
-  if (!part.entries.empty()) {
-    const auto most = static_cast<std::size_t>(std::max(1.0, height / (kPitch * em) + 1e-9));
-    if (most < part.entries.size()) part.entries = legendEntries(*part.shown, most);
-    return;
+// Fits all parts into a height. Returns the width, without titles. unit: pixels.
+double fitParts(const AnnotatedPicture& picture, double height, double em, std::vector<LegendPart>& parts) {
+  keepFitting(height, em, parts);
+  double lists = 0, bars = 0;  // heights of lists, number of bars
+  for (const LegendPart& part : parts)
+    (part.entries.empty() ? bars : lists) += part.entries.empty() ? 1 : fullHeight(part, em);
+  const double room = std::max(height - heightBeside(parts, em), 0.0);
+  // Bars are shortened before lists.
+  const double least = std::min(kLeastBar * em, room / static_cast<double>(parts.size()));
+  const double bar = std::clamp((room - lists) / std::max(bars, 1.0), least, kBarHeight * em);
+  const double share = lists > 0 ? std::clamp((room - bars * bar) / lists, 0.0, 1.0) : 1;
+  double width = 0;
+  for (LegendPart& part : parts) {
+    if (part.entries.empty())
+      fitBar(part, bar, picture.projected, em);
+    else
+      fitEntries(part, share * fullHeight(part, em), kMostOfWidth * picture.view.size.width, em);
+    width = std::max(width, part.width);
   }
-  const ValueRange values = valuesOf(*part.shown, projected);
-  part.bar.lo = values.lo, part.bar.hi = values.hi;
-  part.bar.at.y1 = std::max(2, static_cast<int>(std::lround(height)));
-  const int ticks = static_cast<int>(std::lround(kMostTicks * height / (kBarHeight * em)));
-  part.bar.ticks = roundTicks(values.lo, values.hi, std::clamp(ticks, 2, kMostTicks));
+  return width;
+}
+
+std::vector<LegendPart> partsOf(const AnnotatedPicture& picture) {
+  std::vector<LegendPart> out;
+  const bool several = picture.shown.size() > 1;
+  for (std::size_t i = 0; i < picture.shown.size(); ++i) {
+    const std::string& given = picture.annotations.legend_title;
+    addParts(picture.shown[i], i == 0 && !given.empty() ? given : several ? picture.shown[i].name : "", out);
+  }
+  return out;
+}
+
+// Places the parts below each other from a height on, which is that of the first title if there are several parts.
+void place(double left, double top, double em, std::vector<LegendPart>& parts) {
+  const int column = static_cast<int>(std::lround(left));
+  for (LegendPart& part : parts) {
+    if (parts.size() > 1 && !part.title.empty()) top += kTitle * em;
+    const int first = static_cast<int>(std::lround(top));
+    if (part.entries.empty()) {
+      const int wide = std::max(1, static_cast<int>(std::lround(kBarWidth * em)));
+      part.bar.at = {column, first, column + wide, first + part.bar.at.height()};
+    } else {
+      const int square = static_cast<int>(std::lround(kSquare * em));
+      part.first_square = {column, first, column + square, first + square};
+    }
+    top += heightOf(part, em) + kBetween * em;
+  }
 }
 
 void addTitle(const AnnotatedPicture& picture, const std::string& title, const PixelRect& below, Drawing& drawing) {
   if (title.empty()) return;
   const Style& style = drawing.style();
   const double left = below.x0, top = below.y0, right = picture.view.size.width - style.margin;
-  const bool fits = left + lineOf(title, style.em).width <= right;
-  drawing.text(title, {fits ? left : right, top - 0.7 * style.em}, style.em,
+  const std::string text = cutToWidth(title, style.em, right - style.margin);
+  const bool fits = left + lineOf(text, style.em).width <= right;
+  drawing.text(text, {fits ? left : right, top - 0.7 * style.em}, style.em,
                fits ? Drawing::Align::kLeft : Drawing::Align::kRight);
 }
 
@@ -124,11 +206,12 @@ void addBar(const LegendPart& part, Drawing& drawing) {
 
 void addSquares(const LegendPart& part, Drawing& drawing) {
   const Style& style = drawing.style();
-  const double left = part.first_square.x0, square = part.first_square.width();
+  const double square = part.first_square.width();
   const double border = std::max(1.0, std::round(style.line));
   for (std::size_t i = 0; i < part.entries.size(); ++i) {
     const LegendEntry& entry = part.entries[i];
-    const double y = part.first_square.y0 + std::round(static_cast<double>(i) * kPitch * style.em);
+    const double y = part.first_square.y0 + std::round(static_cast<double>(i % part.rows) * kPitch * style.em);
+    const double left = part.first_square.x0 + std::round(part.columns[i / part.rows]);
     if (entry.color.x >= 0) {
       drawing.ink({rectangle({left - border, y - border}, {left + square + border, y + square + border})});
       drawing.plain({{rectangle({left, y}, {left + square, y + square})}, entry.color});
@@ -141,52 +224,30 @@ void addSquares(const LegendPart& part, Drawing& drawing) {
 }  // namespace
 
 std::vector<LegendPart> legendParts(const AnnotatedPicture& picture, const Style& style) {
-  std::vector<LegendPart> out;
-  const bool several = picture.shown.size() > 1;
-  for (std::size_t i = 0; i < picture.shown.size(); ++i) {
-    const std::string& given = picture.annotations.legend_title;
-    addParts(picture.shown[i], i == 0 && !given.empty() ? given : several ? picture.shown[i].name : "", out);
-  }
-  if (out.empty()) return out;
   const double em = style.em;
-  const double end = picture.view.size.height - style.margin - (picture.annotations.scale_bar ? kOfScaleBar * em : 0);
-  keepFitting(end - style.margin, em, out);
-  // Heights of titles and gaps, and of lists; number of bars.
-  double beside = kBetween * em * static_cast<double>(out.size() - 1), lists = 0, bars = 0;
-  for (const LegendPart& part : out) {
-    beside += part.title.empty() ? 0 : kTitle * em;
-    (part.entries.empty() ? bars : lists) += part.entries.empty() ? 1 : heightOf(part, em);
+  const std::vector<LegendPart> all = partsOf(picture);
+  std::vector<LegendPart> out = all;
+  if (out.empty()) return out;
+  // The room depends on the width, which depends on the room: columns are chosen for the room of a first choice.
+  double width = 0, wide = 0;
+  Room room;
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    for (const LegendPart& part : all) wide = std::max(wide, lineOf(part.title, em).width);
+    room = legendRoom(picture, style, std::max(wide, width));
+    out = all;
+    width = fitParts(picture, room.y1 - room.y0, em, out);
+    wide = std::max(wide, width);
   }
-  const double room = std::max(end - style.margin - beside, 0.0);
-  // Bars are shortened before lists.
-  const double least = std::min(kLeastBar * em, room / static_cast<double>(out.size()));
-  const double bar = std::clamp((room - lists) / std::max(bars, 1.0), least, kBarHeight * em);
-  const double share = lists > 0 ? std::clamp((room - bars * bar) / lists, 0.0, 1.0) : 1;
-  for (LegendPart& part : out)
-    shorten(part, part.entries.empty() ? bar : share * heightOf(part, em), picture.projected, em);
-  double height = out.size() > 1 ? beside : 0, width = 0;
-  for (const LegendPart& part : out) {
-    height += part.entries.empty() ? part.bar.at.height() : heightOf(part, em);
-    width = std::max(width, widthOf(part, em));
-  }
-  // A single legend is in the middle without its title.
-  double top = (picture.view.size.height - height) / 2;
-  if (out.size() > 1) top = std::max(std::min(top, end - height), 0.0);
-  const int left = static_cast<int>(std::lround(picture.view.size.width - style.margin - width));
-  for (LegendPart& part : out) {
-    if (out.size() > 1 && !part.title.empty()) top += kTitle * em;
-    const int first = static_cast<int>(std::lround(top));
-    if (part.entries.empty()) {
-      const int tall = part.bar.at.height();
-      part.bar.at = {left, first, left + std::max(1, static_cast<int>(std::lround(kBarWidth * em))), first + tall};
-      top += tall;
-    } else {
-      const int square = static_cast<int>(std::lround(kSquare * em));
-      part.first_square = {left, first, left + square, first + square};
-      top += heightOf(part, em);
-    }
-    top += kBetween * em;
-  }
+  double height = out.size() > 1 ? heightBeside(out, em) : 0;
+  for (const LegendPart& part : out) height += heightOf(part, em);
+  // A single legend is placed without its title, which stands above.
+  const double first = room.y0 + (out.size() == 1 && !out.front().title.empty() ? kTitle * em : 0);
+  const double last = std::max(room.y1 - height, first);
+  const LegendPlace at = legendPlaceOf(picture);
+  const bool top = at == LegendPlace::kTopRight || at == LegendPlace::kTopLeft;
+  const bool bottom = at == LegendPlace::kBottomRight || at == LegendPlace::kBottomLeft;
+  const double middle = std::clamp((picture.view.size.height - height) / 2, first, last);
+  place(standsLeft(at) ? room.x0 : room.x1 - width, top ? first : bottom ? last : middle, em, out);
   return out;
 }
 

@@ -29,21 +29,27 @@ struct LegendEntry {
 
 /// A bar, or squares, in their place.
 struct LegendPart {
-  const ShownFunction* shown = nullptr;  // null: the entry counts parts that found no room
-  std::string title;                     // above; empty: none
-  std::vector<LegendEntry> entries;      // empty: a bar
-  ColorBar bar;
-  PixelRect first_square;  // square of the first entry
+  const ShownFunction* shown = nullptr;   // null: the entry counts parts that found no room
+  std::string title;                      // above; empty: none
+  std::vector<LegendEntry> entries = {};  // empty: a bar
+  ColorBar bar = {};
+  PixelRect first_square = {};       // square of the first entry
+  std::size_t rows = 0;              // entries of a column
+  std::vector<double> columns = {};  // of entries: where each begins, from the first. unit: pixels
+  double width = 0;                  // with all texts. unit: pixels
 };
 
 /// Returns the parts of the legend from top to bottom: of each function its bar, its surfaces, its labels, and regions
-/// that have colours of their own. Where the picture is low, bars are shorter and lists end earlier. requires: the
-/// picture outlives the result.
+/// that have colours of their own. Where room is short, bars are shorter, lists have several columns if these take at
+/// most kMostOfWidth of the picture's width, and then end earlier. requires: the picture outlives the result.
 std::vector<LegendPart> legendParts(const AnnotatedPicture& picture, const Style& style);
 
 /// Returns the visible surfaces, the greatest value first, the visible labels that the volume has, or the colours of
 /// regions; empty for other functions. A list longer than `most` ends in an entry that counts the rest.
 std::vector<LegendEntry> legendEntries(const ShownFunction& shown, std::size_t most);
-inline constexpr std::size_t kMostEntries = 14;
+/// Most entries of a list in any picture: their texts are measured.
+inline constexpr std::size_t kMostEntries = 500;
+/// Share of the picture's width beyond which a legend has no further column, and texts are cut.
+inline constexpr double kMostOfWidth = 0.3;
 
 }  // namespace kiln

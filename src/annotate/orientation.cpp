@@ -14,6 +14,7 @@
 
 #include "annotate/drawing.h"
 #include "annotate/font.h"
+#include "annotate/places.h"
 
 namespace kiln {
 namespace {
@@ -72,8 +73,8 @@ std::vector<Direction> directionsOf(const AnnotatedPicture& picture) {
 }
 
 glm::dvec2 middleOfDirections(const AnnotatedPicture& picture, const Style& style) {
-  const double reach = (kArmLength + kLetterGap + 0.5) * style.em;
-  return {style.margin + reach, picture.view.size.height - style.margin - reach};
+  const Room room = placeOfDirections(picture, style);
+  return {(room.x0 + room.x1) / 2, (room.y0 + room.y1) / 2};
 }
 
 std::vector<std::optional<glm::dvec2>> letterPlaces(const AnnotatedPicture& picture,

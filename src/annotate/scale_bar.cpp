@@ -1,16 +1,20 @@
 #include "annotate/scale_bar.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "annotate/font.h"
+#include "annotate/places.h"
 #include "annotate/round_numbers.h"
 #include "grid/length_unit.h"
 
 namespace kiln {
 namespace {
 
-constexpr double kMostOfWidth = 0.22;
+constexpr double kBarOfWidth = 0.22;
 
 }  // namespace
 
@@ -19,10 +23,12 @@ ScaleBar scaleBarOf(const AnnotatedPicture& picture) {
   const double px_per_length =
       view.projection == Projection::kPerspective ? view.focal_px / picture.target_depth : view.focal_px;
   ScaleBar out;
-  out.length = roundNumberBelow(kMostOfWidth * view.size.width / px_per_length);
+  const std::optional<double>& given = picture.annotations.scale_bar_length;
+  out.length = given.value_or(roundNumberBelow(kBarOfWidth * view.size.width / px_per_length));
   out.length_px = out.length * px_per_length;
   const std::string unit = shownUnit(picture.box.unit);
-  out.label = textOfNumber(out.length, out.length) + " " + (unit.empty() ? "units" : unit);
+  out.label = (given ? fmt::format("{:g}", out.length) : textOfNumber(out.length, out.length)) + " " +
+              (unit.empty() ? "units" : unit);
   return out;
 }
 
@@ -31,6 +37,7 @@ void addScaleBar(const AnnotatedPicture& picture, Drawing& drawing) {
   const ImageSize& size = picture.view.size;
   const ScaleBar bar = scaleBarOf(picture);
   const double right = size.width - style.margin, left = right - bar.length_px;
+  if (scaleBarRoom(picture, style).empty()) return;
   const double thickness = std::max(1.0, std::round(0.22 * style.em));
   const double bottom = std::round(size.height - style.margin);
   drawing.ink({rectangle({left, bottom - thickness}, {right, bottom})});

@@ -12,7 +12,8 @@ struct ScaleBar {
   double length_px = 1;  // at the camera's target
   std::string label;
 };
-/// Returns the longest bar of a round length that takes at most 22 % of the picture's width.
+/// Returns the bar of the length that the options give, else the longest bar of a round length that takes at most 22 %
+/// of the picture's width.
 ScaleBar scaleBarOf(const AnnotatedPicture& picture);
 
 }  // namespace kiln

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "job/job_names.h"
 #include "job/job_options.h"
 #include "scene/annotation_text.h"
 
@@ -43,6 +44,10 @@ const Options<Annotations>& annotationOptions() {
           {KILN_MEMBER(scale_bar), Switch{}, [](const Annotations& a) { return a.scale_bar; }},
           "Draw a bar of 1, 2 or 5 times a power of ten of the volume's unit of length; in perspective it is right at "
           "the depth of the camera's target."),
+      Row("scaleBarLength", "--scale-bar-length", kAnnotations,
+          {KILN_MEMBER(scale_bar_length), Number{{0, 1e12, true}, "world units"},
+           [](const Annotations& a) { return a.scale_bar_length.has_value(); }},
+          "Length of the scale bar; a bar that is longer than the picture is left out. Default: a round length."),
       Row("box", "--box", kAnnotations, {KILN_MEMBER(box), Switch{}, [](const Annotations& a) { return a.box; }},
           "Draw the outline of the volume's box after clipping; edges behind what is drawn are dashed and dim."),
       Row("legend", "--legend", kAnnotations,
@@ -52,6 +57,10 @@ const Options<Annotations>& annotationOptions() {
       Row("legendTitle", "--legend-title", kAnnotations,
           {KILN_MEMBER(legend_title), Text{"a text"}, [](const Annotations& a) { return !a.legend_title.empty(); }},
           "Title of the legend, such as the quantity and its unit."),
+      Row("legendPosition", "--legend-position", kAnnotations,
+          {KILN_MEMBER(legend_place), Word{kLegendPlaceNames},
+           [](const Annotations& a) { return a.legend_place.has_value(); }},
+          "Side or corner of the legend. Default: the right side; in a tall picture the upper right corner."),
       Row("axes", "--axes", kAnnotations, {KILN_MEMBER(axes), Switch{}, [](const Annotations& a) { return a.axes; }},
           "Draw the directions of the world: letters R, L, A, P, S and I of a patient, else arrows x, y and z."),
       Row("text", "--text", kAnnotations, textValue(),

@@ -23,6 +23,8 @@ inline constexpr std::array<std::string_view, 3> kFitNames = {"visible", "region
 inline constexpr std::array<std::string_view, 3> kQualityNames = {"draft", "good", "best"};
 inline constexpr std::array<std::string_view, 2> kPivotNames = {"eye", "target"};
 inline constexpr std::array<std::string_view, 3> kAovNames = {"depth", "normal", "value"};
+inline constexpr std::array<std::string_view, 6> kLegendPlaceNames = {"right",    "left",         "top-right",
+                                                                      "top-left", "bottom-right", "bottom-left"};
 inline constexpr std::array<std::string_view, 6> kContentNames = {"picture", "color", "depth",
                                                                   "normal",  "value", "deep"};
 inline constexpr std::array<std::string_view, 3> kStereoEyeNames = {"left", "right", "both"};

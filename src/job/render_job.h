@@ -24,13 +24,17 @@ namespace kiln {
 inline constexpr double kLeastAnnotationSize = 0.25, kMostAnnotationSize = 4;
 
 /// Annotations drawn over a finished picture (annotate/README.md).
+enum class LegendPlace { kRight, kLeft, kTopRight, kTopLeft, kBottomRight, kBottomLeft };
+
 struct Annotations {
   bool scale_bar = false;
   bool box = false;
   bool legend = false;
   bool axes = false;
-  std::string legend_title;         // above the legend
-  std::string text;                 // lines with placeholders (scene/annotation_text.h)
+  std::string legend_title;                 // above the legend
+  std::optional<LegendPlace> legend_place;  // absent: chosen by the shape of the picture
+  std::optional<double> scale_bar_length;   // unit: world; absent: a round length
+  std::string text;                         // lines with placeholders (scene/annotation_text.h)
   std::optional<glm::dvec3> color;  // color of text and lines, in linear light; absent: chosen by the background
   double size = 1;                  // height of text and width of lines, relative to the picture
 

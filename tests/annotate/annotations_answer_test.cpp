@@ -9,8 +9,10 @@
 #include <optional>
 
 #include "annotate/annotator.h"
+#include "annotate/font.h"
 #include "annotate/legend.h"
 #include "annotate/orientation.h"
+#include "annotate/places.h"
 #include "annotate/round_numbers.h"
 #include "annotate/scale_bar.h"
 #include "annotate/volume_outline.h"
@@ -438,18 +440,18 @@ TEST(Directions, LetterOfAnAxisTowardsTheEye_standsAside) {
 TEST(Legend, SurfacesAndLabels_areEntries) {
   TransferFunction surfaces;
   surfaces.surfaces = {{100, {1, 0, 0}, 1}, {200, {0, 1, 0}, 0}, {300.5, {0, 0, 1}, 0.5}};
-  const std::vector<LegendEntry> of_surfaces = legendEntries({"", surfaces, {}, {}}, kMostEntries);
+  const std::vector<LegendEntry> of_surfaces = legendEntries({"", surfaces, {}, {}}, 14);
   ASSERT_EQ(of_surfaces.size(), 2u);
   EXPECT_EQ(of_surfaces[0].text, "300.5");
   EXPECT_EQ(of_surfaces[1].color, glm::dvec3(1, 0, 0));
   TransferFunction labels;
   for (int i = 0; i < 40; ++i)
     labels.labels.push_back({double(i), i == 1 ? "liver" : "", glm::dvec3(0.5), i > 0 ? 1.0 : 0.0});
-  const std::vector<LegendEntry> of_labels = legendEntries({"", labels, {}, {}}, kMostEntries);
-  ASSERT_EQ(of_labels.size(), kMostEntries);
+  const std::vector<LegendEntry> of_labels = legendEntries({"", labels, {}, {}}, 14);
+  ASSERT_EQ(of_labels.size(), 14u);
   EXPECT_EQ(of_labels[0].text, "liver");
   EXPECT_EQ(of_labels[1].text, "2");
-  EXPECT_EQ(of_labels.back().text, "… 26 more");
+  EXPECT_EQ(of_labels.back().text, "+26 more");
   // Labels without voxels are left out.
   const std::vector<LegendEntry> there =
       legendEntries({"", labels, {}, std::vector<double>{0, 1, 7, 50}}, kMostEntries);
@@ -523,9 +525,152 @@ TEST_P(AnnotationsAt, LegendsOfManyVolumes_fit) {
     EXPECT_GT(at.y0, end);
     end = at.y0 + static_cast<int>(part.entries.empty()
                                        ? at.height()
-                                       : 1.5 * style.em * static_cast<double>(part.entries.size()) - 0.5 * style.em);
+                                       : 1.5 * style.em * static_cast<double>(part.rows) - 0.5 * style.em);
     EXPECT_LE(end, picture.pixels.y1);
   }
+}
+
+AnnotatedPicture labelledPicture(const ImageSize& size, int labels) {
+  AnnotatedPicture picture = pictureOf({Projection::kOrthographic, size});
+  picture.annotations.legend = true;
+  TransferFunction function;
+  for (int i = 1; i <= labels; ++i)
+    function.labels.push_back({double(i), "region " + std::to_string(i), glm::dvec3(0.5), 1});
+  picture.shown = {{"labels", function, {}, {}}};
+  return picture;
+}
+
+// Known by counting: entries are as many as there is room for, and the last one names the rest.
+TEST(Legend, OfLabels_usesHeightAndColumns) {
+  const auto partOfLabels = [](const ImageSize& size, int labels) {
+    const AnnotatedPicture picture = labelledPicture(size, labels);
+    return legendParts(picture, Style(picture)).at(0);
+  };
+  const LegendPart column = partOfLabels({1280, 720}, 20);
+  EXPECT_EQ(column.entries.size(), 20u);
+  EXPECT_EQ(column.columns.size(), 1u);
+  const LegendPart columns = partOfLabels({1280, 720}, 40);
+  EXPECT_EQ(columns.entries.size(), 40u);
+  EXPECT_EQ(columns.columns.size(), 2u);
+  EXPECT_EQ(columns.rows, 20u);
+  EXPECT_GT(columns.columns[1], columns.columns[0]);
+  EXPECT_LE(columns.width, kMostOfWidth * 1280);
+  for (const ImageSize& size : {ImageSize{480, 360}, {1280, 720}, {900, 1400}, {200, 150}}) {
+    const LegendPart many = partOfLabels(size, 150);
+    const std::size_t named = many.entries.size() - 1;
+    EXPECT_GE(named, size.width == 1280 ? 40u : 8u) << size.width;
+    EXPECT_EQ(many.entries.back().text, "+" + std::to_string(150 - named) + " more") << size.width;
+  }
+}
+
+std::vector<Room> roomsOf(const AnnotatedPicture& picture, const Style& style) {
+  std::vector<Room> out = {cornerText(picture, style).room, scaleBarRoom(picture, style),
+                           directionsRoom(picture, style)};
+  for (const LegendPart& part : legendParts(picture, style)) {
+    const PixelRect& first = part.entries.empty() ? part.bar.at : part.first_square;
+    const double height = part.entries.empty() ? part.bar.at.height() : 1.5 * static_cast<double>(part.rows) * style.em;
+    const double above = part.title.empty() ? 0 : 1.4 * style.em;
+    const double left = first.x0, top = first.y0;
+    out.push_back({left, top - above, left + part.width, top + height});
+  }
+  return out;
+}
+
+// Nothing lies over anything else, and all of it in the picture, whatever is drawn where and how large.
+TEST(Places, OfAnnotations_areApart) {
+  for (const ImageSize& size : {ImageSize{480, 360}, {200, 150}, {1280, 720}, {300, 900}, {360, 360}}) {
+    for (const double factor : {1.0, 2.0}) {
+      for (std::size_t place = 0; place <= 6; ++place) {
+        for (const bool labels : {false, true}) {
+          AnnotatedPicture picture = labelledPicture(size, 30);
+          if (!labels) picture.shown = {{"volume", functionOfTest(), {}, {}}};
+          Annotations& all = picture.annotations;
+          all.size = factor;
+          all.scale_bar = all.axes = true;
+          all.legend_title = "value";
+          all.text = "a volume, 512 × 512 × 245 voxels, and its subject\nframe 7";
+          if (place < 6) all.legend_place = static_cast<LegendPlace>(place);
+          const Style style(picture);
+          const std::vector<Room> rooms = roomsOf(picture, style);
+          const std::string where = std::to_string(size.width) + " " + std::to_string(factor) + " " +
+                                    std::to_string(place) + (labels ? " labels" : " bar");
+          for (std::size_t i = 0; i < rooms.size(); ++i) {
+            const Room& a = rooms[i];
+            EXPECT_GE(std::min(a.x0, a.y0), 0) << where << " " << i;
+            EXPECT_LE(a.x1, size.width) << where << " " << i;
+            EXPECT_LE(a.y1, size.height) << where << " " << i;
+            for (std::size_t j = 0; j < i; ++j) {
+              const Room& b = rooms[j];
+              EXPECT_TRUE(a.x0 >= b.x1 - 1 || b.x0 >= a.x1 - 1 || a.y0 >= b.y1 - 1 || b.y0 >= a.y1 - 1)
+                  << where << ": " << i << " over " << j;
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Places, OfTheLegend_areItsCorners) {
+  for (const ImageSize& size : {ImageSize{480, 360}, {300, 600}}) {
+    AnnotatedPicture picture = pictureOf({Projection::kOrthographic, size});
+    picture.annotations.legend = true;
+    const Style style(picture);
+    const auto barAt = [&](LegendPlace place) {
+      picture.annotations.legend_place = place;
+      return legendParts(picture, style).at(0).bar.at;
+    };
+    const double margin = style.margin;
+    for (const LegendPlace left : {LegendPlace::kLeft, LegendPlace::kTopLeft, LegendPlace::kBottomLeft})
+      EXPECT_NEAR(barAt(left).x0, margin, 1);
+    for (const LegendPlace top : {LegendPlace::kTopLeft, LegendPlace::kTopRight}) EXPECT_NEAR(barAt(top).y0, margin, 1);
+    for (const LegendPlace bottom : {LegendPlace::kBottomLeft, LegendPlace::kBottomRight})
+      EXPECT_NEAR(barAt(bottom).y1, size.height - margin, 1);
+    const PixelRect right = barAt(LegendPlace::kRight);
+    EXPECT_NEAR(right.y0 + right.y1, size.height, 1);
+    EXPECT_GT(right.x0, size.width / 2);
+    // Room that a fitted volume leaves in a tall picture.
+    picture.annotations.legend_place.reset();
+    EXPECT_EQ(legendParts(picture, style).at(0).bar.at,
+              barAt(size.height > size.width ? LegendPlace::kTopRight : LegendPlace::kRight));
+  }
+}
+
+TEST(Letters, AreLegibleOrAbsent) {
+  for (const double factor : {0.5, 1.0}) {
+    AnnotatedPicture picture = pictureOf({Projection::kOrthographic, {200, 150}});
+    picture.annotations.size = factor;
+    EXPECT_EQ(Style(picture).em, kLeastText);
+  }
+  AnnotatedPicture tiny = pictureOf({Projection::kOrthographic, {48, 40}});
+  tiny.annotations.text = "text";
+  tiny.annotations.scale_bar = tiny.annotations.axes = tiny.annotations.legend = true;
+  const Image image = drawn(tiny);
+  EXPECT_EQ(std::ranges::count(image.rgba, 0.0f), static_cast<std::ptrdiff_t>(image.rgba.size()));
+}
+
+TEST(Letters, TextsThatAreTooLong_areCut) {
+  EXPECT_EQ(cutToWidth("short", 10, 1000), "short");
+  const std::string text = "Grüße aus dem Bauch";
+  for (const double width : {20.0, 40.0, 70.0}) {
+    const std::string cut = cutToWidth(text, 10, width);
+    EXPECT_TRUE(cut.ends_with("…")) << cut;
+    EXPECT_TRUE(text.starts_with(cut.substr(0, cut.size() - std::string("…").size()))) << cut;
+    EXPECT_LE(lineOf(cut, 10).width, width);
+    EXPECT_GT(lineOf(cut, 10).width, width - 12);
+  }
+}
+
+TEST(ScaleBar, OfAGivenLength_hasThisLength) {
+  AnnotatedPicture picture = pictureOf({Projection::kOrthographic, {480, 360}});
+  picture.annotations.scale_bar = true;
+  picture.annotations.scale_bar_length = 12.5;
+  const ScaleBar bar = scaleBarOf(picture);
+  EXPECT_EQ(bar.label, "12.5 µm");
+  EXPECT_NEAR(bar.length_px, 12.5 * 360 / 110, 1e-9);  // the picture is 110 high
+  EXPECT_FALSE(scaleBarRoom(picture, Style(picture)).empty());
+  picture.annotations.scale_bar_length = 500;
+  EXPECT_TRUE(scaleBarRoom(picture, Style(picture)).empty());
 }
 
 TEST(RoundNumbers, TextsAndTicks) {

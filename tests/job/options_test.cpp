@@ -78,6 +78,8 @@ const Pair kPairs[] = {
     {"--aperture-eyes", {"20"}, R"("lens": {"eyes": 20})"},
     {"--eye", {"1,-2,3e2"}, R"("camera": {"eye": [1, -2, 300]})"},
     {"--view", {"left"}, R"("camera": {"view": "left"})"},
+    {"--legend-position", {"bottom-left"}, R"("annotations": {"legendPosition": "bottom-left"})"},
+    {"--scale-bar-length", {"12.5"}, R"("annotations": {"scaleBarLength": 12.5})"},
     {"--fit", {"box"}, R"("camera": {"fit": "box"})"},
     {"--pan", {"0.25,-0.5"}, R"("camera": {"pan": [0.25, -0.5]})"},
     {"--turntable", {"36"}, R"("camera": {"turntable": {"frames": 36}})"},

@@ -32,6 +32,7 @@ bool hasLight(const RenderJob& job) {
 bool attenuates(const RenderJob& job) { return job.picture.mode == Mode::kAttenuatedMip; }
 bool hasLens(const RenderJob& job) { return job.picture.lens.aperture > 0; }
 bool hasLegend(const RenderJob& job) { return job.picture.annotations.legend; }
+bool hasScaleBar(const RenderJob& job) { return job.picture.annotations.scale_bar; }
 bool hasAnnotations(const RenderJob& job) { return job.picture.annotations.any(); }
 bool approximates(const RenderJob& job) { return job.speed.visibility.method == VisibilityMethod::kQuadtree; }
 
@@ -48,6 +49,7 @@ constexpr Need kNeedsPhong = {hasLight, "--shading phong (found none)"};
 constexpr Need kNeedsAttenuation = {attenuates, "--mode attenuated-mip (found another mode)"};
 constexpr Need kNeedsLens = {hasLens, "depth of field (found no --aperture)"};
 constexpr Need kNeedsLegend = {hasLegend, "a legend (found no --legend)"};
+constexpr Need kNeedsScaleBar = {hasScaleBar, "a scale bar (found no --scale-bar)"};
 constexpr Need kNeedsAnnotations = {hasAnnotations, "annotations (none is drawn)"};
 constexpr Need kNeedsQuadtree = {approximates, "--visibility quadtree (found another method)"};
 constexpr Need kNeedsNothing = {[](const RenderJob&) { return true; }, ""};
@@ -75,6 +77,8 @@ constexpr IdleRow kIdleRows[] = {
     {"--attenuation", kNeedsAttenuation},
     {"--aperture-eyes", kNeedsLens},
     {"--legend-title", kNeedsLegend},
+    {"--legend-position", kNeedsLegend},
+    {"--scale-bar-length", kNeedsScaleBar},
     {"--annotation-color", kNeedsAnnotations},
     {"--annotation-size", kNeedsAnnotations},
     {"--quadtree-epsilon", kNeedsQuadtree},

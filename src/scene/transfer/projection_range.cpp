@@ -20,7 +20,7 @@ constexpr double kNoise = 2;
 constexpr double kBelowDeviation = 0.16;  // share of a normal distribution below one standard deviation
 
 // Returns the value below which `voxels` of the voxels from bin `first` on lie; linear within a bin.
-double quantile(const ValueBins& bins, double voxels, std::size_t first = 0) {
+double valueAbove(const ValueBins& bins, double voxels, std::size_t first = 0) {
   for (std::size_t bin = first; bin < bins.size(); ++bin) {
     const double count = bins.count(bin);
     if (count > 0 && voxels <= count)
@@ -49,8 +49,8 @@ struct EmptySpace {
 
 EmptySpace emptySpaceOf(const ValueBins& bins, double surface) {
   const double empty = bins.count(0, firstBinFrom(bins, surface));
-  const double middle = quantile(bins, 0.5 * empty);
-  return {middle, middle - quantile(bins, kBelowDeviation * empty)};
+  const double middle = valueAbove(bins, 0.5 * empty);
+  return {middle, middle - valueAbove(bins, kBelowDeviation * empty)};
 }
 
 // From above the noise of empty space to the value that few pixels exceed.
@@ -58,14 +58,14 @@ ValueRange ofMaxima(const ValueBins& bins, double surface, const Manifest& manif
   const EmptySpace empty = emptySpaceOf(bins, surface);
   const double bright = std::min(kPixelsBeyond * kDepthOfBright / longestEdge(manifest), kBeyond);
   return {std::min(surface, empty.middle + kNoise * empty.deviation),
-          quantile(bins, (1 - bright) * bins.count(0, bins.size()))};
+          valueAbove(bins, (1 - bright) * bins.count(0, bins.size()))};
 }
 
 // To the middle of the object's values: a ray that meets only brighter values is rare.
 ValueRange ofMinima(const ValueBins& bins, double surface) {
   const double all = bins.count(0, bins.size());
   const std::size_t first = firstBinFrom(bins, surface);
-  return {quantile(bins, kBeyond * all), quantile(bins, 0.5 * bins.count(first, bins.size()), first)};
+  return {valueAbove(bins, kBeyond * all), valueAbove(bins, 0.5 * bins.count(first, bins.size()), first)};
 }
 
 // From the mean of empty space to the mean along a ray through the middle of concentric bodies: the body of all values
