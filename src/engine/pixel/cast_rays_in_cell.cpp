@@ -119,15 +119,18 @@ class CellCaster {
   // Table positions and opacities of points on cut faces.
   void classifyFaces() {
     const float opacity = context_.look().faces->opacity();
+    const D d;
     if (in_.labels != nullptr) {
-      for (std::size_t n = 0; n < kept_; ++n) {
-        const std::int32_t rank = nearestOf(in_.labels, n);
-        s_.entry[n] = SampleTable::placeOf(std::max(rank, 0), 1);
-        s_.opacity[n] = rank >= 0 ? opacity : 0;
+      // As in the solid behind the face: the label with the largest share, opaque where labels have half of all.
+      field_.interpolate(kept_);
+      for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
+        const V place = field_.values(n), twice = hn::Set(d, 2.0f);
+        const V before = hn::Mul(twice, hn::Floor(hn::Mul(hn::Set(d, 0.5f), place)));
+        hn::StoreU(hn::Add(before, hn::Set(d, 1.0f)), d, s_.entry + n);
+        hn::StoreU(hn::Mul(hn::Sub(place, before), hn::Set(d, opacity)), d, s_.opacity + n);
       }
       return;
     }
-    const D d;
     const SampleTable* const colors = context_.look().faces->colors();
     field_.interpolate(kept_);
     for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {

@@ -239,13 +239,8 @@ Classified faceAt(const Scene& scene, const Ray& ray, const Segment& segment) {
   const glm::dvec3 world = ray.origin + segment.begin * ray.direction;
   const auto index = glm::dvec3(scene.index_from_world * glm::dvec4(world, 1));
   if (section->color_map.empty()) {
-    const auto at = [&](int axis) {
-      return std::clamp(static_cast<std::int64_t>(std::floor(index[axis] + 0.5)), std::int64_t{0},
-                        scene.dims[axis] - 1);
-    };
-    const Classified look =
-        scene.labels ? scene.transfer_function.at(scene.field.voxel(at(0), at(1), at(2))) : scene.at(index).look;
-    return {look.color, look.opacity > 0 ? section->opacity : 0};
+    const ReferenceLabels::There there = scene.at(index);
+    return {there.look.color, there.look.opacity > 0 ? there.solid * section->opacity : 0};
   }
   const double value = scene.field.at(index);
   if (std::isnan(value)) return {glm::dvec3(0), 0};
