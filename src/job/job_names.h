@@ -9,7 +9,10 @@
 namespace kiln {
 
 inline constexpr std::array<std::string_view, 3> kProjectionNames = {"perspective", "orthographic", "equirectangular"};
-inline constexpr std::array<std::string_view, 6> kSideNames = {"front", "back", "left", "right", "top", "bottom"};
+inline constexpr std::size_t kSides = 6;
+/// Behind the sides, anatomical names of the first four; left and right are anatomical themselves.
+inline constexpr std::array<std::string_view, 10> kSideNames = {
+    "front", "back", "top", "bottom", "left", "right", "anterior", "posterior", "superior", "inferior"};
 inline constexpr std::array<std::string_view, 5> kVisibilityNames = {"none", "mask", "range-tree", "quadtree",
                                                                      "overlay"};
 inline constexpr std::array<std::string_view, 2> kShadingNames = {"none", "phong"};
@@ -20,11 +23,11 @@ inline constexpr std::array<std::string_view, 3> kEaseNames = {"smooth", "linear
 inline constexpr std::array<std::string_view, 2> kToneNames = {"clip", "soft"};
 inline constexpr std::array<std::string_view, 2> kLookNames = {"plain", "studio"};
 inline constexpr std::array<std::string_view, 3> kFitNames = {"visible", "region", "box"};
+inline constexpr std::array<std::string_view, 6> kLegendPlaceNames = {"right",    "left",         "top-right",
+                                                                      "top-left", "bottom-right", "bottom-left"};
 inline constexpr std::array<std::string_view, 3> kQualityNames = {"draft", "good", "best"};
 inline constexpr std::array<std::string_view, 2> kPivotNames = {"eye", "target"};
 inline constexpr std::array<std::string_view, 3> kAovNames = {"depth", "normal", "value"};
-inline constexpr std::array<std::string_view, 6> kLegendPlaceNames = {"right",    "left",         "top-right",
-                                                                      "top-left", "bottom-right", "bottom-left"};
 inline constexpr std::array<std::string_view, 6> kContentNames = {"picture", "color", "depth",
                                                                   "normal",  "value", "deep"};
 inline constexpr std::array<std::string_view, 3> kStereoEyeNames = {"left", "right", "both"};

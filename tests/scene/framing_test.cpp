@@ -105,6 +105,52 @@ TEST(Framing, Pan_movesThePicture) {
   }
 }
 
+// VTK's sense: the camera turns clockwise, so what was above the middle is then to its left.
+TEST(Framing, Roll_turnsThePictureTheOtherWay) {
+  const VolumeGeometry volume = boxOfSize(30, 40, 50);
+  const ImageSize size{200, 100};
+  for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+    CameraSpec spec;
+    spec.projection = projection;
+    spec.side = Side::kFront;
+    spec.roll_deg = 90;
+    const Camera camera = spec.resolve(volume, size);
+    const glm::dvec2 above = pixelOf(camera, size, centreOf(volume) + glm::dvec3(0, 0, 5));
+    EXPECT_LT(above.x, 90);
+    EXPECT_NEAR(above.y, 50, 1e-9);
+    EXPECT_LE(reach(volume, camera, size), 1) << "the fit is that of the rolled picture";
+    EXPECT_GE(reach(volume, camera, size), 0.95);
+    spec.eye = camera.eye, spec.side.reset();
+    EXPECT_LT(glm::distance(spec.resolve(volume, size).up, camera.up), 1e-12);
+  }
+}
+
+// A rolled turntable shows the same turn: the axis is the volume's, not the picture's.
+TEST(Framing, Roll_leavesTheAxisOfATurntable) {
+  const VolumeGeometry volume = boxOfSize(30, 40, 50);
+  CameraSpec still;
+  still.side = Side::kFront;
+  CameraSpec rolled_still = still;
+  rolled_still.roll_deg = 90;
+  const Turntable turn{4, 360, std::nullopt};
+  const auto towardsEye = [&](const CameraSpec& spec) {
+    const Camera camera = cameraAt(turn, spec, 2, volume, {100, 100});
+    return glm::normalize(camera.eye - camera.target);
+  };
+  EXPECT_LT(glm::distance(towardsEye(still), towardsEye(rolled_still)), 1e-12);
+}
+
+// An up direction of the user's own turns the picture that is fitted.
+TEST(Framing, UpOfTheUser_isFitted) {
+  const VolumeGeometry volume = boxOfSize(10, 10, 100);
+  CameraSpec spec;
+  spec.side = Side::kFront;
+  spec.up = glm::dvec3(1, 0, 0);
+  const ImageSize size{200, 100};
+  EXPECT_LE(reach(volume, spec.resolve(volume, size), size), 1);
+  EXPECT_GE(reach(volume, spec.resolve(volume, size), size), 0.95);
+}
+
 // The first frame of a turn of a flat box is narrow; the widest frame decides.
 TEST(Framing, Turntable_fitsAllFramesOfAVisibleBox) {
   const VolumeGeometry volume = boxOfSize(10, 100, 20);

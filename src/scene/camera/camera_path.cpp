@@ -30,6 +30,7 @@ CameraSpec overlaid(CameraSpec spec, const CameraSpec& key) {
   take(spec.elevation_deg, key.elevation_deg);
   take(spec.zoom, key.zoom);
   take(spec.pan, key.pan);
+  take(spec.roll_deg, key.roll_deg);
   return spec;
 }
 
@@ -60,11 +61,12 @@ std::vector<glm::dmat3> turnsOf(const Turntable& turntable, const glm::dvec3& ax
 
 Camera turnedAt(const Turntable& turntable, const CameraSpec& still, double frame, const FramedBox& box,
                 const ImageSize& size) {
-  // The picture is moved after the turn: the axis goes through the volume's centre.
-  CameraSpec unmoved = still;
-  unmoved.pan.reset();
+  // The picture is moved after the turn: the axis goes through the volume's centre. A rolled picture shows the same
+  // turn.
+  CameraSpec unmoved = still, upright = still;
+  unmoved.pan.reset(), upright.pan.reset(), upright.roll_deg.reset();
   Camera camera = unmoved.resolve(box, size);
-  const glm::dvec3 axis = turntable.axis.value_or(camera.up);
+  const glm::dvec3 axis = turntable.axis.value_or(upright.resolve(box, size).up);
   if (box.fit != Fit::kBox && still.framed()) camera = unmoved.resolve(box, size, turnsOf(turntable, axis));
   camera = turned(camera, axis, angleAt(turntable, frame));
   return still.pan ? panned(camera, *still.pan, size) : camera;

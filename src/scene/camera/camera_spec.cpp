@@ -44,6 +44,7 @@ Camera fromEye(const CameraSpec& spec, const FramedBox& box, const ImageSize& si
   camera.up = spec.up.value_or(axes.superior);
   const glm::dvec3 along = camera.target - camera.eye;
   if (!spec.up && glm::length(glm::cross(along, camera.up)) <= 1e-6 * glm::length(along)) camera.up = axes.anterior;
+  camera = rolled(camera, spec.roll_deg.value_or(0));
   if (camera.projection == Projection::kOrthographic) {
     camera.height = spec.height ? *spec.height : fittingHeight(box, camera, size);
   }
@@ -56,6 +57,8 @@ Camera fromFraming(const CameraSpec& spec, const FramedBox& box, const ImageSize
   framing.side = spec.side.value_or(framing.side);
   framing.azimuth_deg = spec.azimuth_deg.value_or(framing.azimuth_deg);
   framing.elevation_deg = spec.elevation_deg.value_or(framing.elevation_deg);
+  framing.up = spec.up;
+  framing.roll_deg = spec.roll_deg.value_or(framing.roll_deg);
   framing.zoom = spec.zoom.value_or(framing.zoom);
   framing.projection = spec.projection.value_or(framing.projection);
   framing.fov_deg = spec.fov_deg.value_or(framing.fov_deg);
@@ -70,12 +73,14 @@ Camera fromFraming(const CameraSpec& spec, const FramedBox& box, const ImageSize
     camera.target += ahead;
   }
   if (spec.target && panorama) {
+    const glm::dvec3 upright = rolled(camera, -framing.roll_deg).up;
     camera.target = *spec.target;
+    camera.up = upright;
+    camera = rolled(camera, framing.roll_deg);
   } else if (spec.target) {
     camera.eye += *spec.target - camera.target;
     camera.target = *spec.target;
   }
-  camera.up = spec.up.value_or(camera.up);
   if (camera.projection == Projection::kOrthographic) camera.height = spec.height.value_or(camera.height);
   return camera;
 }

@@ -24,7 +24,8 @@ struct CameraSpec {
   std::optional<double> fov_deg, height;
   std::optional<Side> side;
   std::optional<double> azimuth_deg, elevation_deg, zoom;
-  std::optional<glm::dvec2> pan;  // of the picture, right and up. unit: widths and heights of the picture
+  std::optional<double> roll_deg;  // about the line of sight, from the direction `up`
+  std::optional<glm::dvec2> pan;   // of the picture, right and up. unit: widths and heights of the picture
 
   /// Returns whether the camera fits the volume into the picture: it has no eye.
   bool framed() const { return !eye; }

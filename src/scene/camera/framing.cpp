@@ -8,7 +8,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/gtc/constants.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 #include <limits>
@@ -89,6 +89,7 @@ double fittingDistance(const FramedBox& box, const Camera& camera, const ImageSi
 void requireLegal(const Framing& framing) {
   const auto refuse = [](const char* sentence) { throw Error(ErrorCode::kUsage, sentence); };
   if (!(framing.zoom > 0) || !std::isfinite(framing.zoom)) refuse("camera: zoom must be a number above 0");
+  if (!std::isfinite(framing.roll_deg)) refuse("camera: roll must be a finite number of degrees");
   if (!std::isfinite(framing.azimuth_deg)) refuse("camera: azimuth must be a finite number of degrees");
   if (!(std::abs(framing.elevation_deg) <= 90)) refuse("camera: elevation must be from -90 to 90 degrees");
   if (!(framing.fov_deg > 0 && framing.fov_deg < 180)) {
@@ -160,6 +161,14 @@ double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize
   return 2 * half * box.margin();
 }
 
+Camera rolled(const Camera& camera, double degrees) {
+  if (degrees == 0) return camera;
+  const glm::dquat turn = glm::angleAxis(glm::radians(degrees), glm::normalize(camera.target - camera.eye));
+  Camera out = camera;
+  out.up = turn * camera.up;
+  return out;
+}
+
 Camera panned(const Camera& camera, const glm::dvec2& pan, const ImageSize& size) {
   const bool parallel = camera.projection == Projection::kOrthographic;
   const double height =
@@ -186,9 +195,10 @@ Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize
   camera.projection = framing.projection;
   camera.fov_deg = framing.fov_deg;
   camera.target = centre;
-  camera.up = seen.up;
+  camera.up = framing.up.value_or(seen.up);
   // A parallel view is equal from everywhere along its axis; two radii keep the whole box in front of the eye.
   camera.eye = centre + 2 * radius * seen.towards_eye;
+  camera = rolled(camera, framing.roll_deg);
   if (framing.projection == Projection::kOrthographic) {
     camera.height = fittingHeight(box, camera, size, turns) / framing.zoom;
     return camera;

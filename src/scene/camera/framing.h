@@ -13,7 +13,7 @@
 
 namespace kiln {
 
-enum class Side { kFront, kBack, kLeft, kRight, kTop, kBottom };
+enum class Side { kFront, kBack, kTop, kBottom, kLeft, kRight };
 
 /// Box that a framing fits into the picture.
 /// - kVisible: the box of what the transfer functions show after clipping.
@@ -40,6 +40,9 @@ struct Framing {
   /// Turns the eye about the up axis (positive: to the patient's left, seen from the front), then raises it. unit:
   /// degrees; elevation from -90 to 90.
   double azimuth_deg = 0, elevation_deg = 0;
+  std::optional<glm::dvec3> up;  // default: the side's
+  /// Turns the camera about its line of sight, clockwise as the camera sees. unit: degrees.
+  double roll_deg = 0;
   /// 1 fits the volume's box into the image with a small margin; 2 is twice as large.
   double zoom = 1;
   Projection projection = Projection::kPerspective;
@@ -63,6 +66,9 @@ Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize
 /// Returns the orthographic height at which the image of `camera` (eye, target and up) contains the box, with the
 /// margin of `frameVolume`. unit: world.
 double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns = {});
+
+/// Turns the camera about its line of sight, clockwise as the camera sees: the picture turns the other way.
+Camera rolled(const Camera& camera, double degrees);
 
 /// Moves the camera so that what is in the picture moves by `pan.x` widths of the picture to the right and `pan.y`
 /// heights up, at the depth of the target. requires: no equirectangular camera.

@@ -4,7 +4,7 @@
 // several volumes has them in `volumes`.
 
 // Keys that another side of the volume replaces. The projection and the fitted box stay.
-const kPlaceKeys = ['view', 'azimuth', 'elevation', 'zoom', 'pan', 'eye', 'target', 'up', 'fov', 'height'];
+const kPlaceKeys = ['view', 'azimuth', 'elevation', 'roll', 'zoom', 'pan', 'eye', 'target', 'up', 'fov', 'height'];
 const kMotionKeys = ['turntable', 'keyframes', 'matrices', 'pivot'];
 
 /** Returns the object without the keys whose value is undefined. */
