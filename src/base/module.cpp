@@ -5,19 +5,33 @@
 #include <link.h>
 
 #include <cstddef>
+#include <new>
+#include <string>
 #include <system_error>
 #include <vector>
 
 #include "base/error.h"
 
 namespace kiln {
+namespace {
+
+// The loader has no code for a system that refuses memory, only texts: glibc's "failed to map segment from shared
+// object", and "Cannot allocate memory" behind others.
+bool saysNoMemory(std::string_view text) {
+  return text.find("map segment") != std::string_view::npos || text.find("allocate") != std::string_view::npos;
+}
+
+}  // namespace
 
 void* functionOfModule(const char* module, const char* function, std::string_view so_that) {
   // Never closed: the module registers exit handlers.
   void* const opened = ::dlopen(module, RTLD_NOW | RTLD_LOCAL);
-  if (opened == nullptr)
+  if (opened == nullptr) {
+    const std::string said = ::dlerror();
+    if (saysNoMemory(said)) throw std::bad_alloc();
     throw Error(ErrorCode::kUnsupported, module, "",
-                fmt::format("cannot be loaded, so that {} ({}); install Kiln with its modules", so_that, ::dlerror()));
+                fmt::format("cannot be loaded, so that {} ({}); install Kiln with its modules", so_that, said));
+  }
   void* const found = ::dlsym(opened, function);
   if (found == nullptr)
     throw Error(ErrorCode::kUnsupported, module, "", "belongs to another version of Kiln; reinstall Kiln");
