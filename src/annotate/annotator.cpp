@@ -33,8 +33,10 @@ std::vector<Shape> shapesOf(const AnnotatedPicture& picture) {
 
 }  // namespace
 
-Annotator::Annotator(const AnnotatedPicture& picture) : pixels_(picture.pixels) {
-  for (Shape& shape : shapesOf(picture)) {
+Annotator::Annotator(const AnnotatedPicture& picture) : Annotator(shapesOf(picture), picture.pixels) {}
+
+Annotator::Annotator(std::vector<Shape> shapes, const PixelRect& pixels) : pixels_(pixels) {
+  for (Shape& shape : shapes) {
     Coverage coverage(shape.outline);
     shape.outline.clear();
     if (coverage.firstRow() < coverage.endRow()) layers_.push_back({std::move(shape), std::move(coverage)});

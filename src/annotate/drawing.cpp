@@ -29,6 +29,13 @@ double lightnessOf(const Background& background) {
   return sum / 2;
 }
 
+int shorterSide(const AnnotatedPicture& picture) { return std::min(picture.view.size.width, picture.view.size.height); }
+
+glm::dvec3 inkOf(const AnnotatedPicture& picture) {
+  const bool light = lightnessOf(picture.background) > kMiddleGrey;
+  return picture.annotations.color.value_or(glm::dvec3(light ? kDarkInk : kLightInk));
+}
+
 }  // namespace
 
 double lightness(const glm::dvec3& color) { return glm::dot(color, glm::dvec3(0.2126, 0.7152, 0.0722)); }
@@ -41,18 +48,18 @@ bool DepthTest::shows(const glm::dvec2& pixel, float depth) const {
   return (at > static_cast<double>(depth) + slack) == shows_hidden;
 }
 
-Style::Style(const AnnotatedPicture& picture) {
-  const ImageSize& size = picture.view.size;
-  const int side = std::min(size.width, size.height);
-  em = std::max(picture.annotations.size * side / kTextsOfSide, kLeastText);
-  legible = side >= kLeastLines * kLeastText;
-  margin = 1.2 * em;
-  line = 0.09 * em;
-  halo = 0.11 * em;
-  const bool light = lightnessOf(picture.background) > kMiddleGrey;
-  ink = picture.annotations.color.value_or(glm::dvec3(light ? kDarkInk : kLightInk));
-  rim = glm::dvec3(lightness(ink) > kMiddleGrey ? 0 : 1);
+Style::Style(const AnnotatedPicture& picture)
+    : Style(std::max(picture.annotations.size * shorterSide(picture) / kTextsOfSide, kLeastText), inkOf(picture)) {
+  legible = shorterSide(picture) >= kLeastLines * kLeastText;
 }
+
+Style::Style(double font_size, const glm::dvec3& color)
+    : em(font_size),
+      margin(1.2 * em),
+      line(0.09 * em),
+      halo(0.11 * em),
+      ink(color),
+      rim(lightness(color) > kMiddleGrey ? 0 : 1) {}
 
 void Drawing::ink(const Outline& outline, double opacity) { fill(outline, style_.ink, opacity); }
 

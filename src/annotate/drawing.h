@@ -52,12 +52,13 @@ struct Shape {
 /// Sizes in pixels. All grow with the shorter side of the picture.
 struct Style {
   explicit Style(const AnnotatedPicture& picture);
-  double em;      // size of the font, at least kLeastText
+  Style(double font_size, const glm::dvec3& color);
+  double em;      // size of the font; of annotations at least kLeastText
   double margin;  // between annotations and the border of the picture
   double line;    // width of a thin line
   double halo;    // width of the rim around letters and lines
   glm::dvec3 ink, rim;
-  bool legible;  // false: the picture is too small for letters
+  bool legible = true;  // false: the picture is too small for letters
 };
 
 /// Least size of the font: small letters are then five pixels high, and stay apart. unit: pixels.

@@ -25,6 +25,8 @@ class Font {
   virtual double kerning(char32_t left, char32_t right) const = 0;
 };
 
+/// Returns false for a program that was built without a font.
+bool hasFont();
 /// Returns the font. throws: Error kUnsupported without the module. thread: safe.
 const Font& font();
 

@@ -4,6 +4,14 @@
 
 namespace kiln {
 
+bool hasFont() {
+#ifdef KILN_FONT_MODULE
+  return true;
+#else
+  return false;
+#endif
+}
+
 const Font& font() {
 #ifdef KILN_FONT_MODULE
   using Make = const Font* (*)();

@@ -47,10 +47,11 @@ std::vector<glm::dvec3> cornersBetween(const VolumeGeometry& level, const glm::d
   return out;
 }
 
-glm::dvec3 downOf(const glm::dvec3& normal) {
+// Down along the picture: to the feet, or to the back where the normal runs to head or feet.
+glm::dvec3 downOf(const glm::dvec3& normal, PatientFrame frame) {
   const glm::dvec3 z(0, 0, 1);
   const bool along_z = glm::length(glm::cross(normal, z)) < kAlongZ;
-  const glm::dvec3 down = along_z ? glm::dvec3(0, 1, 0) : -z;
+  const glm::dvec3 down = along_z ? glm::dvec3(0, frame == PatientFrame::kRas ? -1 : 1, 0) : -z;
   return glm::normalize(down - glm::dot(down, normal) * normal);
 }
 
@@ -178,7 +179,7 @@ PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& 
   PlanePixels out{};
   const double voxel = level.shortestEdge();
   out.edge = request.pixel.value_or(voxel);
-  const glm::dvec3 down = downOf(normal), right = glm::cross(down, normal);
+  const glm::dvec3 down = downOf(normal, level.frame), right = glm::cross(down, normal);
   ValueRange across, below;
   for (const glm::dvec3& corner : outline) {
     across.include(glm::dot(corner - on, right));

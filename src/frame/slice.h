@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/progress.h"
+#include "grid/slice_view.h"
 #include "image/image.h"
 #include "job/transfer_function_choice.h"
 #include "scene/transfer/transfer_function.h"
@@ -30,6 +32,10 @@ struct SliceRequest {
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
 };
 
+/// Returns the axis of voxels across the slices that `name` asks for: x, y or z, or the axis nearest to the patient's
+/// for axial, coronal or sagittal. throws: Error kUsage naming --axis.
+int sliceAxis(const VolumeGeometry& volume, std::string_view name);
+
 /// Returns the size of a slice along `axis` on a level. shape: columns and rows. unit: pixels.
 std::pair<std::int64_t, std::int64_t> sliceSize(const VolumeGeometry& level, int axis);
 
@@ -37,9 +43,9 @@ std::pair<std::int64_t, std::int64_t> sliceSize(const VolumeGeometry& level, int
 void requireSliceFits(const BrickedVolume& store, std::int64_t width, std::int64_t height, std::uint64_t pixel_bytes,
                       std::uint64_t memory_bytes);
 
-/// Draws a slice. A pixel is as wide as the smaller of the two spacings, so the picture has the world's proportions. A
-/// slice along z has y down, other slices have z up. NaN, and a label without opacity or style, is transparent. memory:
-/// 16 bytes a pixel and one brick. throws: Error kUsage (axis, level, index, window, colour map), kBudget; as
+/// Draws a slice with the sides of its SliceView. A pixel is as wide as the smaller of the two spacings, so the picture
+/// has the world's proportions. NaN, and a label without opacity or style, is transparent. memory: 16 bytes a pixel and
+/// one brick. throws: Error kUsage (axis, level, index, window, colour map), kBudget; as
 /// BrickedVolume::read.
 Image renderSlice(const BrickedVolume& store, const SliceRequest& request, Progress& progress);
 

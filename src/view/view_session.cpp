@@ -448,8 +448,8 @@ void ViewSession::slice(const RequestBody& body, ViewClient& client) {
       kSlicePatience);
   const auto [width, height] = sliceSize(level, request.axis);
   const glm::dvec3 spacing = level.spacing();
-  const int right = request.axis == 0 ? 1 : 0, down = request.axis == 2 ? 1 : 2;
-  const double edge = std::min(spacing[right], spacing[down]);
+  const SliceView view = sliceViewAcross(level, request.axis);
+  const double edge = std::min(spacing[view.right.index], spacing[view.down.index]);
   sendRecord(client,
              {{"kind", "slice"},
               {"axis", axis},

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "grid/point_bounds.h"
+#include "grid/slice_view.h"
 #include "image/named_color.h"
 #include "scene/transfer/label_styles.h"
 
@@ -52,6 +53,25 @@ ordered_json labelsOfVolume(const Manifest& manifest) {
   return out;
 }
 
+// The views of slices, by which the page turns places in a slice's picture to voxels.
+ordered_json viewsOf(const VolumeGeometry& geometry) {
+  ordered_json out = ordered_json::array();
+  for (const SliceView& view : sliceViews(geometry)) {
+    ordered_json letters = ordered_json::array();
+    for (const char letter : {view.letters.left, view.letters.right, view.letters.top, view.letters.bottom}) {
+      if (letter != 0) letters.push_back(std::string(1, letter));
+    }
+    out.push_back({{"plane", view.plane},
+                   {"axis", view.across.index},
+                   {"column", view.right.index},
+                   {"leftwards", view.right.mirrored},
+                   {"row", view.down.index},
+                   {"upwards", view.from_bottom != view.down.mirrored},
+                   {"letters", letters}});
+  }
+  return out;
+}
+
 ordered_json factsOf(const BrickedVolume& volume) {
   const Manifest& manifest = volume.manifest();
   const VolumeGeometry& geometry = manifest.geometry();
@@ -66,6 +86,7 @@ ordered_json factsOf(const BrickedVolume& volume) {
           {"unit", geometry.unit},
           {"affine", rows},
           {"frame", wordOf(geometry.frame)},
+          {"slices", viewsOf(geometry)},
           {"range", range.empty() ? ordered_json{0, 0} : ordered_json{range.lo, range.hi}},
           {"levels", manifest.levels.size()},
           {"classes", manifest.volume_class == VolumeClass::kLabels ? "labels" : "values"},

@@ -11,7 +11,8 @@ namespace kiln {
 /// Returns [x, y, z].
 nlohmann::ordered_json vectorJson(const glm::dvec3& v);
 
-/// Returns name, size, type, spacing, unit, affine, range, levels, histogram and labels of each volume.
+/// Returns name, size, type, spacing, unit, affine, views of slices, range, levels, histogram and labels of each
+/// volume.
 nlohmann::ordered_json volumeFacts(const OpenedVolumes& volumes);
 
 /// Returns the box of the world around all volumes: {"min", "max"}.

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "annotate/annotator.h"
+#include "annotate/edge_letters.h"
 #include "annotate/font.h"
 #include "annotate/legend.h"
 #include "annotate/orientation.h"
@@ -435,6 +436,71 @@ TEST(Directions, LetterOfAnAxisTowardsTheEye_standsAside) {
   }
   EXPECT_GT(nearest, 0.5 * style.em);
   EXPECT_LT(nearest, 1.2 * style.em);
+}
+
+// The pixels with more ink than a third: the least and the greatest column and row. A stem may lie between pixels.
+PixelRect inkIn(const Image& image, const PixelRect& part) {
+  PixelRect out{part.x1, part.y1, part.x0, part.y0};
+  for (int y = part.y0; y < part.y1; ++y) {
+    for (int x = part.x0; x < part.x1; ++x) {
+      if (image.pixel(x, y)[0] < 0.34f) continue;
+      out = {std::min(out.x0, x), std::min(out.y0, y), std::max(out.x1, x + 1), std::max(out.y1, y + 1)};
+    }
+  }
+  return out;
+}
+
+// Known: I is narrower than all other letters.
+TEST(EdgeLetters, StandAtTheMiddlesOfTheEdges) {
+  for (const auto& [width, height] : {std::pair{320, 200}, {64, 90}, {kLeastLetteredSide, 400}}) {
+    SCOPED_TRACE(width);
+    Image image(width, height);
+    drawEdgeLetters({'I', 'L', 'A', 'P'}, image);
+    const int room = edgeLetterRoom({width, height});
+    ASSERT_GT(room, 0);
+    const PixelRect left = inkIn(image, {0, room, room, height - room});
+    const PixelRect right = inkIn(image, {width - room, room, width, height - room});
+    const PixelRect top = inkIn(image, {room, 0, width - room, room});
+    const PixelRect bottom = inkIn(image, {room, height - room, width - room, height});
+    for (const PixelRect& letter : {left, right, top, bottom}) ASSERT_LT(letter.x0, letter.x1);
+    for (const PixelRect& letter : {left, right}) EXPECT_NEAR(0.5 * (letter.y0 + letter.y1), 0.5 * height, 1);
+    for (const PixelRect& letter : {top, bottom}) EXPECT_NEAR(0.5 * (letter.x0 + letter.x1), 0.5 * width, 1.5);
+    EXPECT_LT(left.x1 - left.x0, right.x1 - right.x0) << "I is at the left";
+    EXPECT_GT(left.x0, 0);
+    EXPECT_LT(right.x1, width);
+    // The right edge has an L in both pictures.
+    Image other(width, height);
+    drawEdgeLetters({'R', 'L', 'S', 'I'}, other);
+    for (int y = room; y < height - room; ++y) {
+      for (int x = width - room; x < width; ++x) EXPECT_EQ(image.pixel(x, y)[0], other.pixel(x, y)[0]);
+    }
+    // Between the letters there is nothing.
+    for (int y = room; y < height - room; ++y) {
+      for (int x = room; x < width - room; ++x) ASSERT_EQ(image.pixel(x, y)[3], 0) << x << " " << y;
+    }
+  }
+  Image small(kLeastLetteredSide - 1, 100), unknown(100, 100);
+  drawEdgeLetters({'R', 'L', 'A', 'P'}, small);
+  drawEdgeLetters({}, unknown);
+  for (const Image* image : {&small, &unknown}) {
+    EXPECT_TRUE(std::ranges::all_of(image->rgba, [](float value) { return value == 0; }));
+  }
+}
+
+TEST(EdgeLetters, Planes_areTheLettersOfThePicture) {
+  Image drawn_over(120, 90), with_planes(120, 90);
+  drawEdgeLetters({'R', 'L', 'A', 'P'}, drawn_over);
+  addEdgeLetterPlanes({'R', 'L', 'A', 'P'}, with_planes);
+  ASSERT_EQ(with_planes.planes.size(), 4u);
+  EXPECT_EQ(with_planes.planes[3].name, "annotation.A");
+  for (int y = 0; y < 90; ++y) {
+    for (int x = 0; x < 120; ++x) {
+      for (std::size_t channel = 0; channel < 4; ++channel)
+        EXPECT_EQ(with_planes.planes[channel].values[static_cast<std::size_t>(120 * y + x)],
+                  drawn_over.pixel(x, y)[channel]);
+      EXPECT_EQ(with_planes.pixel(x, y)[3], 0);
+    }
+  }
 }
 
 TEST(Legend, SurfacesAndLabels_areEntries) {

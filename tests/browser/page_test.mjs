@@ -8,7 +8,7 @@ import { RecordReader } from '../../tools/kiln/view/page/protocol.js';
 import { JobState } from '../../tools/kiln/view/page/state.js';
 import { at, simplified, withItem, withNewItem } from '../../tools/kiln/view/page/transfer_function.js';
 import { hexOf, hexOfLinear, linearOf } from '../../tools/kiln/view/page/color.js';
-import { axisNames, sideTowards } from '../../tools/kiln/view/page/orientation.js';
+import { axisNames } from '../../tools/kiln/view/page/orientation.js';
 import { duration, short, ticks } from '../../tools/kiln/view/page/numbers.js';
 
 const size = { width: 400, height: 300 };
@@ -161,11 +161,9 @@ test('numbers for people', () => {
   assert.deepEqual(ticks(-5, 25, 3), [0, 10, 20]);
 });
 
-test('sides of a patient follow the frame of the file', () => {
-  assert.equal(sideTowards({ frame: 'RAS' }, [0.9, 0.1, -0.2]), 'R');
-  assert.equal(sideTowards({ frame: 'LPS' }, [0.9, 0.1, -0.2]), 'L');
-  assert.equal(sideTowards({ frame: 'LPS' }, [0, -1, 0]), 'A');
-  assert.equal(sideTowards({ frame: 'unknown' }, [1, 0, 0]), '');
+test('names of axes follow the frame of the file', () => {
+  assert.deepEqual(axisNames({ frame: 'RAS' }), ['R', 'A', 'S']);
+  assert.deepEqual(axisNames({ frame: 'LPS' }), ['L', 'P', 'S']);
   assert.deepEqual(axisNames({}), ['x', 'y', 'z']);
 });
 

@@ -15,6 +15,10 @@ before(async () => {
   run(folder.path, 'convert', 'phantom:head:64x64x64', 'head.kiln');
   // Label 3 in the lower half of the slices, label 7 in the upper half.
   writeFileSync(join(folder.path, 'organs.raw'), Buffer.alloc(kLabelSide ** 3, 3).fill(7, kLabelSide ** 3 / 2));
+  const turned = Buffer.alloc(8 * 12 * 16);
+  for (const x of [6, 7]) for (const y of [10, 11]) for (const z of [14, 15]) turned[x + 8 * (y + 12 * z)] = 255;
+  writeFileSync(join(folder.path, 'turned.raw'), turned);
+  run(folder.path, 'convert', 'turned.raw', 'turned.kiln', '--dims', '8,12,16', '--type', 'u8', '--orient', 'SRA');
   run(folder.path, 'convert', 'organs.raw', 'organs.kiln', '--dims', '16,16,16', '--type', 'u8', '--spacing', '9,9,9', '--labels');
 });
 
@@ -24,7 +28,7 @@ after(async () => {
   folder.close();
 });
 
-const kArguments = { ct: ['head.kiln'], labels: ['organs.kiln'], two: ['head.kiln', '--add', 'organs.kiln'] };
+const kArguments = { ct: ['head.kiln'], labels: ['organs.kiln'], two: ['head.kiln', '--add', 'organs.kiln'], turned: ['turned.kiln'] };
 
 /** Runs a test on a page of its own; each kind of viewer is started once. */
 function onPage(name, kind, body, options = {}) {
@@ -385,7 +389,7 @@ onPage('slices follow one crosshair and show value and place', 'ct', async (view
   assert.ok(Math.abs(Number(await indexOf('x')) - x / 2) <= 1.5);
   assert.ok(Math.abs(Number(await indexOf('y')) - y) <= 1.5);
   await page.waitForFunction(() => /value .*·.*mm|value .*·.*units/.test(document.querySelector('.readout').textContent));
-  // The phantom is in LPS, and slices across z have y down.
+  // The phantom is in LPS.
   const sides = await page.locator('.slice.axis-2 .side').allTextContents();
   assert.deepEqual(sides, ['R', 'L', 'A', 'P']);
   await page.keyboard.press('PageUp');
@@ -393,6 +397,39 @@ onPage('slices follow one crosshair and show value and place', 'ct', async (view
   const slices = () => viewer.bodies('slice').filter((body) => body.axis === 'z').at(-1).index;
   await page.waitForTimeout(300);
   assert.equal(slices(), z);
+});
+
+// Voxels whose axes x, y and z grow to the head, to the right and to the front; the mark, of value 255, is the patient's
+// upper right front corner: voxels 7,11,15 and their neighbours.
+onPage('slices of turned voxels have the sides of the patient', 'turned', async (viewer, page) => {
+  await page.check('#show-slices');
+  await page.waitForFunction(() => [...document.querySelectorAll('.slice canvas')].every((canvas) => canvas.width > 1));
+  const letters = (slice) => slice.locator('.side').allTextContents();
+  const slices = page.locator('.slice');
+  assert.deepEqual(await letters(slices.nth(0)), ['R', 'L', 'A', 'P']);
+  assert.deepEqual(await letters(slices.nth(1)), ['R', 'L', 'S', 'I']);
+  assert.deepEqual(await letters(slices.nth(2)), ['A', 'P', 'S', 'I']);
+  // The click on the mark in each slice selects its voxels; the slice after shows the mark at the upper left.
+  const indexOf = async (axis) => Number(await page.getByLabel(`Voxel of the slice across ${axis}`).inputValue());
+  const click = async (slice) => {
+    const box = await slice.locator('.slice-frame').boundingBox();
+    await page.mouse.click(box.x + 3, box.y + 3);
+  };
+  await click(slices.nth(0));
+  assert.deepEqual([await indexOf('y'), await indexOf('z')], [11, 15]);
+  await click(slices.nth(1));
+  assert.deepEqual([await indexOf('x'), await indexOf('y'), await indexOf('z')], [7, 11, 15]);
+  const isMarked = () => [...document.querySelectorAll('.slice canvas')].every((canvas) => {
+    const at = (x, y) => canvas.getContext('2d').getImageData(x, y, 1, 1).data[0];
+    return at(1, 1) === 255 && at(canvas.width - 2, canvas.height - 2) === 0 && at(1, canvas.height - 2) === 0;
+  });
+  await page.waitForFunction(isMarked);
+  // Keys move the crosshair as the picture shows: to the patient's left, y falls.
+  await slices.nth(0).locator('.slice-frame').focus();
+  await page.keyboard.press('ArrowRight');
+  assert.equal(await indexOf('y'), 10);
+  await page.keyboard.press('ArrowDown');
+  assert.equal(await indexOf('z'), 14);
 });
 
 onPage('key frames are saved with the job and played', 'ct', async (viewer, page) => {

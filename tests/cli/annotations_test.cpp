@@ -207,6 +207,43 @@ TEST_F(AnnotationsCli, LegendsShowTheColoursOfAnotherVolume) {
   EXPECT_EQ(swatches({"--labels", in("l.kiln"), "--add-tf", in("names.txt")}), (std::set<int>{0, 2}));
 }
 
+// The phantom is in LPS. Known: letters change pixels at the edges alone.
+TEST_F(AnnotationsCli, SlicesHaveLettersAtTheirEdges) {
+  const auto slice = [&](const std::string& name, std::vector<std::string> options) {
+    options.insert(options.begin(), {"slice", in("h.kiln"), "-o", in(name)});
+    return done(options).out;
+  };
+  for (const std::vector<std::string>& kind :
+       {std::vector<std::string>{"--axis", "coronal"}, {"--plane", "0,1,0,-99"}, {"--sheet"}}) {
+    std::vector<std::string> plain = kind;
+    plain.push_back("--no-letters");
+    slice("letters.png", kind);
+    slice("plain.png", plain);
+    const Image with = read("letters.png"), without = read("plain.png");
+    ASSERT_EQ(with.width, without.width);
+    EXPECT_NE(with.rgba, without.rgba) << kind[0];
+  }
+  EXPECT_NE(slice("c.png", {"--axis", "coronal"}).find("coronal"), std::string::npos);
+  slice("letters.exr", {"--axis", "coronal"});
+  slice("plain.exr", {"--axis", "coronal", "--no-letters"});
+  const Image layer = read("letters.exr", kLayer);
+  EXPECT_EQ(layer.rgba, read("plain.exr").rgba);
+  ASSERT_GT(inkOf(layer), 10);
+  const auto inkAt = [&](int x0, int y0, int x1, int y1) {
+    double out = 0;
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) out += layer.planes.back().values[static_cast<std::size_t>(y * layer.width + x)];
+    return out;
+  };
+  const int w = layer.width, h = layer.height, room = 19;
+  for (const double ink : {inkAt(0, room, room, h - room), inkAt(w - room, room, w, h - room),
+                           inkAt(room, 0, w - room, room), inkAt(room, h - room, w - room, h)})
+    EXPECT_GT(ink, 5);
+  EXPECT_EQ(inkAt(room, room, w - room, h - room), 0);
+  // The planes of an EXR are charged.
+  ToolTest::refused({"slice", in("h.kiln"), "-o", in("letters.exr"), "--memory", "64K"}, 1, "--memory");
+}
+
 TEST_F(AnnotationsCli, WrongCombinationsAreRefused) {
   refused({"-o", in("a.exr"), "--part", "1/2", "--box"}, "--part: a partial image is not finished");
   refused({"-o", in("a.png"), "--projection", "equirectangular", "--axes"}, "a panorama has no scale bar");

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <tuple>
 
 #include "image/file/image_file.h"
 #include "image/srgb.h"
 #include "scene/transfer/named_color_maps.h"
+#include "support/files/nifti_files.h"
 #include "support/system/tool_test.h"
 #include "support/volumes/procedural.h"
 
@@ -102,7 +104,56 @@ TEST_F(SlicesCli, VolumeFile_isConvertedBesideIt) {
   refused({"slice", in("a.raw"), "-o", in("a.raw.kiln/b.png"), "--dims", "2,3,4", "--type", "u8"}, 2, "a.raw.kiln");
 }
 
+// The mark is the patient's upper right front corner: in RAS, the greatest x, y and z.
+TEST_F(SlicesCli, NiftiFiles_areDrawnAsRadiologyDrawsThem) {
+  constexpr int kX = 40, kY = 50, kZ = 60;
+  const auto value = [](int r, int a, int s) {
+    return static_cast<std::uint8_t>(r >= kX - 4 && a >= kY - 4 && s >= kZ - 4 ? 255 : r + a + s);
+  };
+  NiftiHeader upright;
+  upright.dim = {3, kX, kY, kZ, 1, 1, 1, 1};
+  upright.sform_code = 1;
+  upright.srow = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  NiftiHeader turned = upright;  // x grows to the front, y to the feet, z to the left
+  turned.dim = {3, kY, kZ, kX, 1, 1, 1, 1};
+  turned.srow = {0, 0, -1, kX - 1, 1, 0, 0, 0, 0, -1, 0, kZ - 1};
+  Bytes in_order, permuted;
+  for (int k = 0; k < kZ; ++k)
+    for (int j = 0; j < kY; ++j)
+      for (int i = 0; i < kX; ++i) in_order.push_back(value(i, j, k));
+  for (int k = 0; k < kX; ++k)
+    for (int j = 0; j < kZ; ++j)
+      for (int i = 0; i < kY; ++i) permuted.push_back(value(kX - 1 - k, i, kZ - 1 - j));
+  writeBytes(in("upright.nii"), niftiFile(upright, in_order));
+  writeBytes(in("turned.nii"), niftiFile(turned, permuted));
+  for (const auto& [plane, upright_index, turned_index] :
+       {std::tuple{"axial", "59", "0"}, {"coronal", "49", "49"}, {"sagittal", "39", "0"}}) {
+    const auto drawn = [&](const std::string& file, const std::string& index) {
+      const ToolResult result = done({"slice", in(file), "-o", in("n.png"), "--axis", plane, "--index", index,
+                                      "--window", "127.5,255", "--no-letters"});
+      EXPECT_NE(result.out.find(std::string("pixels, ") + plane), std::string::npos) << result.out;
+      return readImage(in("n.png"));
+    };
+    const Image image = drawn("upright.nii", upright_index);
+    EXPECT_TRUE(image.rgba == drawn("turned.nii", turned_index).rgba) << plane;
+    EXPECT_EQ(image.pixel(3, 3)[0], 1) << plane;
+    for (const auto& [x, y] :
+         {std::pair{4, 4}, {image.width - 1, 0}, {0, image.height - 1}, {image.width - 1, image.height - 1}})
+      EXPECT_LT(image.pixel(x, y)[0], 0.5f) << plane << " " << x << " " << y;
+  }
+  for (const char* file : {"upright.nii", "turned.nii"})
+    done({"slice", in(file), "-o", in(std::string(file) + ".png"), "--sheet"});
+  // The panels are equal to the bit, but for the captions: they name voxels.
+  const Image a = readImage(in("upright.nii.png")), b = readImage(in("turned.nii.png"));
+  ASSERT_EQ(a.width, b.width);
+  for (int y = 8 + 14; y < 8 + 14 + kZ - 10; ++y) {
+    for (int x = 8; x < 8 + kX + 8 + kY; ++x) ASSERT_EQ(a.pixel(x, y)[0], b.pixel(x, y)[0]) << x << " " << y;
+  }
+  refused({"slice", in("v.kiln"), "-o", in("p.png"), "--axis", "axial"}, 2, "--orient");
+}
+
 TEST_F(SlicesCli, WrongRequests_areOneLine) {
+  refused({"slice", in("v.kiln"), "-o", in("p.png"), "--axis", "w"}, 2, "axial, coronal or sagittal");
   refused({"slice", in("v.kiln"), "-o", in("p.png"), "--index", "0-3"}, 2, "slice_###.png");
   refused({"slice", in("v.kiln"), "-o", in("p_#.png"), "--index", "0-10"}, 2, "10 is not between 0 and 9");
   refused({"slice", in("v.kiln"), "-o", in("p.png"), "--colormap", "rainbow"}, 2, "viridis");

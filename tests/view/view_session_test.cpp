@@ -15,6 +15,7 @@
 #include "image/file/image_file.h"
 #include "image/file/png_file.h"
 #include "image/named_color.h"
+#include "image/srgb.h"
 #include "job/render_job.h"
 #include "sequence/render_job_run.h"
 #include "sequence/sequence.h"
@@ -408,6 +409,42 @@ TEST_F(ViewSessionTest, SlicesAndProbes_areTheVoxels) {
     RecordedClient client;
     EXPECT_THROW(session.answer("probe", wrong, client), Error) << wrong;
   }
+}
+
+// Known: the picture of a slice is that of `kiln slice`; the page is told which voxels are its columns and rows.
+TEST_F(ViewSessionTest, SlicesOfTurnedVoxels_haveTheSidesOfThePatient) {
+  // Voxels grow to the front, to the feet and to the left.
+  DenseVolume volume = fill({.dims = {8, 6, 10}, .type = VoxelType::u8},
+                            [](std::int64_t x, std::int64_t y, std::int64_t z) { return 20 * x + 4 * y + z; });
+  volume.geometry.frame = PatientFrame::kLps;
+  volume.geometry.world_from_index = {{0, -1, 0, 0}, {0, 0, -1, 0}, {1, 0, 0, 0}, {0, 0, 0, 1}};
+  ViewSource given = source();
+  given.drawn.volume = given.named.volume = makeStore(volume, "view_turned", 8);
+  ViewSession session(given, silent_);
+  RecordedClient facts, slice;
+  session.answer("session", "", facts);
+  const json views = facts.json().at("volumes").at(0).at("slices");
+  ASSERT_EQ(views.size(), 3u);
+  EXPECT_EQ(views.at(0), json({{"plane", "axial"},
+                               {"axis", 1},
+                               {"column", 2},
+                               {"leftwards", false},
+                               {"row", 0},
+                               {"upwards", true},
+                               {"letters", {"R", "L", "A", "P"}}}));
+  EXPECT_EQ(views.at(1).at("plane"), "coronal");
+  EXPECT_EQ(views.at(2), json({{"plane", "sagittal"},
+                               {"axis", 2},
+                               {"column", 0},
+                               {"leftwards", true},
+                               {"row", 1},
+                               {"upwards", false},
+                               {"letters", {"A", "P", "S", "I"}}}));
+  session.answer("slice", R"({"axis": "z", "index": 3, "window": [127.5, 255]})", slice);
+  const Image image = decodePng(slice.records.at(0).payload, {});
+  ASSERT_EQ(image.width, 8);
+  for (const auto& [x, y] : {std::pair{0, 0}, {7, 0}, {2, 5}})
+    EXPECT_NEAR(srgbFromLinear(image.pixel(x, y)[0]) * 255, 20 * (7 - x) + 4 * y + 3, 0.6) << x << " " << y;
 }
 
 TEST_F(ViewSessionTest, SavedJobs_nameTheVolumeOnly) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "annotate/edge_letters.h"
+#include "annotate/font.h"
 #include "base/file/file.h"
 #include "base/memory/memory.h"
 #include "commands.h"
@@ -10,7 +12,6 @@
 #include "foreign_store.h"
 #include "frame/plane_slice.h"
 #include "frame/slice.h"
-#include "frame/slice_sheet.h"
 #include "image/file/image_file.h"
 #include "job/frame_list.h"
 #include "job/option_kinds.h"
@@ -18,6 +19,7 @@
 #include "say.h"
 #include "scene/transfer/display_map.h"
 #include "scene_arguments.h"
+#include "sequence/sheet/slice_sheet.h"
 #include "source_arguments.h"
 #include "store/brick_index.h"
 #include "store/store_reader.h"
@@ -32,7 +34,7 @@ struct SliceArguments {
   double thickness = 0;         // world
   std::optional<double> pixel;  // world
   std::string mode = "average";
-  bool sheet = false;
+  bool sheet = false, no_letters = false;
   ForeignArguments source;
 };
 
@@ -44,11 +46,28 @@ void warnBeside(const std::string& picture, const Window& window, const ValueRan
                   picture, range.lo, range.hi));
 }
 
-int axisOf(const std::string& name) {
-  const std::string axes = "xyz";
-  if (name.size() != 1 || axes.find(name) == std::string::npos)
-    throw Error(ErrorCode::kUsage, fmt::format("--axis: expected x, y or z, found '{}'", name));
-  return static_cast<int>(axes.find(name));
+// Whether the picture gets letters. A program that was built without a font draws the picture without letters.
+bool hasLetters(const SliceArguments& a, const VolumeGeometry& volume, Progress& progress) {
+  if (a.no_letters || volume.frame == PatientFrame::kUnknown) return false;
+  if (!hasFont()) {
+    progress.warn(fmt::format("{}: no letters at the edges: this kiln was built without a font", a.output));
+    return false;
+  }
+  try {
+    font();
+  } catch (const Error& error) {
+    throw Error(error.code(), fmt::format("{}; or give --no-letters", error.what()));
+  }
+  return true;
+}
+
+// The colours of an EXR stay colours of voxels: its letters are planes.
+void addLetters(const EdgeLetters& letters, const StoreReader& store, std::uint64_t memory_bytes,
+                const std::string& output, Image& image) {
+  if (!isExrPath(output)) return drawEdgeLetters(letters, image);
+  constexpr std::uint64_t kPixelAndPlanes = 8 * sizeof(float);
+  requireSliceFits(store, image.width, image.height, kPixelAndPlanes, memory_bytes);
+  addEdgeLetterPlanes(letters, image);
 }
 
 void write(const Image& image, const StoreReader& store, std::uint64_t memory_bytes, const std::filesystem::path& path,
@@ -58,35 +77,41 @@ void write(const Image& image, const StoreReader& store, std::uint64_t memory_by
 }
 
 // The numbers of the slices: those of --index, else the middle one, or all of a numbered output.
-std::vector<int> slicesOf(const SliceArguments& a, std::int64_t count) {
+std::vector<int> slicesOf(const SliceArguments& a, const NearestAxis& across, const Extent3& dims) {
+  const std::int64_t count = dims[across.index];
   if (a.index) {
     const std::vector<int> out = parseFrames(*a.index, "--index");
     if (const int most = *std::max_element(out.begin(), out.end()); most >= count)
       throw Error(ErrorCode::kUsage, fmt::format("--index: {} is not between 0 and {}", most, count - 1));
     return out;
   }
-  if (!hasFramePlace(a.output)) return {static_cast<int>(count / 2)};
+  if (!hasFramePlace(a.output)) return {static_cast<int>(SliceView::middle(across, dims))};
   std::vector<int> all(static_cast<std::size_t>(count));
   std::iota(all.begin(), all.end(), 0);
   return all;
 }
 
 void drawSlices(const SliceArguments& a, const StoreReader& store, SliceRequest request, Context& context) {
-  request.axis = axisOf(a.axis);
   request.level = a.level;
   store.requireLevel(a.level);
-  const std::vector<int> slices = slicesOf(a, store.level(a.level).geometry.dims[request.axis]);
+  const VolumeGeometry& level = store.level(a.level).geometry;
+  request.axis = sliceAxis(level, a.axis);
+  const SliceView view = sliceViewAcross(level, request.axis);
+  const std::vector<int> slices = slicesOf(a, view.across, level.dims);
   if (slices.size() > 1 && !hasFramePlace(a.output))
     throw Error(ErrorCode::kUsage,
                 fmt::format("-o: {} slices need a name with a place for their number (found {}); write slice_###.png",
                             slices.size(), a.output));
+  const bool letters = hasLetters(a, level, context.progress);
+  const std::string plane = *view.plane == 0 ? "" : fmt::format(", {}", view.plane);
   for (const int slice : slices) {
     request.index = slice;
     const std::filesystem::path path = pathOfFrame(a.output, slice);
-    const Image image = renderSlice(store, request, context.progress);
+    Image image = renderSlice(store, request, context.progress);
+    if (letters) addLetters(view.letters, store, request.memory_bytes, a.output, image);
     write(image, store, request.memory_bytes, path, context.progress);
     context.progress.clear();
-    say("{}: {} x {} pixels\n", path.string(), image.width, image.height);
+    say("{}: {} x {} pixels{}\n", path.string(), image.width, image.height, plane);
   }
 }
 
@@ -109,11 +134,14 @@ void drawPlane(const SliceArguments& a, const StoreReader& store, const SliceReq
   request.pixel = a.pixel;
   request.statistic = a.mode;
   setPlane(*a.plane, request);
-  const Image image = renderPlaneSlice(store, request, context.progress);
-  write(image, store, request.memory_bytes, a.output, context.progress);
-  context.progress.clear();
+  store.requireLevel(a.level);
   const VolumeGeometry& level = store.level(a.level).geometry;
   const PlanePixels pixels = pixelsOfPlane(level, request);
+  Image image = renderPlaneSlice(store, request, context.progress);
+  if (hasLetters(a, level, context.progress))
+    addLetters(edgeLetters(pixels.right, pixels.down, level.frame), store, request.memory_bytes, a.output, image);
+  write(image, store, request.memory_bytes, a.output, context.progress);
+  context.progress.clear();
   const glm::dvec3 middle =
       pixels.at(0.5 * static_cast<double>(pixels.width - 1), 0.5 * static_cast<double>(pixels.height - 1));
   say("{}: {} x {} pixels of {:.6g}{}, {} across the slice, around {:.6g},{:.6g},{:.6g}\n", a.output, image.width,
@@ -122,7 +150,8 @@ void drawPlane(const SliceArguments& a, const StoreReader& store, const SliceReq
 }
 
 void drawSheet(const SliceArguments& a, const StoreReader& store, const SliceRequest& slice, Context& context) {
-  SliceSheetRequest request{std::nullopt, slice.window, slice.colormap, slice.memory_bytes};
+  SliceSheetRequest request{std::nullopt, slice.window, slice.colormap,
+                            hasLetters(a, store.manifest().geometry(), context.progress), slice.memory_bytes};
   if (a.at) {
     const glm::dvec3 at = tripleOfText(*a.at, "--at");
     request.at = VoxelCoord{std::llround(at.x), std::llround(at.y), std::llround(at.z)};
@@ -166,7 +195,12 @@ void addSlice(CLI::App& app, Context& context) {
       ->add_option("-o,--output", a->output,
                    "The picture, .png, .exr, .tif or .jpg; a run of # becomes the slice's number.")
       ->required();
-  CLI::Option* const axis = command->add_option("--axis", a->axis, "One of x, y and z.")->capture_default_str();
+  CLI::Option* const axis =
+      command
+          ->add_option("--axis", a->axis,
+                       "The axis across the slices: x, y or z; or axial, coronal or sagittal, the nearest to the "
+                       "patient's.")
+          ->capture_default_str();
   CLI::Option* const level = addNumber(*command, "--level", a->level, "0 is finest")->capture_default_str();
   CLI::Option* const index =
       command
@@ -204,6 +238,7 @@ void addSlice(CLI::App& app, Context& context) {
   command->add_option("--colormap", a->colormap, fmt::format("Colours: {}.", fmt::join(displayMapNames(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
+  command->add_flag("--no-letters", a->no_letters, "Leave out the letters of the patient's sides at the edges.");
   addMemory(*command, a->memory, "the picture, a brick and the index")->capture_default_str();
   addForeignArguments(*command, a->source);
   addExamples(*command, {"kiln slice head.kiln -o sheet.png --sheet",

@@ -1,16 +1,11 @@
-// Three slices through one crosshair, as `kiln slice` draws them: across z with y down, others with z up. A slice is
-// requested when the slice before has arrived; only the newest index is drawn.
+// Three slices through one crosshair, with the sides of `kiln slice`: the server names the axes of each slice. A slice
+// is requested when the slice before has arrived; only the newest index is drawn.
 import { button, follow, html, numberField, replace, svg } from './element.js';
 import { short } from './numbers.js';
-import { sideTowards } from './orientation.js';
-import { clamp, inverseAffine, scale, transformDirection, transformPoint } from './vector.js';
+import { clamp, inverseAffine, transformPoint } from './vector.js';
 
-const kViews = [
-  { axis: 2, name: 'z', column: 0, row: 1, up: false },
-  { axis: 1, name: 'y', column: 0, row: 2, up: true },
-  { axis: 0, name: 'x', column: 1, row: 2, up: true },
-];
 const kAxes = ['x', 'y', 'z'];
+const kEdges = ['left', 'right', 'top', 'bottom'];
 
 export class Slices {
   #app;
@@ -26,7 +21,7 @@ export class Slices {
   /** app: server, announce, onCross(voxel). */
   constructor(app) {
     this.#app = app;
-    this.#views = kViews.map((view) => this.#newView(view));
+    this.#views = kAxes.map(() => this.#newView());
     this.readout = html('output', { class: 'readout', 'aria-live': 'off' }, 'Point at a slice for its value.');
     const field = (label, unit, place) => numberField({ name: null, label: `${label} of the grey values`, unit, spokenUnit: 'value', onInput: (value) => {
       const next = [...(this.#window ?? this.#middle())];
@@ -68,20 +63,20 @@ export class Slices {
     const start = isInside ? kept : volume.voxels.map((n) => (n - 1) / 2);
     this.#window = null;
     this.#fillWindow();
-    for (const view of this.#views) {
-      view.slider.max = volume.voxels[view.axis] - 1;
-      this.#nameSides(view);
-    }
+    this.#views.forEach((view, i) => this.#turn(view, volume.slices[i]));
     this.#setCross(start);
   }
 
-  // Letters of the patient's sides at the edges of a slice.
-  #nameSides({ column, row, up, sides }) {
-    const along = (axis, sign) => sideTowards(this.#volume, scale(transformDirection(this.#volume.affine, [0, 1, 2].map((a) => (a === axis ? 1 : 0))), sign));
-    sides.left.textContent = along(column, -1);
-    sides.right.textContent = along(column, 1);
-    sides.top.textContent = along(row, up ? 1 : -1);
-    sides.bottom.textContent = along(row, up ? -1 : 1);
+  // Gives a view the axes of voxels and the letters of a volume's slice.
+  #turn(view, { plane, axis, column, leftwards, row, upwards, letters }) {
+    const name = kAxes[axis];
+    Object.assign(view, { plane, axis, name, column, leftwards, row, upwards, index: -1, size: null });
+    view.node.className = `slice axis-${axis}`;
+    view.slider.max = this.#volume.voxels[axis] - 1;
+    view.slider.setAttribute('aria-label', `Voxel of the slice across ${name}`);
+    const kind = plane ? `Slice across ${name} (${plane})` : `Slice across ${name}`;
+    view.frame.setAttribute('aria-label', `${kind}. Arrow keys move the crosshair, Page Up and Page Down change the slice.`);
+    kEdges.forEach((edge, i) => { view.sides[edge].textContent = letters[i] ?? ''; });
   }
 
   #middle() {
@@ -104,25 +99,24 @@ export class Slices {
       const index = this.#cross[view.axis];
       if (view.index !== index) this.#draw(view);
       view.slider.value = index;
-      view.caption.textContent = `${view.name} = ${index} of ${this.#volume.voxels[view.axis] - 1}`;
+      view.caption.textContent = `${view.plane ? `${view.plane}, ` : ''}${view.name} = ${index} of ${this.#volume.voxels[view.axis] - 1}`;
       view.slider.setAttribute('aria-valuetext', `voxel ${index}`);
       this.#drawCross(view);
     }
     this.#app.onCross();
   }
 
-  #newView({ axis, name, column, row, up }) {
+  #newView() {
     const canvas = html('canvas', { width: 1, height: 1 });
     const lines = svg('svg', { class: 'slice-cross', preserveAspectRatio: 'none', viewBox: '0 0 1 1', 'aria-hidden': 'true' });
-    const sides = Object.fromEntries(['left', 'right', 'top', 'bottom'].map((side) => [side, html('span', { class: `side ${side}` })]));
-    const frame = html('div', { class: 'slice-frame', tabindex: 0, role: 'application',
-      'aria-label': `Slice across ${name}. Arrow keys move the crosshair, Page Up and Page Down change the slice.` }, canvas, lines, Object.values(sides));
-    const slider = html('input', { type: 'range', min: 0, max: 1, step: 1, 'aria-label': `Voxel of the slice across ${name}` });
+    const sides = Object.fromEntries(kEdges.map((side) => [side, html('span', { class: `side ${side}` })]));
+    const frame = html('div', { class: 'slice-frame', tabindex: 0, role: 'application' }, canvas, lines, Object.values(sides));
+    const slider = html('input', { type: 'range', min: 0, max: 1, step: 1 });
     const caption = html('span', { class: 'dim' });
     const area = html('div', { class: 'slice-area' }, frame);
-    const node = html('div', { class: `slice axis-${axis}` }, area, html('div', { class: 'slice-foot' }, caption, slider));
-    const view = { axis, name, column, row, up, canvas, lines, sides, frame, slider, caption, area, node, index: -1, busy: false, wanted: false, size: null };
-    slider.addEventListener('input', () => this.#step(axis, slider.valueAsNumber - this.#cross[axis]));
+    const node = html('div', { class: 'slice' }, area, html('div', { class: 'slice-foot' }, caption, slider));
+    const view = { canvas, lines, sides, frame, slider, caption, area, node, index: -1, busy: false, wanted: false, size: null };
+    slider.addEventListener('input', () => this.#step(view.axis, slider.valueAsNumber - this.#cross[view.axis]));
     frame.addEventListener('pointerdown', (event) => {
       if (event.button !== 0 || !this.#volume) return;
       event.preventDefault();
@@ -132,10 +126,11 @@ export class Slices {
       follow(event, take);
     });
     frame.addEventListener('pointermove', (event) => { if (this.#volume) this.#probe(this.#voxelAt(view, event).map(Math.round)); });
-    frame.addEventListener('wheel', (event) => { event.preventDefault(); this.#step(axis, event.deltaY > 0 ? 1 : -1); }, { passive: false });
+    frame.addEventListener('wheel', (event) => { event.preventDefault(); this.#step(view.axis, event.deltaY > 0 ? 1 : -1); }, { passive: false });
     frame.addEventListener('keydown', (event) => {
-      const rowStep = up ? 1 : -1;
-      const step = { ArrowLeft: [column, -1], ArrowRight: [column, 1], ArrowUp: [row, rowStep], ArrowDown: [row, -rowStep], PageUp: [axis, 1], PageDown: [axis, -1] }[event.key];
+      const { axis, column, row } = view;
+      const columnStep = view.leftwards ? -1 : 1, rowStep = view.upwards ? 1 : -1;
+      const step = { ArrowLeft: [column, -columnStep], ArrowRight: [column, columnStep], ArrowUp: [row, rowStep], ArrowDown: [row, -rowStep], PageUp: [axis, 1], PageDown: [axis, -1] }[event.key];
       if (!step) return;
       event.preventDefault();
       this.#step(step[0], (event.shiftKey ? 10 : 1) * step[1]);
@@ -156,18 +151,20 @@ export class Slices {
     const box = view.frame.getBoundingClientRect();
     const x = (event.clientX - box.left) / box.width, y = (event.clientY - box.top) / box.height;
     const voxel = [...this.#cross];
-    voxel[view.column] = x * this.#volume.voxels[view.column] - 0.5;
-    voxel[view.row] = (view.up ? 1 - y : y) * this.#volume.voxels[view.row] - 0.5;
+    voxel[view.column] = (view.leftwards ? 1 - x : x) * this.#volume.voxels[view.column] - 0.5;
+    voxel[view.row] = (view.upwards ? 1 - y : y) * this.#volume.voxels[view.row] - 0.5;
     return voxel;
   }
 
   #drawCross(view) {
     const { voxels } = this.#volume;
-    const x = (this.#cross[view.column] + 0.5) / voxels[view.column];
-    const y = (this.#cross[view.row] + 0.5) / voxels[view.row];
-    const at = view.up ? 1 - y : y;
+    const along = (axis, turned) => {
+      const part = (this.#cross[axis] + 0.5) / voxels[axis];
+      return turned ? 1 - part : part;
+    };
+    const x = along(view.column, view.leftwards), y = along(view.row, view.upwards);
     replace(view.lines, svg('path', { class: `axis-${view.column}`, d: `M${x} 0V1`, 'vector-effect': 'non-scaling-stroke' }),
-      svg('path', { class: `axis-${view.row}`, d: `M0 ${at}H1`, 'vector-effect': 'non-scaling-stroke' }));
+      svg('path', { class: `axis-${view.row}`, d: `M0 ${y}H1`, 'vector-effect': 'non-scaling-stroke' }));
   }
 
   // The frame has the proportions of the slice in the world.

@@ -1,4 +1,4 @@
-#include "frame/slice_sheet.h"
+#include "sequence/sheet/slice_sheet.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "annotate/edge_letters.h"
 #include "base/error.h"
 #include "frame/histogram_bars.h"
 #include "frame/slice_palette.h"
@@ -28,7 +29,6 @@ constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
 struct Panel {
   Image image;
   std::string caption;
-  int cross_x, cross_y;
 };
 
 int levelOfSheet(const BrickedVolume& store) {
@@ -65,8 +65,21 @@ double valueOf(const BrickedVolume& store, const VoxelCoord& v) {
   });
 }
 
-Panel panelOf(const BrickedVolume& store, const SliceSheetRequest& request, const SliceSheet& sheet, int axis,
-              Progress& progress) {
+// A slice with a crosshair that leaves its middle free, and so much at the edges.
+Image withCrosshair(const Image& slice, int x, int y, int edge) {
+  constexpr int kFree = 6;
+  PlotImage out(slice.width, slice.height, kSheetPaper);
+  out.draw(slice, 0, 0);
+  out.fill({edge, y, x - kFree, y + 1}, kCrosshair);
+  out.fill({x + kFree, y, slice.width - edge, y + 1}, kCrosshair);
+  out.fill({x, edge, x + 1, y - kFree}, kCrosshair);
+  out.fill({x, y + kFree, x + 1, slice.height - edge}, kCrosshair);
+  return std::move(out).take();
+}
+
+Panel panelOf(const BrickedVolume& store, const SliceSheetRequest& request, const SliceSheet& sheet,
+              const SliceView& view, Progress& progress) {
+  const int axis = view.across.index;
   const Extent3 finest = store.manifest().geometry().dims, dims = store.level(sheet.level).geometry.dims;
   SliceRequest slice;
   slice.axis = axis;
@@ -75,29 +88,27 @@ Panel panelOf(const BrickedVolume& store, const SliceSheetRequest& request, cons
   slice.window = request.window;
   slice.colormap = request.colormap;
   slice.memory_bytes = request.memory_bytes - std::min(request.memory_bytes, sheetBytes(store, sheet.level));
-  Panel out{renderSlice(store, slice, progress),
-            fmt::format("{} = {}", kAxes[static_cast<std::size_t>(axis)], sheet.at[axis]), 0, 0};
-  const int right = axis == 0 ? 1 : 0, down = axis == 2 ? 1 : 2;
-  const auto place = [&](int along, int pixels) {
-    return static_cast<int>((static_cast<double>(sheet.at[along]) + 0.5) / static_cast<double>(finest[along]) * pixels);
+  const Image image = renderSlice(store, slice, progress);
+  // Where the voxel lies along a side of so many pixels, as counted by `renderSlice`.
+  const auto place = [&](const NearestAxis& along, int pixels) {
+    const double part =
+        (static_cast<double>(sheet.at[along.index]) + 0.5) / static_cast<double>(finest[along.index]) * pixels;
+    return static_cast<int>(along.mirrored ? pixels - part : part);
   };
-  out.cross_x = place(right, out.image.width);
-  // Rows count downwards; z is up.
-  out.cross_y = axis == 2 ? place(down, out.image.height) : out.image.height - 1 - place(down, out.image.height);
+  const int row = place(view.down, image.height);
+  const int column = place(view.right, image.width);
+  const int edge = request.letters ? edgeLetterRoom({image.width, image.height}) : 0;
+  Panel out{withCrosshair(image, column, view.from_bottom ? image.height - 1 - row : row, edge),
+            fmt::format("{}{} = {}", *view.plane == 0 ? "" : fmt::format("{}, ", view.plane),
+                        kAxes[static_cast<std::size_t>(axis)], sheet.at[axis])};
+  if (request.letters) drawEdgeLetters(view.letters, out.image);
   return out;
 }
 
-// Draws a panel, with a crosshair that leaves its middle free.
+// Draws a panel below its caption.
 void draw(PlotImage& sheet, const Panel& panel, int x, int y) {
-  constexpr int kFree = 6;
   sheet.text(x, y + 3, panel.caption, kSheetCaption);
-  y += kPanelCaption;
-  sheet.draw(panel.image, x, y);
-  const int cx = x + panel.cross_x, cy = y + panel.cross_y;
-  sheet.fill({x, cy, cx - kFree, cy + 1}, kCrosshair);
-  sheet.fill({cx + kFree, cy, x + panel.image.width, cy + 1}, kCrosshair);
-  sheet.fill({cx, y, cx + 1, cy - kFree}, kCrosshair);
-  sheet.fill({cx, cy + kFree, cx + 1, y + panel.image.height}, kCrosshair);
+  sheet.draw(panel.image, x, y + kPanelCaption);
 }
 
 // Draws the bars, and the ends of the window.
@@ -139,17 +150,19 @@ SliceSheet renderSliceSheet(const BrickedVolume& store, const SliceSheetRequest&
   const Manifest& manifest = store.manifest();
   const Extent3 dims = manifest.geometry().dims;
   SliceSheet out;
-  out.at = request.at.value_or(VoxelCoord{dims.x / 2, dims.y / 2, dims.z / 2});
+  out.at = request.at.value_or(middleVoxel(manifest.geometry()));
   if (!boxOf(dims).contains(out.at))
     throw Error(ErrorCode::kUsage, fmt::format("--at: expected a voxel from 0,0,0 to {},{},{} (found {},{},{})",
                                                dims.x - 1, dims.y - 1, dims.z - 1, out.at.x, out.at.y, out.at.z));
   out.level = levelOfSheet(store);
   out.value = valueOf(store, out.at);
   const Window window = request.window.value_or(defaultWindow(manifest.histogram));
-  std::array<Panel, 3> panels = {panelOf(store, request, out, 2, progress), panelOf(store, request, out, 1, progress),
-                                 panelOf(store, request, out, 0, progress)};
+  const std::array<SliceView, 3> views = sliceViews(manifest.geometry());
+  const auto panel = [&](const SliceView& view) { return panelOf(store, request, out, view, progress); };
+  const std::array<Panel, 3> panels = {panel(views[0]), panel(views[1]), panel(views[2])};
   const std::vector<std::string> lines = linesOf(store, out, window);
-  // Two rows: the slices along z and x, the slice along y and the texts. Slices of a column have the same width.
+  // Two rows: the axial and the sagittal slice, the coronal slice and the texts. Slices of a column have the same
+  // width.
   const int left = std::max(panels[0].image.width, panels[1].image.width);
   const int right = std::max(panels[2].image.width, kTextWidth);
   const int text_height = static_cast<int>(lines.size()) * kTextLine + kHistogramHeight + 2 * kTextLine;

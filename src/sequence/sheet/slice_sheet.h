@@ -16,6 +16,7 @@ struct SliceSheetRequest {
   std::optional<VoxelCoord> at;  // of level 0; else the middle
   std::optional<Window> window;
   std::string colormap = "gray";
+  bool letters = true;  // of the patient's sides
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
 };
 
@@ -28,7 +29,8 @@ struct SliceSheet {
 
 inline constexpr std::int64_t kSheetSlice_px = 512;
 
-/// Draws the sheet. throws: as renderSlice; Error kUsage if `at` is outside the volume.
+/// Draws the sheet. throws: as renderSlice; Error kUsage if `at` is outside the volume; kUnsupported for letters
+/// without a font.
 SliceSheet renderSliceSheet(const BrickedVolume& store, const SliceSheetRequest& request, Progress& progress);
 
 }  // namespace kiln
