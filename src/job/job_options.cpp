@@ -64,7 +64,8 @@ constexpr std::string_view kWindowHelp =
     "Stretch the transfer function so that its first and last points lie at the ends of this window of values.";
 constexpr std::string_view kFunctionHelp =
     "Transfer function: a preset, points VALUE:OPACITY[:COLOR],... in order of their values, or a file of Kiln's, of "
-    "ParaView's colour maps (FILE or FILE#NAME) or of ITK-SNAP's labels. iso:VALUE[:OPACITY[:COLOR]],... is a "
+    "ParaView's colour maps (FILE or FILE#NAME) or of labels (ITK-SNAP's, FreeSurfer's, names). "
+    "iso:VALUE[:OPACITY[:COLOR]],... is a "
     "preset, too: surfaces at these values. solid:VALUE is solid from VALUE on.";
 
 constexpr std::string_view kSectionHelp =

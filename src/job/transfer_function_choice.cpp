@@ -93,7 +93,7 @@ TransferFunction transferFunctionOfText(const std::string& text, const Manifest&
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first != std::string::npos && std::string_view("{[/\xef").find(text[first]) == std::string_view::npos)
     throw Error(ErrorCode::kFormat, from.file, "",
-                "expected a transfer function in JSON, which begins with { or [, or a label description of ITK-SNAP's, "
+                "expected a transfer function in JSON, which begins with { or [, or a label description, "
                 "whose lines begin with a number (found '" +
                     shown(text.substr(first, std::min<std::size_t>(text.find('\n', first) - first, 40))) +
                     "'); name another file");

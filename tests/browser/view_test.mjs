@@ -15,6 +15,7 @@ before(async () => {
   run(folder.path, 'convert', 'phantom:head:64x64x64', 'head.kiln');
   // Label 3 in the lower half of the slices, label 7 in the upper half.
   writeFileSync(join(folder.path, 'organs.raw'), Buffer.alloc(kLabelSide ** 3, 3).fill(7, kLabelSide ** 3 / 2));
+  writeFileSync(join(folder.path, 'names.txt'), '3 liver\n7 air way\n');
   const turned = Buffer.alloc(8 * 12 * 16);
   for (const x of [6, 7]) for (const y of [10, 11]) for (const z of [14, 15]) turned[x + 8 * (y + 12 * z)] = 255;
   writeFileSync(join(folder.path, 'turned.raw'), turned);
@@ -28,7 +29,8 @@ after(async () => {
   folder.close();
 });
 
-const kArguments = { ct: ['head.kiln'], labels: ['organs.kiln'], two: ['head.kiln', '--add', 'organs.kiln'], turned: ['turned.kiln'] };
+const kArguments = { ct: ['head.kiln'], labels: ['organs.kiln'], two: ['head.kiln', '--add', 'organs.kiln'], turned: ['turned.kiln'],
+  named: ['organs.kiln', '--tf', 'names.txt'] };
 
 /** Runs a test on a page of its own; each kind of viewer is started once. */
 function onPage(name, kind, body, options = {}) {
@@ -540,6 +542,14 @@ onPage('slices of labels have the colours of the list', 'labels', async (viewer,
     return r === 0 && g === 255 && b === 0;
   };
   await page.waitForFunction(isGreen);
+});
+
+onPage('the value under the pointer has the name of the label file', 'named', async (viewer, page) => {
+  await page.check('#show-slices');
+  await page.waitForFunction(() => [...document.querySelectorAll('.slice canvas')].every((canvas) => canvas.width > 1));
+  const box = await page.locator('.slice.axis-1 .slice-frame').boundingBox();
+  await page.mouse.click(box.x + box.width / 2, box.y + box.height / 4);
+  await page.waitForFunction(() => document.querySelector('.readout').textContent.includes('value 7 (air way)'));
 });
 
 onPage('one of several volumes has a shading of its own', 'two', async (viewer, page) => {

@@ -77,6 +77,37 @@ TEST(LabelStyles, AreReadFromItkSnapsFiles) {
   EXPECT_FALSE(f.labelsShownIn(13, 100));
 }
 
+// Lines of FreeSurfer's table, of a table of 3D Slicer's, and of a list beside an atlas.
+TEST(LabelStyles, AreReadFromTablesAndLists) {
+  const TransferFunction table = labelDescription(
+      "#No. Label Name:   R   G   B   A\n\n0   Unknown   0   0   0   0\n"
+      "14  3rd-Ventricle  204 182 142 0\n1004 ctx-lh-corpuscallosum 120 70 50 0\n",
+      "lut.txt");
+  ASSERT_EQ(table.labels.size(), 3u);
+  EXPECT_EQ(table.labels[0].opacity, 0);
+  EXPECT_EQ(table.labels[1].name, "3rd-Ventricle");
+  EXPECT_EQ(table.labels[1].opacity, 1);
+  EXPECT_EQ(table.labels[2].label, 1004);
+  EXPECT_EQ(table.labels[2].color,
+            glm::dvec3(linearFromSrgb(120 / 255.0), linearFromSrgb(70 / 255.0), linearFromSrgb(50 / 255.0)));
+  const TransferFunction slicer =
+      labelDescription("1 tissue 128 174 128 255\n2 air 0 0 0 0\n3 fat 230 220 70 51\n", "s.ctbl");
+  const double opacities[] = {1, 0, 0.2};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(slicer.labels[i].opacity, opacities[i]) << i;
+  const TransferFunction list =
+      labelDescription("0\tUnclassified\r\n1\tGenu of corpus callosum\r\n7 Precentral_L 2001\r\n", "a.nii.txt");
+  ASSERT_EQ(list.labels.size(), 3u);
+  EXPECT_EQ(list.labels[0].opacity, 0);
+  EXPECT_EQ(list.labels[1].name, "Genu of corpus callosum");
+  EXPECT_EQ(list.labels[1].color, paletteColor(1));
+  EXPECT_EQ(list.labels[1].opacity, 0.95);
+  EXPECT_EQ(list.labels[2].name, "Precentral_L 2001");
+  for (const char* line : {"1 2", "1 tissue 256 0 0 0 0 \"a\"", "-1 fat", "1.5 fat", "1"})
+    EXPECT_NE(saidOf([&] { labelDescription(line, "s.txt"); }).find("line 1: expected a label's index"),
+              std::string::npos)
+        << line;
+}
+
 TEST(LabelStyles, AWrongLineIsNamed) {
   const auto said = [](const std::string& line) {
     return saidOf([&] { labelDescription("# ITK-SnAP Label Description File\n" + line, "s.txt"); });

@@ -24,25 +24,68 @@ std::string content(std::string line) {
   return line.starts_with('#') ? "" : line;
 }
 
+// Opacity of labels whose source has none.
+constexpr double kPaletteOpacity = 0.95;
+
 struct Described {
-  double label = 0, channels[3] = {}, opacity = 0, in_slices = 0, in_mesh = 0;
-  std::string name;
+  LabelStyle style;
+  std::optional<double> alpha;  // of a colour table. unit: 255ths
 };
 
-std::optional<Described> describedBy(const std::string& line) {
+bool isLabel(double number) { return number >= 0 && number <= kLargestLabel && number == std::floor(number); }
+
+glm::dvec3 linearColor(const double (&channels)[3]) {
+  return {linearFromSrgb(channels[0] / 255), linearFromSrgb(channels[1] / 255), linearFromSrgb(channels[2] / 255)};
+}
+
+bool areBytes(const double (&channels)[3]) {
+  return std::ranges::all_of(channels, [](double channel) { return channel >= 0 && channel <= 255; });
+}
+
+// A line of ITK-SNAP's.
+std::optional<Described> itkSnapLine(const std::string& line) {
   std::istringstream in(line);
-  Described out;
-  in >> out.label >> out.channels[0] >> out.channels[1] >> out.channels[2] >> out.opacity >> out.in_slices >>
-      out.in_mesh;
+  double label = 0, channels[3] = {}, opacity = 0, in_slices = 0, in_mesh = 0;
+  in >> label >> channels[0] >> channels[1] >> channels[2] >> opacity >> in_slices >> in_mesh;
   if (!in) return std::nullopt;
-  std::getline(in, out.name);
-  out.name = content(out.name);
-  if (out.name.size() < 2 || out.name.front() != '"' || out.name.back() != '"') return std::nullopt;
-  out.name = out.name.substr(1, out.name.size() - 2);
-  bool legal = out.opacity >= 0 && out.opacity <= 1 && out.label >= 0 && out.label <= kLargestLabel &&
-               out.label == std::floor(out.label);
-  for (const double channel : out.channels) legal = legal && channel >= 0 && channel <= 255;
-  return legal ? std::optional(out) : std::nullopt;
+  std::string name;
+  std::getline(in, name);
+  name = content(name);
+  if (name.size() < 2 || name.front() != '"' || name.back() != '"') return std::nullopt;
+  if (!isLabel(label) || !areBytes(channels) || !(opacity >= 0 && opacity <= 1)) return std::nullopt;
+  return Described{
+      {label, name.substr(1, name.size() - 2), linearColor(channels), in_mesh != 0 && label != 0 ? opacity : 0}, {}};
+}
+
+// A line of a colour table of FreeSurfer's or 3D Slicer's: index, name without blanks, red, green, blue, alpha.
+std::optional<Described> tableLine(const std::string& line) {
+  std::istringstream in(line);
+  double label = 0, channels[3] = {}, alpha = 0;
+  std::string name, more;
+  in >> label >> name >> channels[0] >> channels[1] >> channels[2] >> alpha;
+  if (!in || in >> more || numberOf<double>(name)) return std::nullopt;
+  if (!isLabel(label) || !areBytes(channels) || !(alpha >= 0 && alpha <= 255)) return std::nullopt;
+  return Described{{label, name, linearColor(channels), label != 0 ? 1.0 : 0.0}, alpha};
+}
+
+// A line of a list of names, as beside the atlases of MRIcron and FSL: index, and the rest is the name.
+std::optional<Described> nameLine(const std::string& line) {
+  std::istringstream in(line);
+  double label = 0;
+  std::string name;
+  in >> label;
+  if (!in || !std::getline(in, name)) return std::nullopt;
+  name = content(name);
+  if (!isLabel(label) || name.empty() || name.find('"') != std::string::npos) return std::nullopt;
+  if (numberOf<double>(name.substr(0, name.find_first_of(" \t")))) return std::nullopt;
+  return Described{{label, name, paletteColor(std::max(label, 1.0)), label != 0 ? kPaletteOpacity : 0}, {}};
+}
+
+std::optional<Described> describedBy(const std::string& line) {
+  for (const auto read : {itkSnapLine, tableLine, nameLine}) {
+    if (auto found = read(line)) return found;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -60,7 +103,7 @@ bool isLabelDescription(const std::string& text) {
 
 TransferFunction labelDescription(const std::string& text, const std::filesystem::path& path) {
   constexpr std::size_t kMost = 80;
-  TransferFunction out;
+  std::vector<Described> all;
   std::istringstream in(text);
   std::set<double> known;
   int number = 0;
@@ -72,17 +115,23 @@ TransferFunction labelDescription(const std::string& text, const std::filesystem
     if (!found)
       throw Error(ErrorCode::kFormat, path, fmt::format("line {}", number),
                   fmt::format("expected a label's index, red, green, blue (0 to 255), opacity (0 to 1), two of 0 or 1, "
-                              "and its name in quotes (found '{}{}'); mend the line, or put # before it",
+                              "and its name in quotes; or index, name, red, green, blue, alpha; or index and name "
+                              "(found '{}{}'); mend the line, or put # before it",
                               said.substr(0, kMost), said.size() > kMost ? "..." : ""));
-    if (!known.insert(found->label).second)
+    if (!known.insert(found->style.label).second)
       throw Error(ErrorCode::kFormat, path, fmt::format("line {}", number),
-                  fmt::format("label {:.0f} is given twice; remove one of its lines", found->label));
-    if (out.labels.size() == kMostLabelLooks)
+                  fmt::format("label {:.0f} is given twice; remove one of its lines", found->style.label));
+    if (all.size() == kMostLabelLooks)
       throw Error(ErrorCode::kFormat, path, fmt::format("line {}", number),
                   fmt::format("a transfer function has at most {} labels; describe those to draw", kMostLabelLooks));
-    LabelStyle style{found->label, found->name, {}, found->in_mesh != 0 && found->label != 0 ? found->opacity : 0};
-    for (int c = 0; c < 3; ++c) style.color[c] = linearFromSrgb(found->channels[c] / 255);
-    out.labels.push_back(std::move(style));
+    all.push_back(*found);
+  }
+  // FreeSurfer writes 0 for each label, 3D Slicer 255 for opaque labels.
+  const bool has_alpha = std::ranges::any_of(all, [](const Described& one) { return one.alpha.value_or(0) > 0; });
+  TransferFunction out;
+  for (Described& one : all) {
+    if (has_alpha && one.alpha) one.style.opacity *= *one.alpha / 255;
+    out.labels.push_back(std::move(one.style));
   }
   if (out.labels.empty()) throw Error(ErrorCode::kFormat, path, "", "describes no label; write a line for each");
   sortLabels(out.labels);
@@ -123,7 +172,7 @@ LabelStyle defaultStyle(double label, const std::vector<DeclaredLook::Label>& de
   const auto before = [](const DeclaredLook::Label& a, double b) { return static_cast<double>(a.label) < b; };
   const auto found = std::lower_bound(declared.begin(), declared.end(), label, before);
   if (found == declared.end() || static_cast<double>(found->label) != label)
-    return {label, "", paletteColor(std::abs(label)), 0.95};
+    return {label, "", paletteColor(std::abs(label)), kPaletteOpacity};
   LabelStyle out{label, "", srgbOf(found->color), found->color.alpha / 255.0};
   for (int c = 0; c < 3; ++c) out.color[c] = linearFromSrgb(out.color[c]);
   return out;

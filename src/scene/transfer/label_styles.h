@@ -1,4 +1,4 @@
-// Colours and opacities of labels: from an ITK-SNAP file, or from the default palette.
+// Names, colours and opacities of labels: from label files of other programs, or from the default palette.
 #pragma once
 
 #include <filesystem>
@@ -20,11 +20,13 @@ bool areDistinct(const ValueRange& labels);
 /// Slope of a label's extinction at its surface, from none to all. unit: per voxel, at a plane face.
 inline constexpr float kLabelRise = 4;
 
-/// True if the text begins like ITK-SNAP's label descriptions: with comments, or with a line that begins with a number.
+/// True if the text begins like a label description: with comments, or with a line that begins with a number.
 bool isLabelDescription(const std::string& text);
 /// Parses one label per line: index, red, green, blue (0 to 255, sRGB), opacity (0 to 1), shown in slices, shown in the
-/// mesh, "name"; # begins a comment. A label that is not shown in the mesh, or has index 0, is transparent.
-/// throws: Error kFormat naming the line. source: the first lines of ITK-SNAP's own files.
+/// mesh, "name"; # begins a comment. A label that is not shown in the mesh, or has index 0, is transparent. Lines may
+/// also be those of a colour table, index, name, red, green, blue, alpha (FreeSurfer, 3D Slicer), or of a list, index
+/// and name, whose colours are those of the palette. If each alpha is 0, labels of a table are opaque.
+/// throws: Error kFormat naming the line. source: the first lines of ITK-SNAP's own files; FreeSurferColorLUT.txt.
 TransferFunction labelDescription(const std::string& text, const std::filesystem::path& path);
 
 /// Returns the colour that the source declares for each label but 0, else a distinct one. throws: Error kUsage if there
