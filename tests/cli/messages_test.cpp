@@ -289,9 +289,11 @@ TEST_F(Messages, FunctionsThatAreNone_AreNamedWithWhatWasFound) {
     refused({"tf", in("itk.txt")}, 1, in("itk.txt") + ": " + says);
   };
   expect("1 255 0 0 1 1 1 \"a\"\n2 255 0 0 1 1 \"b\"\n", "line 2: expected a label's index, red, green, blue");
-  expect("1 255 0 0 1 1\n",
-         "line 1: expected a label's index, red, green, blue (0 to 255), opacity (0 to 1), two of 0 or "
-         "1, and its name in quotes (found '1 255 0 0 1 1'); mend the line");
+  expect(
+      "1 255 0 0 1 1\n",
+      "line 1: expected a label's index, red, green, blue (0 to 255), opacity (0 to 1), two of 0 or "
+      "1, and its name in quotes; or index, name, red, green, blue, alpha; or index and name (found '1 255 0 0 1 1'); "
+      "mend the line");
   expect("-1 255 0 0 1 1 1 \"a\"\n", "line 1: expected a label's index");
   expect("1 1 1 1 1 1 1 \"a\"\n1 1 1 1 1 1 1 \"a\"\n", "line 2: label 1 is given twice; remove one of its lines");
   expect("# nothing\n", "describes no label; write a line for each");
