@@ -18,8 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kManual = fs::path(KILN_SOURCE_DIR) / "tools/kiln/manual";
-// Pixels of the small pictures. Text keeps a least size, and covers more of a picture of an eighth of the page's edge.
-constexpr int kWidth = 200, kHeight = 150;
+// Pixels of the small pictures. Text has a least size: in pictures of less than 324 pixels along an edge it covers
+// more.
+constexpr int kWidth = 480, kHeight = 360;
 // Pixels of what is compared: edges and noise of small and large pictures differ.
 constexpr int kComparedWidth = 40, kComparedHeight = 30;
 // Agreement of a right picture: a root mean square of at most 0.03. Two pictures of the page have 20 dB and less.
