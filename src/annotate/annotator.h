@@ -18,7 +18,7 @@ class Annotator {
  public:
   /// throws: Error kUnsupported for letters without a font.
   explicit Annotator(const AnnotatedPicture& picture);
-  /// Of shapes in the order of drawing, over these pixels of the whole picture.
+  /// Draws shapes in their order over these pixels of the whole picture.
   Annotator(std::vector<Shape> shapes, const PixelRect& pixels);
 
   /// Composites the annotations over an image's colours. `first_row`: of the image, in the whole picture. `column`: of

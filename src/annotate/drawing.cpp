@@ -15,7 +15,7 @@ namespace kiln {
 namespace {
 
 constexpr double kTextsOfSide = 36;  // lines of text, without gaps, along the shorter side
-constexpr double kLeastLines = 6;    // of the least text along the shorter side; smaller pictures have no letters
+constexpr double kLeastLines = 6;    // lines of the least text along the shorter side; smaller pictures have no letters
 constexpr double kDarkInk = 0.005, kLightInk = 1;
 constexpr double kRimOpacity = 0.5;
 

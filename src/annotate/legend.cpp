@@ -226,14 +226,14 @@ void addSquares(const LegendPart& part, Drawing& drawing) {
 std::vector<LegendPart> legendParts(const AnnotatedPicture& picture, const Style& style) {
   const double em = style.em;
   const std::vector<LegendPart> all = partsOf(picture);
-  std::vector<LegendPart> out = all;
-  if (out.empty()) return out;
+  if (all.empty()) return all;
   // The room depends on the width, which depends on the room: columns are chosen for the room of a first choice.
   double width = 0, wide = 0;
+  for (const LegendPart& part : all) wide = std::max(wide, lineOf(part.title, em).width);
+  std::vector<LegendPart> out;
   Room room;
   for (int attempt = 0; attempt < 2; ++attempt) {
-    for (const LegendPart& part : all) wide = std::max(wide, lineOf(part.title, em).width);
-    room = legendRoom(picture, style, std::max(wide, width));
+    room = legendRoom(picture, style, wide);
     out = all;
     width = fitParts(picture, room.y1 - room.y0, em, out);
     wide = std::max(wide, width);

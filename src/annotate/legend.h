@@ -35,7 +35,7 @@ struct LegendPart {
   ColorBar bar = {};
   PixelRect first_square = {};       // square of the first entry
   std::size_t rows = 0;              // entries of a column
-  std::vector<double> columns = {};  // of entries: where each begins, from the first. unit: pixels
+  std::vector<double> columns = {};  // beginnings of columns of entries, from the first. unit: pixels
   double width = 0;                  // with all texts. unit: pixels
 };
 

@@ -20,7 +20,7 @@ namespace kiln {
 namespace {
 
 // unit: the font's size.
-constexpr double kLine = 0.14, kHead = 0.6, kHeadWidth = 0.42, kLetterGap = 0.6, kAside = 1.1, kLetterRoom = 1.1;
+constexpr double kLine = 0.14, kHead = 0.6, kHeadWidth = 0.42, kAside = 1.1, kLetterRoom = 1.1;
 constexpr double kDim = 0.5;
 // Length below which a direction's letter would lie over the middle of the marker. Towards the eye the letter stands
 // aside, away from the eye a patient's letter is left out: its place is the place of the letter in front.

@@ -13,6 +13,8 @@ namespace kiln {
 
 /// Length of a direction that runs in the plane of the picture. unit: the font's size.
 inline constexpr double kArmLength = 2;
+/// From the end of a direction to the middle of its letter. unit: the font's size.
+inline constexpr double kLetterGap = 0.6;
 
 struct Direction {
   std::string_view name;

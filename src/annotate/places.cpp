@@ -14,7 +14,7 @@ namespace {
 
 // unit: the font's size.
 constexpr double kApart = 0.6;
-constexpr double kSmallestText = 0.5;  // of the text in the corner, relative to other text
+constexpr double kSmallestText = 0.5;  // text in the corner, relative to other text
 // Height to width of a picture beyond which a fitted volume leaves room above itself: a legend goes there.
 constexpr double kTall = 1.2;
 
@@ -84,7 +84,7 @@ Room directionsRoom(const AnnotatedPicture& picture, const Style& style) {
 }
 
 Room placeOfDirections(const AnnotatedPicture& picture, const Style& style) {
-  const double across = 2 * (kArmLength + 1.1) * style.em;
+  const double across = 2 * (kArmLength + kLetterGap + 0.5) * style.em;
   const double left = style.margin, right = left + across;
   const Room bar = scaleBarRoom(picture, style);
   const double bottom =

@@ -1,4 +1,4 @@
-// Where annotations stand: each takes a rectangle that no other annotation covers.
+// Places of annotations: each annotation takes a rectangle that no other annotation covers.
 // Method. Text has the upper left corner, directions the lower left and the scale bar the lower right. Directions stand
 // above the scale bar where the picture is narrow. The legend has what remains of its side.
 // Invariant. Places depend on the options, the size of the picture and the texts, not on the volume: in a film nothing
@@ -25,7 +25,7 @@ std::string cutToWidth(std::string_view utf8, double size, double width);
 /// Lines of the text in the corner as they fit: smaller than other text by at most a half, then cut.
 struct CornerText {
   std::vector<std::string> lines;
-  double size = 0;  // of the font. unit: pixels
+  double size = 0;  // size of the font. unit: pixels
   Room room;
 };
 CornerText cornerText(const AnnotatedPicture& picture, const Style& style);

@@ -45,34 +45,36 @@ VoxelBox cutBy(const Clipping& clipping, const ClipRegion& region, const VoxelBo
   return out;
 }
 
-// What the bound of a cube's values may show: an opacity, 0 for too little. unit of `length`: world.
+// Returns the opacity that the bound of a cube's values may have along `length`; 0 if too little shows. unit: world.
 double opacityIn(const ShownDepths& shown, const ValueRange& range, double length) {
   const double alpha = -std::expm1(-shown.depth(range, length));
   return alpha < kLeastAlpha ? 0 : alpha;
 }
 
-// Calls each(cube, range) for the cubes of the index, of bricks that `wanted` admits, inside the clip region.
+// Calls each(cube, range) for the cubes of the index that `wanted` admits inside the clip region. A brick that `wanted`
+// refuses is skipped whole.
 template <class Wanted, class Each>
 void forCubes(const BrickedVolume& store, const ClipRegion& region, const Progress& progress, Wanted&& wanted,
               Each&& each) {
   const std::int64_t size = store.manifest().brick_size;
   const Extent3 lattice = store.index().lattice(0);
-  const auto in_region = [&](const VoxelBox& cube) {
-    return !cube.empty() && region.classify(cube) != ClipRegion::Overlap::kOutside;
+  const auto admitted = [&](const VoxelBox& cube, const ValueRange& range) {
+    return !cube.empty() && wanted(cube, range) && region.classify(cube) != ClipRegion::Overlap::kOutside;
   };
   for (std::int64_t i = 0; i < lattice.count(); ++i) {
     progress.throwIfCancelled("looking for the visible box");
     const BrickKey key{0, brickAt(lattice, i)};
     const BrickEntry& entry = store.index().at(key);
     const VoxelBox core = coreBox(key.brick, size, store.manifest().geometry().dims);
-    if (!wanted(core, entry.support) || !in_region(core)) continue;
+    if (!admitted(core, entry.support)) continue;
     if (!entry.sub_ranges) {
       each(core, entry.support);
       continue;
     }
     entry.sub_ranges->any([&](std::size_t sub, const VoxelCoord& at) {
       const VoxelBox cube = subBrickOf(core, size, entry.sub_ranges->along(), at);
-      if (in_region(cube)) each(cube, entry.sub_ranges->at(sub, entry.support));
+      const ValueRange range = entry.sub_ranges->at(sub, entry.support);
+      if (admitted(cube, range)) each(cube, range);
       return false;
     });
   }
@@ -85,9 +87,7 @@ VoxelBox boxOfIndex(const BrickedVolume& store, const ShownDepths& shown, const 
   const auto wanted = [&](const VoxelBox& cube, const ValueRange& range) {
     return !contains(out, cube) && shown.depth(range, length) >= least_depth;
   };
-  forCubes(store, region, progress, wanted, [&](const VoxelBox& cube, const ValueRange& range) {
-    if (wanted(cube, range)) include(out, cube);
-  });
+  forCubes(store, region, progress, wanted, [&](const VoxelBox& cube, const ValueRange&) { include(out, cube); });
   return out;
 }
 
@@ -176,7 +176,7 @@ class CellsOfBrick {
     if (depth[0] > 0) views.add(cell, depth);
   }
 
-  // Whether some corner is outside the region, and some inside.
+  // True if some corner is outside the region, and some inside.
   bool isCut(const VoxelCoord& cell) const {
     int inside = 0;
     for (int corner = 0; corner < 8; ++corner)
@@ -209,7 +209,7 @@ void addThinCubes(const BrickedVolume& store, const ShownDepths& shown, const Cl
     return !contains(inside, box) && opacityIn(shown, range, length) > 0;
   };
   forCubes(store, region, progress, wanted, [&](const VoxelBox& box, const ValueRange& range) {
-    if (wanted(box, range)) views.addThin(coarseBox(box, span), line * opacityIn(shown, range, length));
+    views.addThin(coarseBox(box, span), line * opacityIn(shown, range, length));
   });
 }
 

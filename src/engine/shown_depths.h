@@ -14,7 +14,7 @@ namespace kiln {
 
 class ShownDepths {
  public:
-  /// Of several functions the most opaque counts. `mean_spacing`: of the volume, the default unit of opacities;
+  /// The most opaque of several functions counts. `mean_spacing`: of the volume, the default unit of opacities;
   /// `values`: all values of the volume. requires: at least one function; all show labels, or all surfaces, or none.
   ShownDepths(std::span<const TransferFunction> functions, double mean_spacing, const ValueRange& values,
               const Progress& progress);
@@ -29,7 +29,7 @@ class ShownDepths {
     if (kind_ == Kind::kSurfaces) return first < last ? greatest(first + 1, last) : 0;
     return greatest(first, last) * length;
   }
-  /// As above, for values in a range; 0 for an empty range.
+  /// Returns the same bound for values in a range; 0 for an empty range.
   double depth(const ValueRange& range, double length) const;
 
  private:
@@ -40,9 +40,9 @@ class ShownDepths {
   float greatest(int first, int last) const;
 
   Kind kind_ = Kind::kPoints;
-  double lo_ = 0, bins_per_value_ = 0, hi_ = 0;  // of the points
+  double lo_ = 0, bins_per_value_ = 0, hi_ = 0;  // ends of the points, bins per value
   std::vector<double> values_;                   // labels or surfaces, sorted
-  // Of each bin: extinction, unit: 1 / world; of surfaces the depth of a crossing. [level][bin]: maximum of 2^level
+  // Extinction of each bin, unit: 1 / world; for surfaces the depth of a crossing. [level][bin]: maximum of 2^level
   // bins from `bin` on.
   std::vector<std::vector<float>> maxima_;
 };

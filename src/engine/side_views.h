@@ -30,7 +30,7 @@ class SideViews {
  private:
   struct View {
     int width, height;                // along the two next axes
-    std::vector<float> depths, thin;  // of columns: optical depth; opacity of what is thinner than a voxel
+    std::vector<float> depths, thin;  // optical depths of columns; opacities of matter thinner than a voxel
     std::vector<float> opacities() const;
   };
   std::array<View, 3> views_;  // along x, y and z

@@ -51,7 +51,7 @@ std::vector<glm::dvec3> cornersBetween(const VolumeGeometry& level, const glm::d
 glm::dvec3 downOf(const glm::dvec3& normal, PatientFrame frame) {
   const glm::dvec3 z(0, 0, 1);
   const bool along_z = glm::length(glm::cross(normal, z)) < kAlongZ;
-  const glm::dvec3 down = along_z ? glm::dvec3(0, frame == PatientFrame::kRas ? -1 : 1, 0) : -z;
+  const glm::dvec3 down = along_z ? -patientAxes(frame).anterior : -z;
   return glm::normalize(down - glm::dot(down, normal) * normal);
 }
 

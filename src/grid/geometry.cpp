@@ -12,6 +12,11 @@
 
 namespace kiln {
 
+PatientAxes patientAxes(PatientFrame frame) {
+  if (frame == PatientFrame::kRas) return {{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  return {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
+}
+
 glm::dvec3 VolumeGeometry::spacing() const {
   return {glm::length(glm::dvec3(world_from_index[0])), glm::length(glm::dvec3(world_from_index[1])),
           glm::length(glm::dvec3(world_from_index[2]))};

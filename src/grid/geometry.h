@@ -14,6 +14,12 @@ namespace kiln {
 /// Patient directions of the world axes +x, +y, +z. RAS: right, anterior, superior. LPS: left, posterior, superior.
 enum class PatientFrame { kUnknown, kRas, kLps };
 
+/// World directions of a patient in a frame; an unknown frame is read as LPS. Unit length.
+struct PatientAxes {
+  glm::dvec3 left, anterior, superior;
+};
+PatientAxes patientAxes(PatientFrame frame);
+
 struct VolumeGeometry {
   Extent3 dims;
   /// Maps index space to world space: voxel (i,j,k) is centred at world_from_index * (i,j,k,1). Any invertible affine

@@ -20,9 +20,13 @@ NearestAxis voxelAxisOf(const VolumeGeometry& volume, std::size_t patient_axis) 
 }  // namespace
 
 std::array<NearestAxis, 3> nearestToPatient(const glm::dmat3& directions, PatientFrame frame) {
-  const glm::dvec3 lps_from_world = frame == PatientFrame::kRas ? glm::dvec3(-1, -1, 1) : glm::dvec3(1);
+  const PatientAxes axes = patientAxes(frame);
   glm::dmat3 lps;
-  for (int column = 0; column < 3; ++column) lps[column] = lps_from_world * glm::normalize(directions[column]);
+  for (int column = 0; column < 3; ++column) {
+    const glm::dvec3 direction = glm::normalize(directions[column]);
+    lps[column] = {glm::dot(direction, axes.left), -glm::dot(direction, axes.anterior),
+                   glm::dot(direction, axes.superior)};
+  }
   static constexpr int kOrders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
   const int* best = nullptr;
   double greatest = 0;

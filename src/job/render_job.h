@@ -23,9 +23,9 @@ namespace kiln {
 /// Range of Annotations::size.
 inline constexpr double kLeastAnnotationSize = 0.25, kMostAnnotationSize = 4;
 
-/// Annotations drawn over a finished picture (annotate/README.md).
 enum class LegendPlace { kRight, kLeft, kTopRight, kTopLeft, kBottomRight, kBottomLeft };
 
+/// Annotations drawn over a finished picture (annotate/README.md).
 struct Annotations {
   bool scale_bar = false;
   bool box = false;
@@ -58,7 +58,7 @@ struct PictureOptions {
   std::optional<Fit> fit;  // the box that a camera without an eye fits; absent: kRegion with an outline, else kVisible
   std::optional<Stereo> stereo;  // draw one eye of a pair, or both, of which the camera is the middle
   Lens lens;
-  /// Where values are projected, "auto" is grey from black to white over the values of projectionRange.
+  /// In projections, "auto" is grey from black to white over the values of projectionRange.
   TransferFunctionChoice transfer_function = std::string("auto");
   std::optional<Window> window;  // the values of the transfer function's first and last points
   Shading shading;

@@ -26,7 +26,7 @@ TEST(ShownDepths, OfPoints_areTheMostOpaqueValues) {
   EXPECT_EQ(opacityIn(ramp, {}), 0);
 }
 
-// Whatever the function: no value of a range is more opaque than the bound.
+// For any function, no value of a range is more opaque than the bound.
 TEST(ShownDepths, OfPoints_areBounds) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> value(-900, 900), share(0, 0.9);

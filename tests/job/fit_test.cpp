@@ -1,5 +1,5 @@
-// What a default camera fits, by the options of the job. Known: the functions and the box that a finder of boxes is
-// asked for, and the middle of the box that it returns, which the camera looks at.
+// The box that a default camera fits, by the options of the job. Known: the functions and the box that a finder of
+// boxes is asked for, and the middle of the box that it returns, which the camera looks at.
 #include <gtest/gtest.h>
 
 #include <numeric>

@@ -63,10 +63,12 @@ Camera turnedAt(const Turntable& turntable, const CameraSpec& still, double fram
                 const ImageSize& size) {
   // The picture is moved after the turn: the axis goes through the volume's centre. A rolled picture shows the same
   // turn.
-  CameraSpec unmoved = still, upright = still;
-  unmoved.pan.reset(), upright.pan.reset(), upright.roll_deg.reset();
+  CameraSpec unmoved = still;
+  unmoved.pan.reset();
+  CameraSpec upright = unmoved;
+  upright.roll_deg.reset();
   Camera camera = unmoved.resolve(box, size);
-  const glm::dvec3 axis = turntable.axis.value_or(upright.resolve(box, size).up);
+  const glm::dvec3 axis = turntable.axis ? *turntable.axis : upright.resolve(box, size).up;
   if (box.fit != Fit::kBox && still.framed()) camera = unmoved.resolve(box, size, turnsOf(turntable, axis));
   camera = turned(camera, axis, angleAt(turntable, frame));
   return still.pan ? panned(camera, *still.pan, size) : camera;

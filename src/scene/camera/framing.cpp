@@ -106,11 +106,6 @@ Framing defaultFraming() {
   return framing;
 }
 
-PatientAxes patientAxes(PatientFrame frame) {
-  if (frame == PatientFrame::kRas) return {{-1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  return {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}};
-}
-
 // Corners are relative to the first volume's origin: for origins far from zero (map coordinates) only the rounding of
 // the origins themselves remains, and none for a single volume.
 VolumeGeometry boxAround(const std::vector<VolumeGeometry>& volumes) {

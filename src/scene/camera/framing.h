@@ -52,12 +52,6 @@ struct Framing {
 /// Default framing: three quarters from the front, slightly from above.
 Framing defaultFraming();
 
-/// World directions of a patient in a frame; an unknown frame is read as LPS. Unit length.
-struct PatientAxes {
-  glm::dvec3 left, anterior, superior;
-};
-PatientAxes patientAxes(PatientFrame frame);
-
 /// Returns a camera whose image of size `size` contains the box, also where the box is turned about its centre by one
 /// of `turns`; the eye is always outside the box. Zoom narrows the field of view (or height) and leaves the eye, so the
 /// perspective is unchanged. throws: Error kUsage if zoom is not positive, or an angle is out of range.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/vector_relational.hpp>
 #include <set>
 #include <sstream>
 
@@ -29,23 +30,21 @@ constexpr double kPaletteOpacity = 0.95;
 
 struct Described {
   LabelStyle style;
-  std::optional<double> alpha;  // of a colour table. unit: 255ths
+  std::optional<double> alpha;  // in a colour table. unit: 255ths
 };
 
 bool isLabel(double number) { return number >= 0 && number <= kLargestLabel && number == std::floor(number); }
 
-glm::dvec3 linearColor(const double (&channels)[3]) {
-  return {linearFromSrgb(channels[0] / 255), linearFromSrgb(channels[1] / 255), linearFromSrgb(channels[2] / 255)};
-}
-
-bool areBytes(const double (&channels)[3]) {
-  return std::ranges::all_of(channels, [](double channel) { return channel >= 0 && channel <= 255; });
+bool areBytes(const glm::dvec3& channels) {
+  return glm::all(glm::greaterThanEqual(channels, glm::dvec3(0))) &&
+         glm::all(glm::lessThanEqual(channels, glm::dvec3(255)));
 }
 
 // A line of ITK-SNAP's.
 std::optional<Described> itkSnapLine(const std::string& line) {
   std::istringstream in(line);
-  double label = 0, channels[3] = {}, opacity = 0, in_slices = 0, in_mesh = 0;
+  double label = 0, opacity = 0, in_slices = 0, in_mesh = 0;
+  glm::dvec3 channels(0);
   in >> label >> channels[0] >> channels[1] >> channels[2] >> opacity >> in_slices >> in_mesh;
   if (!in) return std::nullopt;
   std::string name;
@@ -53,19 +52,21 @@ std::optional<Described> itkSnapLine(const std::string& line) {
   name = content(name);
   if (name.size() < 2 || name.front() != '"' || name.back() != '"') return std::nullopt;
   if (!isLabel(label) || !areBytes(channels) || !(opacity >= 0 && opacity <= 1)) return std::nullopt;
-  return Described{
-      {label, name.substr(1, name.size() - 2), linearColor(channels), in_mesh != 0 && label != 0 ? opacity : 0}, {}};
+  return Described{{label, name.substr(1, name.size() - 2), linearFromSrgb(channels / 255.0),
+                    in_mesh != 0 && label != 0 ? opacity : 0},
+                   {}};
 }
 
 // A line of a colour table of FreeSurfer's or 3D Slicer's: index, name without blanks, red, green, blue, alpha.
 std::optional<Described> tableLine(const std::string& line) {
   std::istringstream in(line);
-  double label = 0, channels[3] = {}, alpha = 0;
+  double label = 0, alpha = 0;
+  glm::dvec3 channels(0);
   std::string name, more;
   in >> label >> name >> channels[0] >> channels[1] >> channels[2] >> alpha;
   if (!in || in >> more || numberOf<double>(name)) return std::nullopt;
   if (!isLabel(label) || !areBytes(channels) || !(alpha >= 0 && alpha <= 255)) return std::nullopt;
-  return Described{{label, name, linearColor(channels), label != 0 ? 1.0 : 0.0}, alpha};
+  return Described{{label, name, linearFromSrgb(channels / 255.0), label != 0 ? 1.0 : 0.0}, alpha};
 }
 
 // A line of a list of names, as beside the atlases of MRIcron and FSL: index, and the rest is the name.
@@ -174,7 +175,7 @@ LabelStyle defaultStyle(double label, const std::vector<DeclaredLook::Label>& de
   if (found == declared.end() || static_cast<double>(found->label) != label)
     return {label, "", paletteColor(std::abs(label)), kPaletteOpacity};
   LabelStyle out{label, "", srgbOf(found->color), found->color.alpha / 255.0};
-  for (int c = 0; c < 3; ++c) out.color[c] = linearFromSrgb(out.color[c]);
+  out.color = linearFromSrgb(out.color);
   return out;
 }
 

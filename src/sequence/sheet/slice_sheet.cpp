@@ -89,7 +89,7 @@ Panel panelOf(const BrickedVolume& store, const SliceSheetRequest& request, cons
   slice.colormap = request.colormap;
   slice.memory_bytes = request.memory_bytes - std::min(request.memory_bytes, sheetBytes(store, sheet.level));
   const Image image = renderSlice(store, slice, progress);
-  // Where the voxel lies along a side of so many pixels, as counted by `renderSlice`.
+  // Returns the pixel of the voxel along a side of so many pixels, as `renderSlice` counts.
   const auto place = [&](const NearestAxis& along, int pixels) {
     const double part =
         (static_cast<double>(sheet.at[along.index]) + 0.5) / static_cast<double>(finest[along.index]) * pixels;

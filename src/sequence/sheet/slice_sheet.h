@@ -16,7 +16,7 @@ struct SliceSheetRequest {
   std::optional<VoxelCoord> at;  // of level 0; else the middle
   std::optional<Window> window;
   std::string colormap = "gray";
-  bool letters = true;  // of the patient's sides
+  bool letters = true;  // draws letters of the patient's sides
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
 };
 

@@ -46,7 +46,7 @@ void warnBeside(const std::string& picture, const Window& window, const ValueRan
                   picture, range.lo, range.hi));
 }
 
-// Whether the picture gets letters. A program that was built without a font draws the picture without letters.
+// True if the picture gets letters. A program that was built without a font draws the picture without letters.
 bool hasLetters(const SliceArguments& a, const VolumeGeometry& volume, Progress& progress) {
   if (a.no_letters || volume.frame == PatientFrame::kUnknown) return false;
   if (!hasFont()) {
