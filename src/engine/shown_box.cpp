@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/shown_depths.h"
+#include "engine/shown_outline.h"
 #include "engine/side_views.h"
 #include "grid/voxel_type.h"
 #include "store/brick_index.h"
@@ -221,8 +222,24 @@ std::optional<int> levelOfOneBrick(const BrickedVolume& store) {
   return std::nullopt;
 }
 
-VoxelBox boxOfBrick(const BrickedVolume& store, int level, const ShownDepths& shown, const Clipping& clipping,
-                    const ClipRegion& region, const Progress& progress, ShownBox& reads) {
+// A box of voxels of a coarser level in voxels of level 0.
+VoxelBox fineBox(const VoxelBox& coarse, const Extent3& span, const Extent3& dims) {
+  VoxelBox out;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.lo[axis] = coarse.lo[axis] * span[axis];
+    out.hi[axis] = std::min(coarse.hi[axis] * span[axis], dims[axis]);
+  }
+  return out;
+}
+
+// What the views of a level show.
+struct SeenBoxes {
+  VoxelBox box;                // around all
+  std::vector<VoxelBox> rows;  // of cells
+};
+
+SeenBoxes boxesOfBrick(const BrickedVolume& store, int level, const ShownDepths& shown, const Clipping& clipping,
+                       const ClipRegion& region, const Progress& progress, ShownBox& reads) {
   const Manifest& manifest = store.manifest();
   const BrickKey key{level, {}};
   const BrickEntry& entry = store.index().at(key);
@@ -236,16 +253,17 @@ VoxelBox boxOfBrick(const BrickedVolume& store, int level, const ShownDepths& sh
   }
   reads.files += entry.constant ? 0 : 1;
   reads.file_bytes += entry.file_bytes;
-  if (level > 0) addThinCubes(store, shown, region, span, progress, views);
-  const VoxelBox found = views.box();
-  VoxelBox out;
-  for (int axis = 0; axis < 3; ++axis) {
-    out.lo[axis] = found.lo[axis] * span[axis];
-    out.hi[axis] = std::min(found.hi[axis] * span[axis], manifest.geometry().dims[axis]);
-  }
+  // A range of labels holds labels that are nowhere in the cube. The level of the most frequent of 2³ labels lacks only
+  // what is one voxel thin.
+  const bool halved = std::max({span.x, span.y, span.z}) <= 2;
+  if (level > 0 && !(shown.ofLabels() && halved)) addThinCubes(store, shown, region, span, progress, views);
+  const Extent3& dims = manifest.geometry().dims;
+  SeenBoxes out{fineBox(views.box(), span, dims), views.rows()};
+  for (VoxelBox& row : out.rows) row = fineBox(row, span, dims);
   // A section shows other values, too.
-  const bool closer = level > 0 && !clipping.section && !out.empty();
-  return closer ? intersection(out, boxBesideNothing(store, shown, region, progress)) : out;
+  const bool closer = level > 0 && !clipping.section && !out.box.empty();
+  if (closer) out.box = intersection(out.box, boxBesideNothing(store, shown, region, progress));
+  return out;
 }
 
 }  // namespace
@@ -265,13 +283,19 @@ ShownBox shownBox(const BrickedVolume& store, std::span<const TransferFunction> 
   const ShownDepths shown(functions, spacing, manifest.range, progress);
   ShownBox out;
   const std::optional<int> level = read_brick ? levelOfOneBrick(store) : std::nullopt;
+  std::vector<VoxelBox> parts;
   if (level) {
-    out.box = boxOfBrick(store, *level, shown, whole, region, progress, out);
+    SeenBoxes seen = boxesOfBrick(store, *level, shown, whole, region, progress, out);
+    out.box = seen.box, parts = std::move(seen.rows);
   } else {
     const auto cube = static_cast<double>(manifest.brick_size / subBricksOf(manifest.brick_size));
     out.box = boxOfIndex(store, shown, region, cube * spacing, -std::log1p(-kLeastAlpha), progress);
   }
   out.box = cutBy(whole, region, out.box);
+  for (VoxelBox& part : parts) part = intersection(part, out.box);
+  std::erase_if(parts, [](const VoxelBox& part) { return part.empty(); });
+  if (parts.empty() && !out.box.empty()) parts.push_back(out.box);
+  out.outline = outlineOf(parts, manifest.geometry());
   return out;
 }
 

@@ -1,17 +1,19 @@
-// Box around the part of a volume that transfer functions show: a camera fits its picture to the box.
+// Box and outline of the part of a volume that transfer functions show: a camera fits its picture to the outline.
 // Problem. A scan is often mostly air; a picture of its whole box shows the subject small. The box must be known
 // before a brick is drawn, in time that a user does not notice.
 // Method. (1) The voxels of the finest level that is one brick give the views along the three axes (side_views.h): the
 // box around all that counts in them. (2) The sub-ranges of the index bound the values in cubes of 1/8 brick. Cubes
 // outside the box that may show something hold matter thinner than a voxel of step 1, which counts by its share.
-// (3) The box is cut by the clip region.
-// Invariant. The box contains what a person sees, but for specks of a negligible share of the visible opacity. It
-// depends on store, functions, region and sections alone. Cost. One brick file. The index once: bricks inside the box
-// of step 1 are skipped.
+// (3) The box is cut by the clip region. (4) The outline (shown_outline.h) holds what of the views' cells is in the
+// box. Invariant. Box and outline contain what a person sees, but for specks of a negligible share of the visible
+// opacity. Both depend on store, functions, region and sections alone. Cost. One brick file. The index once: bricks
+// inside the box of step 1 are skipped.
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <span>
+#include <vector>
 
 #include "base/progress.h"
 #include "grid/coords.h"
@@ -23,6 +25,7 @@ namespace kiln {
 
 struct ShownBox {
   VoxelBox box;                             // of level 0; empty if nothing is shown
+  std::vector<glm::dvec3> outline;          // unit: world; the box's corners where step 1 is left out
   std::uint64_t files = 0, file_bytes = 0;  // read for step 1
 };
 

@@ -15,24 +15,25 @@ constexpr double kNegligible = 0.001;
 struct Object {
   double opacity = 0;  // sum over its voxels
   int x0, y0, x1, y1;  // half-open
+  std::int32_t number;
 };
 
 class Objects {
  public:
   Objects(std::vector<float> opacities, int width, int height)
-      : open_(std::move(opacities)), opacities_(open_), width_(width), height_(height) {}
-
-  /// Returns the objects, the faintest first.
-  std::vector<Object> take() && {
-    std::vector<Object> out;
+      : open_(std::move(opacities)), opacities_(open_), numbers_(open_.size()), width_(width), height_(height) {
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        if (open_[placeOf(x, y)] > 0) out.push_back(from(x, y));
+        if (open_[placeOf(x, y)] > 0) found_.push_back(from(x, y));
       }
     }
-    std::ranges::stable_sort(out, {}, &Object::opacity);
-    return out;
+    std::ranges::stable_sort(found_, {}, &Object::opacity);
   }
+
+  /// The faintest first.
+  const std::vector<Object>& found() const { return found_; }
+  /// The number of the object of each pixel; 0: none.
+  const std::vector<std::int32_t>& numbers() const { return numbers_; }
 
  private:
   std::size_t placeOf(int x, int y) const {
@@ -52,7 +53,7 @@ class Objects {
 
   // Takes the pixels that touch the pixel at (x, y).
   Object from(int x, int y) {
-    Object out{0, x, y, x + 1, y + 1};
+    Object out{0, x, y, x + 1, y + 1, static_cast<std::int32_t>(found_.size() + 1)};
     std::vector<std::pair<int, int>> found;
     const auto visit = [&](int column, int row) {
       float& opacity = open_[placeOf(column, row)];
@@ -61,6 +62,7 @@ class Objects {
       out.x0 = std::min(out.x0, column), out.x1 = std::max(out.x1, column + 1);
       out.y0 = std::min(out.y0, row), out.y1 = std::max(out.y1, row + 1);
       opacity = 0;
+      numbers_[placeOf(column, row)] = out.number;
       found.emplace_back(column, row);
     };
     visit(x, y);
@@ -76,12 +78,15 @@ class Objects {
 
   std::vector<float> open_;  // 0: taken
   const std::vector<float> opacities_;
+  std::vector<std::int32_t> numbers_;
+  std::vector<Object> found_;
   int width_, height_;
 };
 
 }  // namespace
 
-SideViews::SideViews(const Extent3& dims) : dims_(dims) {
+SideViews::SideViews(const Extent3& dims)
+    : dims_(dims), words_((dims.x + 63) / 64), shown_(static_cast<std::size_t>(words_ * dims.y * dims.z)) {
   for (int axis = 0; axis < 3; ++axis) {
     View& view = views_[static_cast<std::size_t>(axis)];
     view.width = static_cast<int>(dims[(axis + 1) % 3]);
@@ -92,6 +97,7 @@ SideViews::SideViews(const Extent3& dims) : dims_(dims) {
 }
 
 void SideViews::add(const VoxelCoord& cell, const std::array<double, 3>& depth) {
+  wordOf(cell) |= std::uint64_t{1} << (cell.x % 64);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     View& view = views_[axis];
     const std::int64_t x = cell[static_cast<int>(axis + 1) % 3], y = cell[static_cast<int>(axis + 2) % 3];
@@ -111,6 +117,11 @@ void SideViews::addThin(const VoxelBox& box, double opacity) {
       }
     }
   }
+  for (std::int64_t z = within.lo.z; z < within.hi.z; ++z) {
+    for (std::int64_t y = within.lo.y; y < within.hi.y; ++y) {
+      for (std::int64_t x = within.lo.x; x < within.hi.x; ++x) wordOf({x, y, z}) |= std::uint64_t{1} << (x % 64);
+    }
+  }
 }
 
 std::vector<float> SideViews::View::opacities() const {
@@ -122,25 +133,58 @@ std::vector<float> SideViews::View::opacities() const {
   return out;
 }
 
+SideViews::Counted SideViews::View::counted() const {
+  const Objects objects(opacities(), width, height);
+  double all = 0, left_out = 0;
+  for (const Object& object : objects.found()) all += object.opacity;
+  Counted out{std::vector<bool>(depths.size()), {width, height}, {0, 0}};
+  std::vector<bool> counts(objects.found().size() + 1);
+  for (const Object& object : objects.found()) {
+    left_out += object.opacity;
+    if (left_out <= kNegligible * all) continue;
+    counts[static_cast<std::size_t>(object.number)] = true;
+    out.lo = {std::min<std::int64_t>(out.lo[0], object.x0), std::min<std::int64_t>(out.lo[1], object.y0)};
+    out.hi = {std::max<std::int64_t>(out.hi[0], object.x1), std::max<std::int64_t>(out.hi[1], object.y1)};
+  }
+  for (std::size_t i = 0; i < depths.size(); ++i)
+    out.pixels[i] = counts[static_cast<std::size_t>(objects.numbers()[i])];
+  return out;
+}
+
 VoxelBox SideViews::box() const {
   VoxelBox out = {{dims_.x, dims_.y, dims_.z}, {0, 0, 0}};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const View& view = views_[axis];
-    const int across = static_cast<int>(axis + 1) % 3, down = static_cast<int>(axis + 2) % 3;
-    const std::vector<Object> objects = Objects(view.opacities(), view.width, view.height).take();
-    double all = 0, left_out = 0;
-    for (const Object& object : objects) all += object.opacity;
-    for (const Object& object : objects) {
-      left_out += object.opacity;
-      if (left_out <= kNegligible * all) continue;
-      out.lo[across] = std::min<std::int64_t>(out.lo[across], object.x0);
-      out.hi[across] = std::max<std::int64_t>(out.hi[across], object.x1);
-      out.lo[down] = std::min<std::int64_t>(out.lo[down], object.y0);
-      out.hi[down] = std::max<std::int64_t>(out.hi[down], object.y1);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Counted counted = views_[static_cast<std::size_t>(axis)].counted();
+    const std::array<int, 2> across = {(axis + 1) % 3, (axis + 2) % 3};
+    for (std::size_t i = 0; i < 2; ++i) {
+      out.lo[across[i]] = std::min(out.lo[across[i]], counted.lo[i]);
+      out.hi[across[i]] = std::max(out.hi[across[i]], counted.hi[i]);
     }
   }
   // A cell reaches to its next neighbours.
   for (int axis = 0; axis < 3; ++axis) out.hi[axis] = std::min(out.hi[axis] + (out.hi[axis] > 0 ? 1 : 0), dims_[axis]);
+  return out;
+}
+
+std::vector<VoxelBox> SideViews::rows() const {
+  const std::array<Counted, 3> counted = {views_[0].counted(), views_[1].counted(), views_[2].counted()};
+  const auto counts = [&](std::size_t axis, std::int64_t across, std::int64_t down) -> int {
+    return counted[axis].pixels[static_cast<std::size_t>(down * views_[axis].width + across)];
+  };
+  std::vector<VoxelBox> out;
+  for (std::int64_t z = 0; z < dims_.z; ++z) {
+    for (std::int64_t y = 0; y < dims_.y; ++y) {
+      const int of_row = counts(0, y, z);
+      const auto isCounted = [&](std::int64_t x) {
+        return shows({x, y, z}) && of_row + counts(1, z, x) + counts(2, x, y) >= 2;
+      };
+      std::int64_t first = 0, last = dims_.x - 1;
+      while (first <= last && !isCounted(first)) ++first;
+      if (first > last) continue;
+      while (!isCounted(last)) --last;
+      out.push_back(intersection({{first, y, z}, {last + 2, y + 2, z + 2}}, boxOf(dims_)));
+    }
+  }
   return out;
 }
 

@@ -2,10 +2,13 @@
 // Problem. A few voxels far from an object, such as noise or nails of a table, must not decide the size of a picture.
 // Nothing else that a person sees may be cut off.
 // Method. A pixel has the opacity of its column of cells. Pixels that touch are an object; objects that together are a
-// negligible share of all opacity are left out. An object counts if it counts in a view of some axis.
+// negligible share of all opacity are left out. The box holds each object that counts in a view of some axis. A cell
+// counts if its pixels count in two views: a stray voxel in front of an object counts in the view along it alone.
+// Source: Laurentini 1994 (visual hulls).
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "grid/coords.h"
@@ -26,15 +29,33 @@ class SideViews {
   void addThin(const VoxelBox& box, double opacity);
   /// Returns the box of the voxels that count; empty if nothing shows.
   VoxelBox box() const;
+  /// Returns, for each row along x that has cells that count, the box of the row's first to last such cell.
+  std::vector<VoxelBox> rows() const;
 
  private:
+  // The pixels of a view that count, and the rectangle around them.
+  struct Counted {
+    std::vector<bool> pixels;
+    std::array<std::int64_t, 2> lo, hi;  // half-open; empty if lo > hi
+  };
   struct View {
     int width, height;                // along the two next axes
     std::vector<float> depths, thin;  // optical depths of columns; opacities of matter thinner than a voxel
     std::vector<float> opacities() const;
+    Counted counted() const;
   };
+  // Cells that show something, a bit each, in rows of words.
+  std::uint64_t& wordOf(const VoxelCoord& cell) {
+    return shown_[static_cast<std::size_t>((cell.z * dims_.y + cell.y) * words_ + cell.x / 64)];
+  }
+  bool shows(const VoxelCoord& cell) const {
+    return shown_[static_cast<std::size_t>((cell.z * dims_.y + cell.y) * words_ + cell.x / 64)] >> (cell.x % 64) & 1;
+  }
+
   std::array<View, 3> views_;  // along x, y and z
   Extent3 dims_;
+  std::int64_t words_;  // of a row
+  std::vector<std::uint64_t> shown_;
 };
 
 }  // namespace kiln

@@ -579,8 +579,8 @@ const Options<RenderJob>& cameraObjectOptions() {
   static const Options<RenderJob> kOptions = [] {
     Options<RenderJob> out = optionsIn<RenderJob>(cameraOptions(), KILN_MEMBER(picture.camera));
     out.push_back(Row("fit", "--fit", kCamera, {KILN_MEMBER(picture.fit), Word{kFitNames}},
-                      "Box that a camera without --eye fits into the picture: the box of what the transfer function "
-                      "shows after clipping (visible), of the clipped volume (region), or of the whole volume (box). A "
+                      "What a camera without --eye fits into the picture: what the transfer function shows after "
+                      "clipping (visible), the box of the clipped volume (region), or of the whole volume (box). A "
                       "turntable fits all its frames. Default: visible; with --box, region."));
     OptionValue<RenderJob> turntable = custom({{"$ref", "turntable"}}, [](const JobObject& camera, RenderJob& job) {
       job.animation.camera = turntableFrom(*camera.object("turntable"));

@@ -165,7 +165,8 @@ ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const BrickedVolume*> 
     }
     reads.files += shown.files;
     reads.bytes += shown.file_bytes;
-    return shown.box.empty() ? VolumeGeometry() : partOf(store.manifest().geometry(), shown.box);
+    const VolumeGeometry box = shown.box.empty() ? VolumeGeometry() : partOf(store.manifest().geometry(), shown.box);
+    return FramedBox(box, std::move(shown.outline), Fit::kVisible);
   };
 }
 

@@ -103,7 +103,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job, const Prog
         return memo.box;
     }
     std::erase_if(shown_, [&](const ShownMemo& memo) { return memo.volume == volume; });
-    const VolumeGeometry box = shown_box(volume, functions, clipping);
+    const FramedBox box = shown_box(volume, functions, clipping);
     shown_.push_back({volume, functions, clipping, box});
     return box;
   };

@@ -94,7 +94,7 @@ class ViewPainter {
     std::size_t volume = 0;
     std::vector<TransferFunction> functions;
     Clipping clipping;
-    VolumeGeometry box;
+    FramedBox box;
   };
   std::vector<ShownMemo> shown_;
   std::string planned_;  // the job of the last plan of memory, without its camera

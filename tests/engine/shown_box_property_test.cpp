@@ -1,7 +1,10 @@
-// The box that a picture shows. Known answers: a box of opaque voxels in air is found to the voxel in a store of one
-// brick, and within a cube of the index in larger stores. Property: no shown voxel is outside.
+// The box and the outline that a picture shows. Known answers: a box of opaque voxels in air is found to the voxel in a
+// store of one brick, and within a cube of the index in larger stores. Properties: no shown voxel is outside the box;
+// in no direction does a shown voxel reach beyond the outline, but by its stated share.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <random>
 
 #include "engine/shown_box.h"
@@ -70,6 +73,81 @@ TEST(ShownBox, BoxInAir_isFoundWithinACube) {
 TEST(ShownBox, NothingShown_isEmpty) {
   const StoreReader store(makeStore(airWith({{10, 10, 10}, {20, 20, 20}}, 90), "nothing"));
   EXPECT_TRUE(shownIn(store, rampTo(1)).empty());
+  EXPECT_TRUE(shownBox(store, std::vector{rampTo(1)}, {}).outline.empty());
+}
+
+glm::dvec3 randomDirection(std::mt19937& random) {
+  std::normal_distribution<double> part;
+  return glm::normalize(glm::dvec3(part(random), part(random), part(random)));
+}
+
+double reachOf(const std::vector<glm::dvec3>& points, const glm::dvec3& direction) {
+  double out = -INFINITY;
+  for (const glm::dvec3& point : points) out = std::max(out, glm::dot(point, direction));
+  return out;
+}
+
+// A ball of radius 20 reaches 20 in every direction, a box around it up to 34.6. A cell reaches a voxel further; in a
+// store whose level of one brick has voxels of 8, eight.
+TEST(ShownOutline, OfABall_isRound) {
+  const glm::dvec3 centre(26, 25, 22);
+  DenseVolume volume = fill({kDims}, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    return glm::distance(glm::dvec3(x, y, z), centre) <= 20 ? 255.0 : 0.0;
+  });
+  for (int axis = 0; axis < 3; ++axis) {
+    volume.geometry.world_from_index[axis][axis] = 0.5;
+    volume.geometry.world_from_index[3][axis] = -100;
+  }
+  std::mt19937 random(5);
+  for (const std::int64_t brick : {16, 128}) {
+    const StoreReader store(makeStore(volume, "round" + std::to_string(brick), brick));
+    const std::vector<glm::dvec3> outline = shownBox(store, std::vector{rampTo(1)}, {}).outline;
+    const double span = brick == 16 ? 8 : 1;
+    for (int n = 0; n < 200; ++n) {
+      const glm::dvec3 direction = randomDirection(random);
+      const double reach = 2 * (reachOf(outline, direction) - glm::dot(0.5 * centre - 100.0, direction));
+      EXPECT_GE(reach, 20 * 0.995) << brick;
+      EXPECT_LE(reach, 20 + 2 * std::sqrt(3.0) * span) << brick;
+    }
+  }
+}
+
+// The ends of a rod that lies aslant are the ends of its outline, and its box has six more corners.
+TEST(ShownOutline, ContainsWhatShows) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> place(8, 36);
+  for (int n = 0; n < 8; ++n) {
+    const glm::dvec3 from(place(random), place(random), place(random)), to(place(random), place(random), place(random));
+    DenseVolume volume = airWith({}, 0);
+    std::vector<glm::dvec3> centres;
+    for (int i = 0; i <= 200; ++i) {
+      const glm::dvec3 at = glm::floor(glm::mix(from, to, i / 200.0));
+      volume.set(static_cast<std::int64_t>(at.x), static_cast<std::int64_t>(at.y), static_cast<std::int64_t>(at.z),
+                 255);
+      centres.push_back(at);
+    }
+    for (const std::int64_t brick : {16, 128}) {
+      const StoreReader store(makeStore(volume, "aslant" + std::to_string(brick), brick));
+      const std::vector<glm::dvec3> outline = shownBox(store, std::vector{rampTo(1)}, {}).outline;
+      for (int k = 0; k < 100; ++k) {
+        const glm::dvec3 direction = randomDirection(random);
+        const double reach = reachOf(outline, direction), shown = reachOf(centres, direction);
+        EXPECT_GE(reach, shown) << "rod " << n << ", bricks of " << brick;
+        if (brick == 128) EXPECT_LE(reach, shown + 3) << "rod " << n;
+      }
+    }
+  }
+}
+
+// Known by halves: behind an oblique plane, nothing is left of the corner that the box of the rest still has.
+TEST(ShownOutline, ObliquePlanes_cut) {
+  const StoreReader store(makeStore(airWith({{10, 10, 10}, {40, 40, 40}}, 255), "oblique_outline", 128));
+  Clipping cut;
+  cut.planes = {{{-1, -1, -1}, 40.0}};  // x + y + z <= 40
+  const std::vector<glm::dvec3> outline = shownBox(store, std::vector{rampTo(1)}, cut).outline;
+  EXPECT_NEAR(reachOf(outline, {1, 1, 1}), 40, 6);  // a cell that the plane cuts reaches 4.5 to 6 further
+  const std::vector<glm::dvec3> whole = shownBox(store, std::vector{rampTo(1)}, {}).outline;
+  EXPECT_NEAR(reachOf(whole, {1, 1, 1}), 3 * 39.5, 3);
 }
 
 // A ray through 10 voxels of opacity o has the alpha 1 - (1 - o)^10: of 0.0002 it is 0.002, of 0.003 it is 0.03, which
@@ -187,6 +265,22 @@ TEST(ShownBox, Labels_thatAreShown) {
   TransferFunction function;
   function.labels = {{3, "body", glm::dvec3(1), 0}, {7, "organ", glm::dvec3(1), 1}};
   expectAround(shownIn(store, function), {{20, 21, 22}, {25, 22, 23}}, 1, "label");
+}
+
+// Cubes that hold labels above and below a shown label do not hold that label.
+TEST(ShownBox, Labels_betweenOthers) {
+  DenseVolume labels = fill({kDims}, [](std::int64_t x, std::int64_t y, std::int64_t z) {
+    return static_cast<double>(1 + 8 * ((x / 3 + y / 3 + z / 3) % 2));
+  });
+  for (std::int64_t z = 12; z < 24; ++z) {
+    for (std::int64_t y = 12; y < 24; ++y) {
+      for (std::int64_t x = 20; x < 36; ++x) labels.set(x, y, z, 5);
+    }
+  }
+  const StoreReader store(makeStore(labels, "between", 64, true));
+  TransferFunction function;
+  function.labels = {{1, "a", glm::dvec3(1), 0}, {5, "b", glm::dvec3(1), 1}, {9, "c", glm::dvec3(1), 0}};
+  expectAround(shownIn(store, function), {{20, 12, 12}, {36, 24, 24}}, 2, "between");
 }
 
 }  // namespace

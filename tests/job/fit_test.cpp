@@ -36,7 +36,7 @@ Fitted fittedBy(const RenderJob& job) {
   Fitted out;
   const ShownBoxOf shown_box = [&](std::size_t, const std::vector<TransferFunction>& functions, const Clipping&) {
     out.asked = functions.front();
-    return partOf(manifest.geometry(), kObject);
+    return FramedBox(partOf(manifest.geometry(), kObject));
   };
   const SceneOfJob scenes(job, {&manifest}, shown_box);
   out.target = scenes.at(1).camera.target;

@@ -88,6 +88,33 @@ TEST(Framing, VisibleBoxes_haveMoreMargin) {
   }
 }
 
+// Corners of the box in which nothing is are outside: an octahedron in a cube is seen 1.6 times as large from its
+// edges.
+TEST(Framing, Outlines_areFittedInsteadOfCorners) {
+  const VolumeGeometry volume = boxOfSize(100, 100, 100);
+  std::vector<glm::dvec3> outline;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-50.0, 50.0}) {
+      outline.push_back(centreOf(volume));
+      outline.back()[axis] += sign;
+    }
+  }
+  const ImageSize size{200, 200};
+  for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+    Framing framing = defaultFraming();
+    framing.projection = projection;
+    const Camera camera = frameVolume({volume, outline, Fit::kVisible}, framing, size);
+    double most = 0;
+    for (const glm::dvec3& point : outline) {
+      const glm::dvec2 from_centre = (pixelOf(camera, size, point) - glm::dvec2(99.5)) / 100.0;
+      most = std::max({most, std::abs(from_centre.x), std::abs(from_centre.y)});
+    }
+    EXPECT_NEAR(most, 1 / 1.06, 0.006);
+    const double of_box = reach(volume, frameVolume({volume, Fit::kVisible}, framing, size), size);
+    EXPECT_GT(reach(volume, camera, size), 1.4 * of_box);
+  }
+}
+
 // The middle of the picture moves with the target, by the shift in pixels.
 TEST(Framing, Pan_movesThePicture) {
   const VolumeGeometry volume = boxOfSize(30, 40, 50);

@@ -219,16 +219,19 @@ FramedBox SceneOfJob::framedBox(const ShownBoxOf& shown_box) const {
   const Fit fit = this->fit();
   if (fit == Fit::kBox || job_.series || !isFramed(job_.animation.camera, job_.picture.camera)) return geometry_;
   std::vector<VolumeGeometry> boxes;
+  std::vector<glm::dvec3> outline;
   for (std::size_t i = 0; i < manifests_.size(); ++i) {
     const VolumeGeometry volume = manifests_[i]->geometry();
     const Clipping clipping = clippingOf(i);
     const std::vector<TransferFunction> functions =
         fit == Fit::kVisible && shown_box ? fittedFunctions(i) : std::vector<TransferFunction>();
-    const VolumeGeometry box =
-        functions.empty() ? partOf(volume, boxOfClip(volume, clipping)) : shown_box(i, functions, clipping);
-    if (box.dims.count() > 0) boxes.push_back(box);
+    const FramedBox box =
+        functions.empty() ? FramedBox(partOf(volume, boxOfClip(volume, clipping))) : shown_box(i, functions, clipping);
+    if (box.volume.dims.count() == 0) continue;
+    boxes.push_back(box.volume);
+    outline.insert(outline.end(), box.outline.begin(), box.outline.end());
   }
-  return boxes.empty() ? FramedBox(geometry_) : FramedBox(boxAround(boxes), fit);
+  return boxes.empty() ? FramedBox(geometry_) : FramedBox(boxAround(boxes), std::move(outline), fit);
 }
 
 TransferFunction SceneOfJob::Functions::at(int frame) const {

@@ -10,6 +10,7 @@
 
 #include "base/progress.h"
 #include "job/render_job.h"
+#include "scene/camera/framing.h"
 #include "store/manifest/manifest.h"
 
 namespace kiln {
@@ -51,9 +52,10 @@ struct FrameScene {
 TransferFunction resolvedFor(const PictureOptions& picture, const TransferFunctionChoice& choice,
                              const Manifest& manifest, const std::optional<glm::dvec3>& color = {});
 
-/// Returns the box, in the picture's world, that one of the volumes fills: what its functions show inside its clipping.
-using ShownBoxOf = std::function<VolumeGeometry(std::size_t volume, const std::vector<TransferFunction>& functions,
-                                                const Clipping& clipping)>;
+/// Returns the box and the outline, in the picture's world, of what the functions of one of the volumes show inside its
+/// clipping; a box without voxels if that is nothing.
+using ShownBoxOf = std::function<FramedBox(std::size_t volume, const std::vector<TransferFunction>& functions,
+                                           const Clipping& clipping)>;
 
 /// The job's scenes over one volume. Files are read once.
 class SceneOfJob {
@@ -99,7 +101,7 @@ class SceneOfJob {
   std::vector<const Manifest*> looks_;  // the manifests that decide framing and colours: a volume's own, or its series'
   const VolumeGeometry geometry_;       // geometry of the box around all of them
   std::vector<Functions> functions_;    // one for each volume
-  FramedBox framed_;                    // the box that cameras fit
+  FramedBox framed_;                    // what cameras fit
   std::vector<Hash128> companions_;
   std::vector<std::optional<ShownFunction>> colors_;  // functions of volumes that other volumes colour
 };

@@ -1,6 +1,6 @@
-// Fits exactly, not by a bounding sphere. The eight corners of [-1/2, N-1/2)³, and the turned corners of a turntable,
-// are transformed to the camera's axes.
-// Each corner requires a least distance (perspective) or height (orthographic) to be inside the image; the greatest
+// Fits exactly, not by a bounding sphere. The points of the outline, and the turned points of a turntable, are
+// transformed to the camera's axes.
+// Each point requires a least distance (perspective) or height (orthographic) to be inside the image; the greatest
 // decides. The margin is applied in the image, so it is equal for every field of view.
 #include "scene/camera/framing.h"
 
@@ -62,27 +62,26 @@ glm::dvec2 usableTangents(double fov_deg, double margin, const ImageSize& size) 
   return {tangent * size.width / size.height, tangent};
 }
 
-// Returns the corners of the box, turned and not turned, in the camera's axes, relative to the target.
-std::vector<glm::dvec3> cornersSeen(const VolumeGeometry& volume, const Camera& camera, const ImageSize& size,
-                                    Turns turns) {
+// Calls each(point) for the points of the outline, turned and not turned, in the camera's axes, relative to the target.
+template <class Each>
+void forPointsSeen(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns, Each&& each) {
   const glm::dmat3 seen(resolve(camera, size).view_from_world);
-  const glm::dvec3 centre = centreOf(volume);
-  std::vector<glm::dvec3> out;
-  for (const glm::dvec3& corner : volume.corners()) {
-    out.push_back(seen * (corner - camera.target));
-    for (const glm::dmat3& turn : turns) out.push_back(seen * (centre - camera.target + turn * (corner - centre)));
+  const glm::dvec3 centre = centreOf(box.volume), moved = seen * (centre - camera.target);
+  for (const glm::dvec3& point : box.outline) each(seen * (point - camera.target));
+  for (const glm::dmat3& turn : turns) {
+    const glm::dmat3 turned = seen * turn;
+    for (const glm::dvec3& point : box.outline) each(moved + turned * (point - centre));
   }
-  return out;
 }
 
 double fittingDistance(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns) {
   const glm::dvec2 tangents = usableTangents(camera.fov_deg, box.margin(), size);
   double distance = 0;
-  for (const glm::dvec3& offset : cornersSeen(box.volume, camera, size, turns)) {
-    // At distance d the corner's depth is d + offset.z, and |offset.x| <= tangent · depth must hold.
+  forPointsSeen(box, camera, size, turns, [&](const glm::dvec3& offset) {
+    // At distance d the point's depth is d + offset.z, and |offset.x| <= tangent · depth must hold.
     distance = std::max(distance, std::abs(offset.x) / tangents.x - offset.z);
     distance = std::max(distance, std::abs(offset.y) / tangents.y - offset.z);
-  }
+  });
   return distance;
 }
 
@@ -98,6 +97,11 @@ void requireLegal(const Framing& framing) {
 }
 
 }  // namespace
+
+FramedBox::FramedBox(VolumeGeometry box, Fit how) : volume(std::move(box)), fit(how) {
+  const auto corners = volume.corners();
+  outline.assign(corners.begin(), corners.end());
+}
 
 Framing defaultFraming() {
   Framing framing;
@@ -151,8 +155,9 @@ double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize
   plain.projection = Projection::kPerspective;  // only the axes are needed, and the height is not known yet
   plain.fov_deg = 90;
   double half = 0;
-  for (const glm::dvec3& offset : cornersSeen(box.volume, plain, size, turns))
+  forPointsSeen(box, plain, size, turns, [&](const glm::dvec3& offset) {
     half = std::max({half, std::abs(offset.y), std::abs(offset.x) * size.height / size.width});
+  });
   return 2 * half * box.margin();
 }
 
@@ -184,14 +189,14 @@ Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize
   const Direction seen = directionOf(volume.frame, framing);
   const glm::dvec3 centre = centreOf(volume);
   double radius = 0;
-  for (const glm::dvec3& corner : volume.corners()) radius = std::max(radius, glm::distance(corner, centre));
+  for (const glm::dvec3& point : box.outline) radius = std::max(radius, glm::distance(point, centre));
 
   Camera camera;
   camera.projection = framing.projection;
   camera.fov_deg = framing.fov_deg;
   camera.target = centre;
   camera.up = framing.up.value_or(seen.up);
-  // A parallel view is equal from everywhere along its axis; two radii keep the whole box in front of the eye.
+  // A parallel view is equal from everywhere along its axis; two radii keep the whole outline in front of the eye.
   camera.eye = centre + 2 * radius * seen.towards_eye;
   camera = rolled(camera, framing.roll_deg);
   if (framing.projection == Projection::kOrthographic) {

@@ -15,23 +15,28 @@ namespace kiln {
 
 enum class Side { kFront, kBack, kTop, kBottom, kLeft, kRight };
 
-/// Box that a framing fits into the picture.
-/// - kVisible: the box of what the transfer functions show after clipping.
+/// Part of a volume that a framing fits into the picture.
+/// - kVisible: what the transfer functions show after clipping.
 /// - kRegion: the box of the clip region.
 /// - kBox: the box of the whole volume.
 enum class Fit { kVisible, kRegion, kBox };
 
-/// A box, and how a framing fits it. A box of kBox has a margin of 1 % on each side and fits the first frame of a
-/// turntable, as earlier versions did; other boxes have 3 % and fit all frames.
+/// A box whose middle cameras look at, the points that their pictures contain, and how a framing fits the points. With
+/// kBox the margin is 1 % on each side, and the first frame of a turntable is fitted, as earlier versions did; else it
+/// is 3 %, and all frames are fitted.
 struct FramedBox {
   VolumeGeometry volume;
   Fit fit = Fit::kBox;
-  FramedBox(VolumeGeometry box, Fit how = Fit::kBox) : volume(std::move(box)), fit(how) {}
-  /// Ratio of the picture's extent to the box's.
+  std::vector<glm::dvec3> outline;  // unit: world
+  /// The outline is the box's corners.
+  FramedBox(VolumeGeometry box, Fit how = Fit::kBox);
+  FramedBox(VolumeGeometry box, std::vector<glm::dvec3> points, Fit how)
+      : volume(std::move(box)), fit(how), outline(std::move(points)) {}
+  /// Ratio of the picture's extent to the outline's.
   double margin() const { return fit == Fit::kBox ? 1.02 : 1.06; }
 };
 
-/// Rotations of the world that leave the box in the picture.
+/// Rotations of the world about the middle of the box that leave the outline in the picture.
 using Turns = std::span<const glm::dmat3>;
 
 struct Framing {
@@ -43,7 +48,7 @@ struct Framing {
   std::optional<glm::dvec3> up;  // default: the side's
   /// Turns the camera about its line of sight, clockwise as the camera sees. unit: degrees.
   double roll_deg = 0;
-  /// 1 fits the volume's box into the image with a small margin; 2 is twice as large.
+  /// 1 fits the outline into the image with a small margin; 2 is twice as large.
   double zoom = 1;
   Projection projection = Projection::kPerspective;
   double fov_deg = 30;
@@ -52,12 +57,13 @@ struct Framing {
 /// Default framing: three quarters from the front, slightly from above.
 Framing defaultFraming();
 
-/// Returns a camera whose image of size `size` contains the box, also where the box is turned about its centre by one
-/// of `turns`; the eye is always outside the box. Zoom narrows the field of view (or height) and leaves the eye, so the
-/// perspective is unchanged. throws: Error kUsage if zoom is not positive, or an angle is out of range.
+/// Returns a camera whose image of size `size` contains the outline, also where the outline is turned about the box's
+/// centre by one of `turns`; the eye is always outside the outline. Zoom narrows the field of view (or height) and
+/// leaves the eye, so the perspective is unchanged. throws: Error kUsage if zoom is not positive, or an angle is out of
+/// range.
 Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize& size, Turns turns = {});
 
-/// Returns the orthographic height at which the image of `camera` (eye, target and up) contains the box, with the
+/// Returns the orthographic height at which the image of `camera` (eye, target and up) contains the outline, with the
 /// margin of `frameVolume`. unit: world.
 double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns = {});
 
