@@ -26,10 +26,16 @@ ScaleBar scaleBarOf(const AnnotatedPicture& picture) {
   const std::optional<double>& given = picture.annotations.scale_bar_length;
   out.length = given.value_or(roundNumberBelow(kBarOfWidth * view.size.width / px_per_length));
   out.length_px = out.length * px_per_length;
-  const std::string unit = shownUnit(picture.box.unit);
-  out.label = (given ? fmt::format("{:g}", out.length) : textOfNumber(out.length, out.length)) + " " +
-              (unit.empty() ? "units" : unit);
+  out.unit = shownUnit(picture.box.unit);
+  if (out.unit.empty()) out.unit = "units";
+  out.label = (given ? fmt::format("{:g}", out.length) : textOfNumber(out.length, out.length)) + " " + out.unit;
   return out;
+}
+
+std::optional<double> widthBelowScaleBar(const AnnotatedPicture& picture) {
+  if (!picture.annotations.scale_bar || !scaleBarRoom(picture, Style(picture)).empty()) return std::nullopt;
+  const ScaleBar bar = scaleBarOf(picture);
+  return bar.length / bar.length_px * picture.view.size.width;
 }
 
 void addScaleBar(const AnnotatedPicture& picture, Drawing& drawing) {

@@ -1,6 +1,9 @@
 #include "sequence/frame_annotations.h"
 
+#include <fmt/format.h>
+
 #include "annotate/font.h"
+#include "annotate/scale_bar.h"
 #include "job/job_facts.h"
 
 namespace kiln {
@@ -9,22 +12,43 @@ void requireFont(const RenderJob& job) {
   if (job.picture.annotations.letters()) font();
 }
 
+namespace {
+
+AnnotatedPicture pictureSeenBy(const FrameScene& scene, const View& view) {
+  AnnotatedPicture out;
+  out.annotations = scene.picture.annotations;
+  out.box = scene.box;
+  out.view = view;
+  out.target_depth = (view.view_from_world * glm::dvec4(scene.camera.target, 1)).z;
+  return out;
+}
+
+}  // namespace
+
+void warnOfLostAnnotations(const FrameScene& scene, Progress& progress) {
+  if (!scene.picture.annotations.scale_bar) return;
+  const AnnotatedPicture picture = pictureSeenBy(scene, resolve(scene.camera, scene.picture.size));
+  const auto width = widthBelowScaleBar(picture);
+  if (!width) return;
+  const ScaleBar bar = scaleBarOf(picture);
+  progress.warn(
+      fmt::format("--scale-bar-length: the bar must fit into the picture, which is {:.3g} {} wide at its target (found "
+                  "{}); no bar is drawn; give a shorter length",
+                  *width, bar.unit, bar.label));
+}
+
 Annotators annotatorsOf(const RenderJob& job, const DrawnFrame& drawn) {
   const FrameScene& scene = drawn.scene;
   Annotators out(drawn.views.size());
   if (!scene.picture.annotations.any()) return out;
-  AnnotatedPicture picture;
-  picture.annotations = scene.picture.annotations;
-  picture.pixels = drawnPixels(scene.picture.size, scene.picture.crop);
-  picture.background = backgroundOf(scene.picture, scene.transfer_function);
-  picture.shown = scene.shown;
-  picture.projected = !engineOf(scene.picture).capabilities().composites;
-  picture.has_depth = hidesOutline(job);
-  picture.box = scene.box;
-  picture.clipping = scene.picture.clipping;
   for (std::size_t i = 0; i < out.size(); ++i) {
-    picture.view = drawn.views[i].view;
-    picture.target_depth = (picture.view.view_from_world * glm::dvec4(scene.camera.target, 1)).z;
+    AnnotatedPicture picture = pictureSeenBy(scene, drawn.views[i].view);
+    picture.pixels = drawnPixels(scene.picture.size, scene.picture.crop);
+    picture.background = backgroundOf(scene.picture, scene.transfer_function);
+    picture.shown = scene.shown;
+    picture.projected = !engineOf(scene.picture).capabilities().composites;
+    picture.has_depth = hidesOutline(job);
+    picture.clipping = scene.picture.clipping;
     out[i] = std::make_unique<Annotator>(picture);
   }
   return out;

@@ -14,6 +14,9 @@ namespace kiln {
 /// throws: Error kUnsupported if the job has annotations with letters and there is no font.
 void requireFont(const RenderJob& job);
 
+/// Warns of annotations that the frame has no room for.
+void warnOfLostAnnotations(const FrameScene& scene, Progress& progress);
+
 /// One for each view, in order; null without annotations.
 using Annotators = std::vector<std::unique_ptr<Annotator>>;
 /// Returns the annotations of a frame of the job.

@@ -193,6 +193,7 @@ OpenedJob::OpenedJob(const RenderJob& job, OpenedVolumes volumes, Progress& prog
 void OpenedJob::noteLook(Progress& progress) const {
   noteDeep(progress);
   notePaleFog(progress);
+  warnOfLostAnnotations(scenes_.at(framesOf(job_).front()), progress);
 }
 
 void OpenedJob::notePaleFog(Progress& progress) const {

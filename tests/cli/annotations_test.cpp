@@ -68,6 +68,13 @@ TEST_F(AnnotationsCli, AnExrHasTheLayerBesideEqualColours) {
   EXPECT_EQ(channels, expected);
 }
 
+TEST_F(AnnotationsCli, AScaleBarWithoutRoomIsWarnedOf) {
+  std::vector<std::string> words = render("long.png", {"--scale-bar", "--scale-bar-length", "50"}, false);
+  EXPECT_EQ(done(words).err.find("--scale-bar-length"), std::string::npos);
+  words.back() = "5000";
+  EXPECT_NE(done(words).err.find("wide at its target (found 5000 mm)"), std::string::npos);
+}
+
 // Known: "over", in linear light.
 TEST_F(AnnotationsCli, APngIsTheLayerOverTheColours) {
   const std::vector<std::string> options = {"--exr-type", "float", "--background", "navy:0.2,0.2,0.2"};
