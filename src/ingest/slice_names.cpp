@@ -63,14 +63,14 @@ std::string patternOf(const NumberedName& name, std::size_t running) {
 
 // Returns a sentence about the stacks that the names form.
 std::string stacksOf(const std::vector<NumberedName>& names, std::size_t running) {
-  constexpr std::size_t kMost = 6;
+  constexpr std::size_t kMostListed = 6;
   std::map<std::string, std::vector<const NumberedName*>> groups;
   for (const NumberedName& name : names) groups[patternOf(name, running)].push_back(&name);
   std::string list;
   std::size_t listed = 0;
   for (const auto& [pattern, members] : groups) {
-    if (listed++ == kMost) {
-      list += fmt::format(" and {} more", groups.size() - kMost);
+    if (listed++ == kMostListed) {
+      list += fmt::format(" and {} more", groups.size() - kMostListed);
       break;
     }
     list += fmt::format("{}{}", listed == 1 ? "" : ", ",

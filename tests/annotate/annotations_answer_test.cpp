@@ -405,7 +405,8 @@ TEST(Directions, LettersOfAxesThatPointToOneSide_areApart) {
         if (!places[i]) continue;
         EXPECT_GT(std::min(places[i]->x, 400 - places[i]->y), 0.5 * style.em);
         for (std::size_t j = 0; j < i; ++j) {
-          if (places[j]) EXPECT_GT(glm::distance(*places[i], *places[j]), style.em) << azimuth << ' ' << elevation;
+          if (!places[j]) continue;
+          EXPECT_GT(glm::distance(*places[i], *places[j]), style.em) << azimuth << ' ' << elevation;
         }
       }
     }

@@ -110,7 +110,9 @@ TEST_F(TwoProcesses, ReadersOfAStoreThatIsReplaced_HaveOneOfBothOrSayIt) {
       const ToolResult result = runTool(reading);
       if (result.exit_code == 0) {
         EXPECT_EQ(result.err.find("drawn without"), std::string::npos) << result.err;
-        if (reading[0] == "slice") EXPECT_TRUE(isOneOf("out.png", ".png"));
+        if (reading[0] == "slice") {
+          EXPECT_TRUE(isOneOf("out.png", ".png"));
+        }
         if (reading[0] == "split") done({"verify", in("part_1.kiln")});
       } else {
         EXPECT_EQ(result.exit_code, 1) << reading[0];

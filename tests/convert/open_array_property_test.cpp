@@ -84,7 +84,9 @@ void expectEqualEntries(const BrickEntry& found, const BrickEntry& expected) {
   EXPECT_EQ(found.core, expected.core);
   EXPECT_EQ(found.support, expected.support);
   ASSERT_EQ(found.sub_ranges == nullptr, expected.sub_ranges == nullptr);
-  if (expected.sub_ranges) EXPECT_EQ(*found.sub_ranges, *expected.sub_ranges);
+  if (expected.sub_ranges) {
+    EXPECT_EQ(*found.sub_ranges, *expected.sub_ranges);
+  }
 }
 
 void expectEqualBlocks(const BrickBlock& found, const BrickBlock& expected) {

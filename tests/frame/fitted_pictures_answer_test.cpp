@@ -52,7 +52,9 @@ TEST(FittedPictures, Fog_fadesInsideThePicture) {
       EXPECT_LT(mostAtBorder(image, 0), 0.004f) << brick;
       EXPECT_GT(mostAtBorder(image, 60), 0.3f) << brick;
       // The picture is not much larger than the fog: near its border a ray has 1 of 255 steps of light.
-      if (brick == 128) EXPECT_GT(mostAtBorder(image, 12), 0.003f);
+      if (brick == 128) {
+        EXPECT_GT(mostAtBorder(image, 12), 0.003f);
+      }
     }
   }
 }

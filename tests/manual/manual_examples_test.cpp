@@ -41,7 +41,7 @@ std::vector<FencedBlock> fencedBlocks(const std::string& page) {
     if (line.starts_with("```")) {
       inside = !inside;
       if (!inside) continue;
-      blocks.push_back({.line = number});
+      blocks.emplace_back().line = number;
       std::istringstream words(line.substr(3));
       for (std::string word; words >> word;) blocks.back().info.push_back(word);
     } else if (inside) {

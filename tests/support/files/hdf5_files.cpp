@@ -126,7 +126,7 @@ void Hdf5File::add(const std::string& path, const ForeignVolume& volume, const H
 void Hdf5File::addNumbers(const std::string& path, const std::vector<double>& numbers,
                           const std::vector<std::uint64_t>& shape) {
   std::vector<hsize_t> dims(shape.begin(), shape.end());
-  if (dims.empty()) dims = {numbers.size()};
+  if (dims.empty()) dims.push_back(numbers.size());
   const Hdf5Id space(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr), H5Sclose);
   const Hdf5Id links(linksWithGroups(), H5Pclose);
   const Hdf5Id id(H5Dcreate2(file_, path.c_str(), H5T_IEEE_F64LE, space, links, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
