@@ -193,25 +193,38 @@ class CellsOfBrick {
   bool faces_, values_on_faces_;
 };
 
-// Step 2: adds what the voxels of a coarser level hide.
-void addThinCubes(const BrickedVolume& store, const ShownDepths& shown, const ClipRegion& region, const Extent3& span,
-                  const Progress& progress, SideViews& views) {
+// True if a mask leaves a voxel of the box, of the block's level.
+bool anyShown(const BrickBlock& block, const VoxelBox& box) {
+  if (block.shown.all()) return true;
+  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+      for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
+        if (block.shown.at(block.offsetOf({x, y, z}))) return true;
+      }
+    }
+  }
+  return false;
+}
+
+// Step 2: adds what the voxels of a coarser level hide. A cube at the border of an object reaches beyond the object,
+// and counts only if the level shows nothing of the cube.
+void addThinCubes(const BrickedVolume& store, const BrickBlock& block, const ShownDepths& shown,
+                  const ClipRegion& region, const Extent3& span, const Progress& progress, SideViews& views) {
   const Manifest& manifest = store.manifest();
-  const VoxelBox found = views.box();
-  VoxelBox inside;
-  for (int axis = 0; axis < 3; ++axis)
-    inside.lo[axis] = found.lo[axis] * span[axis], inside.hi[axis] = found.hi[axis] * span[axis];
   const double most = static_cast<double>(std::max({span.x, span.y, span.z}));
   const double length = most * manifest.geometry().meanSpacing();
   const auto cube = static_cast<double>(manifest.brick_size / subBricksOf(manifest.brick_size));
   // A line of one voxel through a cube covers this part of the pixels that hold the cube.
   const double line = std::min(1.0, cube / most * cube / most) / cube;
-  const auto wanted = [&](const VoxelBox& box, const ValueRange& range) {
-    return !contains(inside, box) && opacityIn(shown, range, length) > 0;
-  };
+  const auto wanted = [&](const VoxelBox&, const ValueRange& range) { return opacityIn(shown, range, length) > 0; };
+  std::vector<std::pair<VoxelBox, double>> found;
   forCubes(store, region, progress, wanted, [&](const VoxelBox& box, const ValueRange& range) {
-    views.addThin(coarseBox(box, span), line * opacityIn(shown, range, length));
+    const VoxelBox coarse = intersection(coarseBox(box, span), block.core);
+    // The range holds the values of the next voxels, too.
+    if (!views.showsIn(dilated(coarse, 1)) && anyShown(block, coarse))
+      found.emplace_back(coarse, line * opacityIn(shown, range, length));
   });
+  for (const auto& [box, opacity] : found) views.addThin(box, opacity);
 }
 
 // Returns the finest level that is one brick; nothing if there is none.
@@ -246,20 +259,18 @@ SeenBoxes boxesOfBrick(const BrickedVolume& store, int level, const ShownDepths&
   const VolumeGeometry& geometry = store.level(level).geometry;
   const Extent3 span = manifest.spanOf(level);
   SideViews views(geometry.dims);
-  {
-    const BrickBlock block = store.read(key);
-    CellsOfBrick(block, shown, ClipRegion(clipping, manifest.geometry(), span), geometry, clipping.section)
-        .addTo(views);
-  }
+  const BrickBlock block = store.read(key);
+  CellsOfBrick(block, shown, ClipRegion(clipping, manifest.geometry(), span), geometry, clipping.section).addTo(views);
   reads.files += entry.constant ? 0 : 1;
   reads.file_bytes += entry.file_bytes;
   // A range of labels holds labels that are nowhere in the cube. The level of the most frequent of 2³ labels lacks only
   // what is one voxel thin.
   const bool halved = std::max({span.x, span.y, span.z}) <= 2;
-  if (level > 0 && !(shown.ofLabels() && halved)) addThinCubes(store, shown, region, span, progress, views);
+  if (level > 0 && !(shown.ofLabels() && halved)) addThinCubes(store, block, shown, region, span, progress, views);
   const Extent3& dims = manifest.geometry().dims;
   SeenBoxes out{fineBox(views.box(), span, dims), views.rows()};
-  for (VoxelBox& row : out.rows) row = fineBox(row, span, dims);
+  // A part that counts in the view along an axis alone has no place along the axis in the box of the views.
+  for (VoxelBox& row : out.rows) row = fineBox(row, span, dims), include(out.box, row);
   // A section shows other values, too.
   const bool closer = level > 0 && !clipping.section && !out.box.empty();
   if (closer) out.box = intersection(out.box, boxBesideNothing(store, shown, region, progress));

@@ -166,22 +166,50 @@ VoxelBox SideViews::box() const {
   return out;
 }
 
+bool SideViews::showsIn(const VoxelBox& box) const {
+  const VoxelBox within = intersection(box, boxOf(dims_));
+  for (std::int64_t z = within.lo.z; z < within.hi.z; ++z) {
+    for (std::int64_t y = within.lo.y; y < within.hi.y; ++y) {
+      for (std::int64_t x = within.lo.x; x < within.hi.x; ++x) {
+        if (shows({x, y, z})) return true;
+      }
+    }
+  }
+  return false;
+}
+
 std::vector<VoxelBox> SideViews::rows() const {
-  const std::array<Counted, 3> counted = {views_[0].counted(), views_[1].counted(), views_[2].counted()};
-  const auto counts = [&](std::size_t axis, std::int64_t across, std::int64_t down) -> int {
-    return counted[axis].pixels[static_cast<std::size_t>(down * views_[axis].width + across)];
+  std::array<Counted, 3> counted = {views_[0].counted(), views_[1].counted(), views_[2].counted()};
+  // The cell's pixels in the three views.
+  const auto pixelsOf = [&](const VoxelCoord& cell) {
+    const auto placeOf = [](const View& view, std::int64_t across, std::int64_t down) {
+      return static_cast<std::size_t>(down * view.width + across);
+    };
+    return std::array<std::size_t, 3>{placeOf(views_[0], cell.y, cell.z), placeOf(views_[1], cell.z, cell.x),
+                                      placeOf(views_[2], cell.x, cell.y)};
+  };
+  const auto viewsOf = [&](const std::array<std::size_t, 3>& pixels) {
+    return counted[0].pixels[pixels[0]] + counted[1].pixels[pixels[1]] + counted[2].pixels[pixels[2]];
+  };
+  std::array<std::vector<bool>, 3> bare = {counted[0].pixels, counted[1].pixels, counted[2].pixels};
+  forEachCoord(boxOf(dims_), [&](const VoxelCoord& cell) {
+    if (!shows(cell)) return;
+    const std::array<std::size_t, 3> pixels = pixelsOf(cell);
+    if (viewsOf(pixels) < 2) return;
+    for (std::size_t axis = 0; axis < 3; ++axis) bare[axis][pixels[axis]] = false;
+  });
+  const auto counts = [&](const VoxelCoord& cell) {
+    if (!shows(cell)) return false;
+    const std::array<std::size_t, 3> pixels = pixelsOf(cell);
+    return viewsOf(pixels) >= 2 || bare[0][pixels[0]] || bare[1][pixels[1]] || bare[2][pixels[2]];
   };
   std::vector<VoxelBox> out;
   for (std::int64_t z = 0; z < dims_.z; ++z) {
     for (std::int64_t y = 0; y < dims_.y; ++y) {
-      const int of_row = counts(0, y, z);
-      const auto isCounted = [&](std::int64_t x) {
-        return shows({x, y, z}) && of_row + counts(1, z, x) + counts(2, x, y) >= 2;
-      };
       std::int64_t first = 0, last = dims_.x - 1;
-      while (first <= last && !isCounted(first)) ++first;
+      while (first <= last && !counts({first, y, z})) ++first;
       if (first > last) continue;
-      while (!isCounted(last)) --last;
+      while (!counts({last, y, z})) --last;
       out.push_back(intersection({{first, y, z}, {last + 2, y + 2, z + 2}}, boxOf(dims_)));
     }
   }

@@ -3,7 +3,8 @@
 // Nothing else that a person sees may be cut off.
 // Method. A pixel has the opacity of its column of cells. Pixels that touch are an object; objects that together are a
 // negligible share of all opacity are left out. The box holds each object that counts in a view of some axis. A cell
-// counts if its pixels count in two views: a stray voxel in front of an object counts in the view along it alone.
+// counts if its pixels count in two views, since a stray voxel in front of an object counts in that view alone, or if a
+// pixel that counts has no such cell.
 // Source: Laurentini 1994 (visual hulls).
 #pragma once
 
@@ -27,6 +28,8 @@ class SideViews {
   void add(const VoxelCoord& cell, const std::array<double, 3>& depth);
   /// Adds a box of voxels where something shows that is thinner than a voxel: `opacity` is its mean over the box.
   void addThin(const VoxelBox& box, double opacity);
+  /// True if a cell of the box shows something.
+  bool showsIn(const VoxelBox& box) const;
   /// Returns the box of the voxels that count; empty if nothing shows.
   VoxelBox box() const;
   /// Returns, for each row along x that has cells that count, the box of the row's first to last such cell.

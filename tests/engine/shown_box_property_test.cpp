@@ -267,6 +267,31 @@ TEST(ShownBox, Labels_thatAreShown) {
   expectAround(shownIn(store, function), {{20, 21, 22}, {25, 22, 23}}, 1, "label");
 }
 
+// Cubes at the border of an object reach up to 16 voxels beyond the object, which the level of one brick shows.
+TEST(ShownOutline, OfAnObjectInSeveralBricks_endsAtTheObject) {
+  const VoxelBox box = {{17, 18, 19}, {50, 30, 33}};
+  DenseVolume volume = fill({{150, 52, 45}}, [](std::int64_t, std::int64_t, std::int64_t) { return 0.0; });
+  forEachCoord(box, [&](const VoxelCoord& at) { volume.set(at.x, at.y, at.z, 255); });
+  const StoreReader store(makeStore(volume, "beyond", 128));
+  ASSERT_EQ(store.index().lattice(0).count(), 2);
+  const ShownBox shown = shownBox(store, std::vector{rampTo(1)}, {});
+  expectAround(shown.box, box, 3, "box");
+  EXPECT_LE(reachOf(shown.outline, {1, 0, 0}), 53);
+  EXPECT_LE(reachOf(shown.outline, {0, 0, -1}), -15);
+}
+
+// A faint beam of 40 voxels shows along its axis alone: 0.004 of the light there, 0.0008 across.
+TEST(ShownOutline, PartsThatOneSideShows) {
+  DenseVolume volume = airWith({{5, 5, 5}, {9, 9, 9}}, 255);
+  forEachCoord(VoxelBox{{20, 30, 30}, {60, 38, 38}}, [&](const VoxelCoord& at) { volume.set(at.x, at.y, at.z, 101); });
+  const StoreReader store(makeStore(volume, "beam", 128));
+  const TransferFunction function{1, {{100, glm::dvec3(1), 0}, {101, glm::dvec3(1), 0.0001}, {255, glm::dvec3(1), 1}}};
+  const ShownBox shown = shownBox(store, std::vector{function}, {});
+  EXPECT_GE(shown.box.hi.y, 38);
+  EXPECT_GE(reachOf(shown.outline, {1, 0, 0}), 59);
+  EXPECT_GE(reachOf(shown.outline, {0, 1, 0}), 37);
+}
+
 // Cubes that hold labels above and below a shown label do not hold that label.
 TEST(ShownBox, Labels_betweenOthers) {
   DenseVolume labels = fill({kDims}, [](std::int64_t x, std::int64_t y, std::int64_t z) {

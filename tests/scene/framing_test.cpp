@@ -115,6 +115,49 @@ TEST(Framing, Outlines_areFittedInsteadOfCorners) {
   }
 }
 
+// Opposite margins are equal, and two of them are the margin of the fit: a picture cannot be larger.
+TEST(Framing, Outlines_areInTheMiddleOfThePicture) {
+  const VolumeGeometry volume = boxOfSize(100, 80, 60);
+  const ImageSize size{300, 200};
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(0, 1), turn(-90, 90);
+  for (int n = 0; n < 100; ++n) {
+    std::vector<glm::dvec3> outline;
+    for (int i = 0; i < 6; ++i)
+      outline.push_back(glm::dvec3(100 * share(random), 80 * share(random), 60 * share(random)));
+    Framing framing;
+    framing.azimuth_deg = turn(random), framing.elevation_deg = turn(random), framing.roll_deg = turn(random);
+    framing.projection = n % 2 == 0 ? Projection::kPerspective : Projection::kOrthographic;
+    const Camera camera = frameVolume({volume, outline, Fit::kVisible}, framing, size);
+    const glm::dvec2 middle(149.5, 99.5);
+    glm::dvec2 lo(INFINITY), hi(-INFINITY);
+    for (const glm::dvec3& point : outline) {
+      const glm::dvec2 from_middle = (pixelOf(camera, size, point) - middle) / glm::dvec2(150, 100);
+      lo = glm::min(lo, from_middle), hi = glm::max(hi, from_middle);
+    }
+    const glm::dvec2 half = 0.5 * (hi - lo);
+    EXPECT_NEAR(std::max(hi.x, hi.y), 1 / 1.06, 0.006) << n;
+    // The middle of two points at different depths is the middle of their margins only where the margins are the fit's.
+    if (framing.projection == Projection::kOrthographic) {
+      EXPECT_NEAR(lo.x, -hi.x, 0.012) << n;
+      EXPECT_NEAR(lo.y, -hi.y, 0.012) << n;
+    } else if (half.x > half.y) {
+      EXPECT_NEAR(lo.x, -hi.x, 0.012) << n;
+    } else {
+      EXPECT_NEAR(lo.y, -hi.y, 0.012) << n;
+    }
+  }
+}
+
+// Turntables keep their axis: the camera looks at the middle of the box.
+TEST(Framing, Turns_leaveTheMiddleOfTheBox) {
+  const VolumeGeometry volume = boxOfSize(100, 100, 100);
+  const FramedBox box(volume, {glm::dvec3(0, 0, 0), glm::dvec3(50, 10, 0), glm::dvec3(10, 20, 30)}, Fit::kVisible);
+  const std::vector<glm::dmat3> half_turn = {glm::dmat3(-1, 0, 0, 0, -1, 0, 0, 0, 1)};
+  EXPECT_EQ(frameVolume(box, Framing(), {100, 100}, half_turn).target, centreOf(volume));
+  EXPECT_NE(frameVolume(box, Framing(), {100, 100}).target, centreOf(volume));
+}
+
 // The middle of the picture moves with the target, by the shift in pixels.
 TEST(Framing, Pan_movesThePicture) {
   const VolumeGeometry volume = boxOfSize(30, 40, 50);

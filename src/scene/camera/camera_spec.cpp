@@ -69,8 +69,8 @@ Camera fromFraming(const CameraSpec& spec, const FramedBox& box, const ImageSize
     // A panorama is taken from the middle of the volume, with the volume all around.
     camera.projection = Projection::kEquirectangular;
     const glm::dvec3 ahead = camera.target - camera.eye;
-    camera.eye = camera.target;
-    camera.target += ahead;
+    camera.eye = centreOf(box.volume);
+    camera.target = camera.eye + ahead;
   }
   if (spec.target && panorama) {
     const glm::dvec3 upright = rolled(camera, -framing.roll_deg).up;

@@ -74,15 +74,61 @@ void forPointsSeen(const FramedBox& box, const Camera& camera, const ImageSize& 
   }
 }
 
-double fittingDistance(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns) {
-  const glm::dvec2 tangents = usableTangents(camera.fov_deg, box.margin(), size);
+// The distance of an eye that sees the outline, and the shift of eye and target to the middle of what is seen, along
+// the camera's x and y.
+struct Place {
   double distance = 0;
-  forPointsSeen(box, camera, size, turns, [&](const glm::dvec3& offset) {
-    // At distance d the point's depth is d + offset.z, and |offset.x| <= tangent · depth must hold.
-    distance = std::max(distance, std::abs(offset.x) / tangents.x - offset.z);
-    distance = std::max(distance, std::abs(offset.y) / tangents.y - offset.z);
+  glm::dvec2 shift{0};
+};
+
+// At distance d, a point at p has the depth d + p.z, and |p.x - shift| <= tangent · depth must hold. Hence
+// d >= p.x / tangent - p.z - shift / tangent and d >= -p.x / tangent - p.z + shift / tangent: the least d has the mean
+// of the greatest right sides.
+Place fittingPlace(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns) {
+  const glm::dvec2 tangents = usableTangents(camera.fov_deg, box.margin(), size);
+  glm::dvec2 above(-INFINITY), below(-INFINITY);
+  forPointsSeen(box, camera, size, turns, [&](const glm::dvec3& point) {
+    const glm::dvec2 slope = glm::dvec2(point) / tangents;
+    above = glm::max(above, slope - point.z), below = glm::max(below, -slope - point.z);
   });
-  return distance;
+  if (box.isCentred(turns)) {
+    const glm::dvec2 least = 0.5 * (above + below);
+    return {std::max(least.x, least.y), 0.5 * tangents * (above - below)};
+  }
+  const glm::dvec2 least = glm::max(above, below);
+  return {std::max(least.x, least.y), glm::dvec2(0)};
+}
+
+// The least and the greatest x and y of the outline in the camera's axes, around the target.
+struct Span {
+  glm::dvec2 lo{INFINITY}, hi{-INFINITY};
+};
+
+Span spanSeen(const FramedBox& box, Camera camera, const ImageSize& size, Turns turns) {
+  camera.projection = Projection::kPerspective;  // only the axes are needed, and the height is not known yet
+  camera.fov_deg = 90;
+  Span out;
+  forPointsSeen(box, camera, size, turns, [&](const glm::dvec3& point) {
+    out.lo = glm::min(out.lo, glm::dvec2(point)), out.hi = glm::max(out.hi, glm::dvec2(point));
+  });
+  return out;
+}
+
+double heightAround(const glm::dvec2& half, double margin, const ImageSize& size) {
+  return 2 * std::max(half.y, half.x * size.height / size.width) * margin;
+}
+
+Camera shifted(const Camera& camera, const glm::dvec2& by, const ImageSize& size) {
+  if (by == glm::dvec2(0)) return camera;
+  Camera plain = camera;
+  plain.projection = Projection::kPerspective;
+  plain.fov_deg = 90;
+  // Rows of the rotation: right, down and along the view, in the world.
+  const glm::dmat3 axes = glm::transpose(glm::dmat3(resolve(plain, size).view_from_world));
+  Camera out = camera;
+  out.eye += by.x * axes[0] + by.y * axes[1];
+  out.target += by.x * axes[0] + by.y * axes[1];
+  return out;
 }
 
 void requireLegal(const Framing& framing) {
@@ -150,15 +196,9 @@ glm::dvec3 centreOf(const VolumeGeometry& volume) {
   return volume.worldOf(0.5 * glm::dvec3(volume.dims.x - 1, volume.dims.y - 1, volume.dims.z - 1));
 }
 
-double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns) {
-  Camera plain = camera;
-  plain.projection = Projection::kPerspective;  // only the axes are needed, and the height is not known yet
-  plain.fov_deg = 90;
-  double half = 0;
-  forPointsSeen(box, plain, size, turns, [&](const glm::dvec3& offset) {
-    half = std::max({half, std::abs(offset.y), std::abs(offset.x) * size.height / size.width});
-  });
-  return 2 * half * box.margin();
+double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize& size) {
+  const Span span = spanSeen(box, camera, size, {});
+  return heightAround(glm::max(span.hi, -span.lo), box.margin(), size);
 }
 
 Camera rolled(const Camera& camera, double degrees) {
@@ -200,10 +240,14 @@ Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize
   camera.eye = centre + 2 * radius * seen.towards_eye;
   camera = rolled(camera, framing.roll_deg);
   if (framing.projection == Projection::kOrthographic) {
-    camera.height = fittingHeight(box, camera, size, turns) / framing.zoom;
-    return camera;
+    const Span span = spanSeen(box, camera, size, turns);
+    const glm::dvec2 middle = box.isCentred(turns) ? 0.5 * (span.lo + span.hi) : glm::dvec2(0);
+    camera.height = heightAround(glm::max(span.hi - middle, middle - span.lo), box.margin(), size) / framing.zoom;
+    return shifted(camera, middle, size);
   }
-  camera.eye = centre + fittingDistance(box, camera, size, turns) * seen.towards_eye;
+  const Place place = fittingPlace(box, camera, size, turns);
+  camera.eye = centre + place.distance * seen.towards_eye;
+  camera = shifted(camera, place.shift, size);
   camera.fov_deg = glm::degrees(2 * std::atan(std::tan(0.5 * glm::radians(framing.fov_deg)) / framing.zoom));
   return camera;
 }

@@ -21,9 +21,12 @@ enum class Side { kFront, kBack, kTop, kBottom, kLeft, kRight };
 /// - kBox: the box of the whole volume.
 enum class Fit { kVisible, kRegion, kBox };
 
-/// A box whose middle cameras look at, the points that their pictures contain, and how a framing fits the points. With
-/// kBox the margin is 1 % on each side, and the first frame of a turntable is fitted, as earlier versions did; else it
-/// is 3 %, and all frames are fitted.
+/// Rotations of the world about the middle of the box that leave the outline in the picture.
+using Turns = std::span<const glm::dmat3>;
+
+/// A box, the points that pictures contain, and how a framing fits the points. With kBox the margin is 1 % on each
+/// side, and the first frame of a turntable is fitted, as earlier versions did; else it is 3 %, and all frames are
+/// fitted. Cameras look at the middle of the box; with kVisible, where nothing turns, at the middle of what is seen.
 struct FramedBox {
   VolumeGeometry volume;
   Fit fit = Fit::kBox;
@@ -34,10 +37,8 @@ struct FramedBox {
       : volume(std::move(box)), fit(how), outline(std::move(points)) {}
   /// Ratio of the picture's extent to the outline's.
   double margin() const { return fit == Fit::kBox ? 1.02 : 1.06; }
+  bool isCentred(Turns turns) const { return fit == Fit::kVisible && turns.empty(); }
 };
-
-/// Rotations of the world about the middle of the box that leave the outline in the picture.
-using Turns = std::span<const glm::dmat3>;
 
 struct Framing {
   /// Front is the patient's face; in a volume without a frame, the side towards -y with +z up (as in LPS).
@@ -65,7 +66,7 @@ Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize
 
 /// Returns the orthographic height at which the image of `camera` (eye, target and up) contains the outline, with the
 /// margin of `frameVolume`. unit: world.
-double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns = {});
+double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize& size);
 
 /// Turns the camera about its line of sight, clockwise as the camera sees: the picture turns the other way.
 Camera rolled(const Camera& camera, double degrees);
