@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/nearest_word.h"
 #include "job/job_names.h"
 #include "job/job_options.h"
 #include "job/job_parts.h"

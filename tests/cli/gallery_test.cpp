@@ -93,6 +93,9 @@ TEST_F(GalleryCli, TheStoresName_isOneWordOfTheCommand) {
 TEST_F(GalleryCli, WrongRequests_areOneLine) {
   refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--tf", "ct-bones"}, 2, "ct-bones");
   refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--look", "grand"}, 2, "--look");
+  refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--look", "studoi"}, 2,
+          "--look: expected one of plain, studio, found 'studoi'; did you mean 'studio'?\n");
+  refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--tf", "ct-bonne"}, 2, "did you mean 'ct-bone'?\n");
   refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--memory", "1M"}, 1, "--memory");
   refused({"gallery", in("h.kiln"), "-o", in("h.kiln/sheet.png")}, 2, "h.kiln");
   refused({"gallery", in("none.kiln"), "-o", in("sheet.png")}, 1, "none.kiln");

@@ -70,6 +70,8 @@ TEST_F(SceneCli, TransferFunctionsOfEveryKind) {
   expectRefused({"--tf", in("maps.json")}, "A, B");
   expectRefused({"--tf", "viridi"},
                 "--tf: 'viridi' is neither a file nor points VALUE:OPACITY[:COLOR],... nor one of auto, ");
+  expectRefused({"--tf", "ct-bonne"}, "iso:VALUE,... or solid:VALUE; did you mean 'ct-bone'?");
+  expectRefused({"--tf", "quux"}, "iso:VALUE,... or solid:VALUE\n");
   expectRefused({"--tf", "iso:high"}, "iso:high");
   expectRefused({"--window", "3"}, "--window: expected CENTRE,WIDTH");
   expectRefused({"--window", "3,0"}, "--window");
@@ -304,7 +306,8 @@ TEST_F(SceneCli, ValuesAreProjected) {
   const Image grey = drawn({"--mode", "mip"});
   for (std::size_t i = 0; i < grey.rgba.size(); i += 4) EXPECT_EQ(grey.rgba[i], grey.rgba[i + 2]);
   expectRefused({"--mode", "sum"},
-                "--mode: expected one of composite, mip, minip, average, attenuated-mip, found 'sum'");
+                "--mode: expected one of composite, mip, minip, average, attenuated-mip, found 'sum'\n");
+  expectRefused({"--mode", "mpi"}, "attenuated-mip, found 'mpi'; did you mean 'mip'?");
   expectRefused({"--aov", "value"},
                 "--aov: value needs --mode mip, minip, average or attenuated-mip (found --lattice pixel)");
   expectRefused({"--mode", "mip", "--aov", "depth"},

@@ -33,6 +33,24 @@ TEST(Words, UnknownOption_proposesAnOptionOfTheCommand) {
   }
 }
 
+TEST(Words, UnknownCommand_proposesACommand) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"reder", "kiln: there is no command or option 'reder'; did you mean 'render'?\n"},
+      {"conv", "kiln: there is no command or option 'conv'; did you mean 'convert'?\n"},
+      {"quux", "kiln: there is no command or option 'quux'; run 'kiln --help'\n"}};
+  for (const auto& [word, expected] : cases) {
+    const ToolResult result = runTool({word, "a.kiln"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err, expected);
+  }
+}
+
+TEST(Words, UnknownWordOfAnOption_proposesAWord) {
+  const ToolResult result = runTool({"render", "phantom:head:8x8x8", "-o", "a.png", "--look", "studoi"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err, "kiln: --look: expected one of plain, studio, found 'studoi'; did you mean 'studio'?\n");
+}
+
 TEST(Words, OptionGivenTwice_isNamedWithItsValues) {
   const ToolResult result = runTool({"render", "a.kiln", "-o", "a.png", "--look", "plain", "--look", "studio"});
   EXPECT_EQ(result.exit_code, 2);

@@ -367,13 +367,6 @@ TEST(RenderJob, ErrorsOfTheJsonLibraryLoseTheirCodes) {
   EXPECT_EQ(readableJsonError("[json.exception.out_of_range.403] key 'dims' not found"), "key 'dims' not found");
 }
 
-TEST(RenderJob, NearestWordByEdits) {
-  const std::string_view words[] = {"azimuth", "elevation", "zoom", "fov"};
-  EXPECT_EQ(nearestWord("azimut", words), "azimuth");
-  EXPECT_EQ(nearestWord("zom", words), "zoom");
-  EXPECT_EQ(nearestWord("elevations", words), "elevation");
-}
-
 void expectSamePicture(const RenderJob& a, const RenderJob& b) {
   EXPECT_EQ(a.volume, b.volume);
   EXPECT_EQ(a.picture.size.width, b.picture.size.width);

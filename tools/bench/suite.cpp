@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/file/file.h"
 #include "base/memory/memory.h"
+#include "base/nearest_word.h"
 #include "bench/published.h"
 #include "ingest/source/formats.h"
 #include "job/job_names.h"

@@ -34,8 +34,8 @@ TransferFunctionChoice transferFunctionNamed(const std::string& text, const char
     return std::filesystem::path(text);
   }
   throw Error(ErrorCode::kUsage,
-              fmt::format("{}: '{}' is neither a file nor points VALUE:OPACITY[:COLOR],... nor one of {}", option, text,
-                          presetList()));
+              fmt::format("{}: '{}' is neither a file nor points VALUE:OPACITY[:COLOR],... nor one of {}{}", option,
+                          text, presetList(), presetHint(text)));
 }
 
 Window parseWindow(const std::string& text, const char* option) {

@@ -1,12 +1,14 @@
 #include "source_arguments.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "base/error.h"
+#include "base/nearest_word.h"
 #include "base/shell_text.h"
 #include "image/pixel_rect.h"
 #include "ingest/volume_format.h"
@@ -53,6 +55,14 @@ CLI::Validator numberFrom(double least, double most) {
     const std::optional<double> value = decimalOf<double>(text);
     if (value && *value >= least && *value <= most) return std::string();
     return fmt::format("expected a number from {} to {}, found '{}'", least, most, text);
+  };
+  return {refused, ""};
+}
+
+CLI::Validator oneOf(std::span<const std::string_view> words) {
+  const auto refused = [words](std::string& text) {
+    if (std::ranges::find(words, text) != words.end()) return std::string();
+    return fmt::format("expected one of {}, found '{}'{}", fmt::join(words, ", "), text, meantWordHint(text, words));
   };
   return {refused, ""};
 }

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -21,6 +22,9 @@ CLI::Validator wholeNumberFrom(int least, std::int64_t most = INT64_MAX);
 
 /// Validates a finite number from `least` to `most`.
 CLI::Validator numberFrom(double least, double most);
+
+/// Validates a word of `words`, which outlive the validator.
+CLI::Validator oneOf(std::span<const std::string_view> words);
 
 /// Validates a number in decimal digits that T can hold. CLI11 itself also takes nan, infinities, blanks, hexadecimal
 /// and octal numbers.

@@ -18,6 +18,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -48,7 +49,7 @@ bool startedAsRank() {
 int refuseCommandLine(const CLI::App& app, const CLI::ParseError& error, const kiln::Ranks& ranks) {
   if (!ranks.first()) return 2;
   if (app.get_subcommands().empty() && !app.remaining().empty()) {
-    complain("kiln: there is no command or option '{}'; run 'kiln --help'\n", app.remaining().front());
+    complain("kiln: {}\n", kiln::tool::unknownCommandText(app, app.remaining().front()));
     return 2;
   }
   if (const std::string unknown = kiln::tool::unknownOptionText(app); !unknown.empty())
@@ -56,7 +57,9 @@ int refuseCommandLine(const CLI::App& app, const CLI::ParseError& error, const k
   else if (const std::string repeated = kiln::tool::repeatedOptionText(app); !repeated.empty())
     complain("kiln: {}\n", repeated);
   else
-    complain("kiln: {}; run 'kiln --help' or 'kiln COMMAND --help'\n", error.what());
+    complain("kiln: {}{}\n", error.what(),
+             // A question proposes the remedy itself.
+             std::string_view(error.what()).ends_with('?') ? "" : "; run 'kiln --help' or 'kiln COMMAND --help'");
   return 2;
 }
 

@@ -1,10 +1,14 @@
-// Refusals of options that a command does not have, of options given twice, and of words beyond those that it takes.
+// Refusals of unknown commands, of options that a command does not have, of options given twice, and of words beyond
+// those that it takes.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <string>
 
 namespace kiln::tool {
+
+/// Returns "there is no command or option 'reder'; did you mean 'render'?" for the first word of a command line.
+std::string unknownCommandText(const CLI::App& app, const std::string& word);
 
 /// Returns "--bg: is no option of kiln render; --background?" for the first unexpected option of a command, or
 /// "convert: expected INPUT and OUT (found a b c); ..." for unexpected words; empty if all words were expected. Names

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/nearest_word.h"
 #include "base/text.h"
 #include "job/job_options.h"
 #include "job/json/job_json.h"

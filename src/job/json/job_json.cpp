@@ -8,6 +8,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/nearest_word.h"
 #include "job/json/json_place.h"
 
 namespace kiln {
@@ -69,21 +70,6 @@ std::string lineAndColumn(std::string_view text, std::size_t bytes_read) {
   return "line " + std::to_string(line) + ", column " + std::to_string(column);
 }
 
-std::size_t editDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row.back();
-}
-
 std::string shownValue(const json& value) {
   constexpr std::size_t kLongest = 60;
   std::string shown = value.dump(-1, ' ', true);
@@ -124,12 +110,6 @@ std::string readableJsonError(std::string message) {
   const std::size_t start = column == std::string::npos ? message.find("] ") : message.find(": ", column);
   if (start != std::string::npos) message.erase(0, start + 2);
   return message;
-}
-
-std::string_view nearestWord(std::string_view word, std::span<const std::string_view> known) {
-  return *std::min_element(known.begin(), known.end(), [&](std::string_view a, std::string_view b) {
-    return editDistance(word, a) < editDistance(word, b);
-  });
 }
 
 bool NumberRange::operator()(double value) const {
@@ -220,10 +200,11 @@ void JobObject::complainAt(const std::string& place, const std::string& sentence
   throw Error(ErrorCode::kUsage, path_, place.empty() ? line : line + ", " + place, sentence);
 }
 
-void JobObject::refuse(std::string_view key, std::string_view expected) const {
-  if (flag_) complain(key, "expected " + flag_->expected + ", found " + flag_->found);
+void JobObject::refuse(std::string_view key, std::string_view expected, std::string_view hint) const {
+  const std::string end(hint);
+  if (flag_) complain(key, "expected " + flag_->expected + ", found " + flag_->found + end);
   const json* value = find(key);
-  complain(key, "expected " + std::string(expected) + ", found " + (value ? shownValue(*value) : "nothing"));
+  complain(key, "expected " + std::string(expected) + ", found " + (value ? shownValue(*value) : "nothing") + end);
 }
 
 void JobObject::requireWithin(std::string_view key, ListLimit limit, const json& list) const {
@@ -305,7 +286,8 @@ std::optional<std::size_t> JobObject::choice(std::string_view key, std::span<con
   if (!value) return std::nullopt;
   for (std::size_t i = 0; i < names.size(); ++i)
     if (value->is_string() && value->get_ref<const std::string&>() == names[i]) return i;
-  refuse(key, listOf(names));
+  const std::string hint = value->is_string() ? meantWordHint(value->get_ref<const std::string&>(), names) : "";
+  refuse(key, listOf(names), hint);
 }
 
 std::optional<bool> JobObject::flag(std::string_view key) const {

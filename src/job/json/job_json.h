@@ -19,9 +19,6 @@ namespace kiln {
 /// Returns the readable part of a message of the JSON library: without code, line and column.
 std::string readableJsonError(std::string message);
 
-/// The word of `known` with the least edit distance to `word`. requires: known is not empty.
-std::string_view nearestWord(std::string_view word, std::span<const std::string_view> known);
-
 /// The greatest length of a list, and the word for its entries: 64 "lights".
 struct ListLimit {
   std::size_t most;
@@ -108,8 +105,8 @@ class JobObject {
     return fill(key, expected, legal, out) ? std::optional(out) : std::nullopt;
   }
 
-  /// throws: Error kUsage at `key`: "expected …, found …"; or `sentence`, unchanged.
-  [[noreturn]] void refuse(std::string_view key, std::string_view expected) const;
+  /// throws: Error kUsage at `key`: "expected …, found …" and `hint`; or `sentence`, unchanged.
+  [[noreturn]] void refuse(std::string_view key, std::string_view expected, std::string_view hint = "") const;
   [[noreturn]] void complain(std::string_view key, const std::string& sentence) const;
   const std::filesystem::path& path() const { return path_; }
   /// Returns the path of `key` in the document: "camera.fov".

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/nearest_word.h"
 #include "base/text.h"
 #include "image/srgb.h"
 #include "scene/transfer/color_map.h"
@@ -288,6 +289,11 @@ std::string presetList() {
   return out + ", iso:VALUE,... or solid:VALUE";
 }
 
+std::string presetHint(std::string_view text) {
+  const std::vector<std::string_view> names(presetNames().begin(), presetNames().end());
+  return meantWordHint(text, names);
+}
+
 bool isStretched(std::string_view name) {
   return name == "grayscale" || std::ranges::find(colorMapNames(), name) != colorMapNames().end();
 }
@@ -310,8 +316,8 @@ TransferFunction presetFor(std::string_view name, const Manifest& manifest) {
   if (name.starts_with(kIso)) return isoSurfaces(name.substr(kIso.size()));
   if (name.starts_with(kSolidFrom)) return solidFrom(name.substr(kSolidFrom.size()), manifest);
   if (isPreset(name)) return colored(name, manifest);
-  throw Error(ErrorCode::kUsage,
-              "'" + std::string(name) + "' is not a transfer function preset; there are " + presetList());
+  throw Error(ErrorCode::kUsage, "'" + std::string(name) + "' is not a transfer function preset; there are " +
+                                     presetList() + presetHint(name));
 }
 
 }  // namespace kiln

@@ -19,6 +19,9 @@ const std::vector<std::string>& presetNames();
 /// Returns the names as a sentence: "auto, ct-skin, …, iso:VALUE,... or solid:VALUE".
 std::string presetList();
 
+/// Returns "; did you mean 'ct-bone'?" for a misspelt preset; empty if no preset is near.
+std::string presetHint(std::string_view text);
+
 /// True if the name is in the list, or begins with "iso:" or "solid:".
 bool isPreset(std::string_view name);
 

@@ -60,7 +60,7 @@ void addComposite(CLI::App& app, Context& context) {
   command
       ->add_option("--compression", a->exr_compression,
                    fmt::format("Compression of an EXR: {}; zip if not given.", fmt::join(kExrCompressionNames, ", ")))
-      ->check(CLI::IsMember(std::vector<std::string>(kExrCompressionNames.begin(), kExrCompressionNames.end())));
+      ->check(oneOf(kExrCompressionNames));
   addMemory(*command, a->memory, "the picture and a part")->capture_default_str();
   addNumber(*command, "--png-bits", a->png_bits, "8 (default) or 16")->check(CLI::IsMember({8, 16}));
   addExamples(*command,

@@ -14,6 +14,7 @@
 #include "output_files.h"
 #include "say.h"
 #include "sequence/sheet/gallery.h"
+#include "source_arguments.h"
 #include "store/store_reader.h"
 
 namespace kiln::tool {
@@ -56,7 +57,7 @@ void addGallery(CLI::App& app, Context& context) {
   command->add_option("-o,--output", a->output, "The sheet, .png, .exr, .tif or .jpg.")->required();
   command->add_option("--tf", a->request.presets, "Draw these presets only.")->type_name("PRESET");
   command->add_option("--look", a->look, "Light of the pictures, as for render.")
-      ->check(CLI::IsMember(std::vector<std::string>(kLookNames.begin(), kLookNames.end())))
+      ->check(oneOf(kLookNames))
       ->capture_default_str();
   command->add_option("--thumbnail", a->request.thumbnail_px, "Edge of a thumbnail.")
       ->type_name("PIXELS")
