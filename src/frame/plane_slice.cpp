@@ -28,9 +28,6 @@ namespace {
 
 // Share of a pixel by which a side may exceed a whole number of pixels: rounding of products in the world.
 constexpr double kSideRounding = 1e-6;
-// Sine of the angle to z below which a normal counts as along z: a degree and less.
-constexpr double kAlongZ = 0.02;
-
 // The corners of the part of the volume's box between two planes across `normal`, `half` to either side of `on`.
 std::vector<glm::dvec3> cornersBetween(const VolumeGeometry& level, const glm::dvec3& on, const glm::dvec3& normal,
                                        double half) {
@@ -47,11 +44,11 @@ std::vector<glm::dvec3> cornersBetween(const VolumeGeometry& level, const glm::d
   return out;
 }
 
-// Down along the picture: to the feet, or to the back where the normal runs to head or feet.
+// Down along the picture: to the feet, or to the back where the normal is nearest to head or feet. An axial slice that
+// is tilted thus has the sides of the axial slice, whichever way the tilt.
 glm::dvec3 downOf(const glm::dvec3& normal, PatientFrame frame) {
-  const glm::dvec3 z(0, 0, 1);
-  const bool along_z = glm::length(glm::cross(normal, z)) < kAlongZ;
-  const glm::dvec3 down = along_z ? -patientAxes(frame).anterior : -z;
+  const bool axial = std::abs(normal.z) > std::max(std::abs(normal.x), std::abs(normal.y));
+  const glm::dvec3 down = axial ? -patientAxes(frame).anterior : glm::dvec3(0, 0, -1);
   return glm::normalize(down - glm::dot(down, normal) * normal);
 }
 

@@ -38,8 +38,8 @@ struct PlanePixels {
   glm::dvec3 at(double x, double y) const { return first + x * right + y * down; }
 };
 
-/// Returns the pixels that cover the slice of the volume's box. z is up; where the normal is along z, y is down, or up
-/// in RAS.
+/// Returns the pixels that cover the slice of the volume's box. z is up; where the normal is nearer to z than to x and y,
+/// y is down, or up in RAS.
 /// throws: Error kUsage: no normal, a plane beside the volume, too many pixels.
 PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& request);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <set>
 
 #include "frame/plane_slice.h"
@@ -132,6 +133,21 @@ TEST_F(PlaneSlice, AlongAnAxis_isTheSliceOfThatAxis) {
     }
     ASSERT_EQ(image.height, expected.height);
     EXPECT_EQ(image.rgba, expected.rgba);
+  }
+}
+
+// Radiology's sides: a tilted axial slice has the front at the top and the right at the left, whichever way the tilt.
+TEST_F(PlaneSlice, TiltedAxialSlices_areNotTurnedRound) {
+  const PatientAxes axes = patientAxes(level().frame);
+  for (const double degrees : {-44.0, -30.0, -5.0, -0.5, 0.0, 0.5, 5.0, 30.0, 44.0}) {
+    const double sine = std::sin(glm::radians(degrees)), cosine = std::cos(glm::radians(degrees));
+    for (const glm::dvec3& normal : {glm::dvec3(0, sine, cosine), glm::dvec3(sine, 0, cosine)}) {
+      const PlanePixels pixels = pixelsOfPlane(level(), requestOf(normal, -glm::dot(normal, glm::dvec3(12, 9, 12))));
+      EXPECT_LT(glm::dot(pixels.down, axes.anterior), -0.7) << degrees;
+      EXPECT_GT(glm::dot(pixels.right, axes.left), 0.7) << degrees;
+    }
+    const PlanePixels upright = pixelsOfPlane(level(), requestOf({0, cosine, sine}, -9 * cosine - 12 * sine));
+    EXPECT_LT(upright.down.z, -0.7) << degrees;
   }
 }
 
