@@ -23,6 +23,15 @@ AnnotatedPicture pictureSeenBy(const FrameScene& scene, const View& view) {
   return out;
 }
 
+// A video alone has no transparency: players show black.
+Background backgroundBehind(const RenderJob& job, const FrameScene& scene) {
+  Background out = backgroundOf(scene.picture, scene.transfer_function);
+  const OutputOptions& output = job.output;
+  if (output.video.path.empty() || !output.path.empty() || !output.files.empty()) return out;
+  out.top[3] = out.bottom[3] = 1;
+  return out;
+}
+
 }  // namespace
 
 void warnOfLostAnnotations(const FrameScene& scene, Progress& progress) {
@@ -44,7 +53,7 @@ Annotators annotatorsOf(const RenderJob& job, const DrawnFrame& drawn) {
   for (std::size_t i = 0; i < out.size(); ++i) {
     AnnotatedPicture picture = pictureSeenBy(scene, drawn.views[i].view);
     picture.pixels = drawnPixels(scene.picture.size, scene.picture.crop);
-    picture.background = backgroundOf(scene.picture, scene.transfer_function);
+    picture.background = backgroundBehind(job, scene);
     picture.shown = scene.shown;
     picture.projected = !engineOf(scene.picture).capabilities().composites;
     picture.has_depth = hidesOutline(job);

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <sstream>
 
 #include "base/file/file.h"
@@ -252,6 +253,26 @@ TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
 }
 
 // An empty or relative element of PATH means the working directory, in which others may have put a program.
+// A video has no transparency: annotations are those of a black background, and dark on the paper of a picture.
+TEST_F(SequenceCli, AnnotationsOfAVideo_areThoseOfBlack) {
+  const PathOf stand_in(pathWithFfmpeg());
+  const auto videoOf = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"render", in("h.kiln"), "-o",          in("v.mp4"), "--turntable", "2",
+                                      "--size", "160x120",    "--scale-bar", "--text",    "a line"};
+    words.insert(words.end(), more.begin(), more.end());
+    done(words);
+    return readFile(in("v.mp4"));
+  };
+  // The ink of the bar is a line of white pixels in the last rows; a dark bar has only a rim of grey.
+  const auto whiteOf = [](const std::vector<std::byte>& video) {
+    const auto rows = std::span(video).subspan(100u * 160 * 3, 20u * 160 * 3);
+    return std::ranges::count_if(rows, [](std::byte value) { return std::to_integer<int>(value) > 250; });
+  };
+  const auto expected = whiteOf(videoOf({"--background", "black"}));
+  EXPECT_GT(expected, 50);
+  EXPECT_NEAR(static_cast<double>(whiteOf(videoOf({}))), static_cast<double>(expected), 6);
+}
+
 TEST_F(SequenceCli, Ffmpeg_InTheWorkingDirectory_IsNotRun) {
   pathWithFfmpeg();
   writeTurn(2);
