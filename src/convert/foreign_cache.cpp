@@ -22,6 +22,7 @@
 #include "ingest/source/formats.h"
 #include "store/manifest/read_manifest.h"
 #include "store/manifest/store_files.h"
+#include "store/manifest/store_name.h"
 #include "store/store_reader.h"
 
 namespace kiln {
@@ -145,12 +146,11 @@ std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const For
 
 fs::path storePathOf(const ForeignVolume& volume) {
   if (volume.store_directory.empty()) return baseOf(volume.input).string() + ".kiln";
-  constexpr std::size_t kDigits = 12;
   const fs::path file = wholeNameOf(containerOf(volume.input));
   const std::string part = partOf(volume.input);
   const std::string whole = part.empty() ? file.string() : file.string() + ":" + part;
-  const std::string hash = toHex(hashOf(whole)).substr(0, kDigits);
-  return volume.store_directory / fmt::format("{}{}-{}.kiln", file.filename().string(), dotted(part), hash);
+  const std::string hash = toHex(hashOf(whole)).substr(0, kStoreHashDigits);
+  return volume.store_directory / hashedStoreName(file.filename().string() + dotted(part), hash);
 }
 
 fs::path madeStoreFor(const ForeignVolume& volume, std::uint64_t memory_bytes,

@@ -10,7 +10,6 @@
 #include <variant>
 
 #include "base/error.h"
-#include "base/file/path_name.h"
 #include "engine/shown_box.h"
 #include "grid/length_unit.h"
 #include "job/animation.h"
@@ -28,6 +27,7 @@
 #include "scene/transfer/projection_range.h"
 #include "scene/transfer/transfer_function_fade.h"
 #include "scene/volume_part.h"
+#include "store/manifest/store_name.h"
 
 namespace kiln {
 
@@ -83,7 +83,7 @@ TransferFunction resolvedFor(const PictureOptions& picture, const TransferFuncti
 
 ShownFunction shownFunction(const std::filesystem::path& file, const TransferFunction& function,
                             const Manifest& manifest) {
-  ShownFunction out{withoutTrailingSlash(file).stem().string(), function, manifest.range};
+  ShownFunction out{volumeNameOf(file), function, manifest.range};
   if (const auto counted = labelsOf(manifest)) {
     out.labels.emplace();
     for (const LabelCount& label : *counted) out.labels->push_back(label.label);
@@ -129,7 +129,7 @@ PlaceholderTexts textsOfFrame(const RenderJob& job, int frame, const Manifest& m
   const Extent3& dims = manifest.geometry().dims;
   return {fmt::format("{}", frame),
           fmt::format("{:.2f}", time_s),
-          withoutTrailingSlash(job.volume).stem().string(),
+          volumeNameOf(job.volume),
           shownUnit(manifest.geometry().unit),
           fmt::format("{:g}", manifest.range.lo),
           fmt::format("{:g}", manifest.range.hi),

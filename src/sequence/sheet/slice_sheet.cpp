@@ -16,6 +16,7 @@
 #include "scene/transfer/display_map.h"
 #include "store/brick_index.h"
 #include "store/codec/brick_block.h"
+#include "store/manifest/store_name.h"
 
 namespace kiln {
 namespace {
@@ -135,7 +136,7 @@ std::vector<std::string> linesOf(const BrickedVolume& store, const SliceSheet& s
   const glm::dvec3 spacing = volume.spacing();
   const glm::dvec3 world = volume.worldOf(glm::dvec3(sheet.at.x, sheet.at.y, sheet.at.z));
   const std::string unit = volume.unit.empty() ? "world units" : volume.unit;
-  return {store.path().filename().string(),
+  return {volumeNameOf(store.path()),
           fmt::format("{} x {} x {} voxels, {}", volume.dims.x, volume.dims.y, volume.dims.z, nameOf(manifest.type)),
           fmt::format("spacing {:.6g} x {:.6g} x {:.6g} {}", spacing.x, spacing.y, spacing.z, unit),
           fmt::format("values {:.6g} to {:.6g}, window {:.6g},{:.6g}", manifest.range.lo, manifest.range.hi,
