@@ -70,9 +70,9 @@ make engine.kiln --brick-size 16 phantom:engine:64x64x64
 } >labels.nrrd
 make labels.kiln --labels --brick-size 32 labels.nrrd
 
-s=(--size 160x120)
+s=(--size 160x120 --fit box)  # cameras that do not depend on what each build counts as visible
 gradient='{"points": [{"value": 900, "opacity": 0, "color": [1, 1, 1]}, {"value": 1400, "opacity": 0.6, "color": [1, 0.8, 0.6]}], "gradientOpacity": [{"gradient": 0, "factor": 0}, {"gradient": 60, "factor": 1}]}'
-printf '{"kiln": 1, "volume": "%s/head.kiln", "image": {"width": 160, "height": 120}, "transferFunction": %s}' "$work" "$gradient" >gradient.json
+printf '{"kiln": 2, "volume": "%s/head.kiln", "camera": {"fit": "box"}, "image": {"width": 160, "height": 120}, "transferFunction": %s}' "$work" "$gradient" >gradient.json
 
 run skin_orthographic exr render ../head.kiln -o {OUT} "${s[@]}" --tf ct-skin --projection orthographic
 run bone_perspective exr render ../head.kiln -o {OUT} "${s[@]}" --tf ct-bone --projection perspective --fov 60
@@ -90,7 +90,7 @@ run labels exr render ../labels.kiln -o {OUT} "${s[@]}" --projection perspective
 run labels_voxel png render ../labels.kiln -o {OUT} "${s[@]}" --lattice voxel
 run several exr render ../head.kiln -o {OUT} "${s[@]}" --tf ct-bone --add ../brain.kiln --add-tf mr-head --aov depth,normal
 run several_labels exr render ../engine.kiln -o {OUT} "${s[@]}" --labels ../labels.kiln --projection perspective --memory 48M
-run panorama png render ../head.kiln -o {OUT} --size 128x64 --tf ct-bone --projection equirectangular
+run panorama png render ../head.kiln -o {OUT} --size 128x64 --tf ct-bone --projection equirectangular --fit box
 run stereo exr render ../head.kiln -o {OUT} "${s[@]}" --tf ct-skin --projection perspective --stereo both --interocular 6
 run aovs exr render ../head.kiln -o {OUT} "${s[@]}" --tf ct-bone --aov depth,normal --samples 2
 run deep exr render ../head.kiln -o {OUT} "${s[@]}" --tf ct-bone-and-skin --deep --samples 1
@@ -102,10 +102,10 @@ run catmull png render ../engine.kiln -o {OUT} "${s[@]}" --interpolation catmull
 run gradient_opacity exr render ../gradient.json -o {OUT}
 run quadtree png render ../head.kiln -o {OUT} "${s[@]}" --tf ct-skin --visibility quadtree --quadtree-epsilon 1
 run no_visibility png render ../head.kiln -o {OUT} "${s[@]}" --tf ct-bone --visibility none --shading none
-run turntable png render ../head.kiln -o 'f_####.png' --size 80x80 --tf ct-bone --turntable 3
-run checkpoint exr render ../head.kiln -o {OUT} --size 600x600 --samples 1 --tf ct-skin --checkpoint
+run turntable png render ../head.kiln -o 'f_####.png' --size 80x80 --tf ct-bone --turntable 3 --fit box
+run checkpoint exr render ../head.kiln -o {OUT} --size 600x600 --samples 1 --tf ct-skin --checkpoint --fit box
 run slice png slice ../head.kiln -o {OUT}
-run foreign png render ../labels.nrrd -o {OUT} --size 80x60 --mode mip
+run foreign png render ../labels.nrrd -o {OUT} --size 80x60 --mode mip --fit box
 
 # Partial images and their composite.
 for side in 0 1; do
