@@ -142,7 +142,7 @@ EmptyFrame reasonForNothing(const FrameScene& scene, const FrameRequest& request
     const EmptyFrame why = reasonOf(volume, request);
     out = !out || *out == why ? why : EmptyFrame::kCombined;
   }
-  return *out;
+  return *out == EmptyFrame::kCombined && scene.masked ? EmptyFrame::kMasked : *out;
 }
 
 }  // namespace
@@ -206,6 +206,9 @@ std::string emptyText(EmptyFrame why) {
              "everywhere";
     case EmptyFrame::kCombined:
       return "what the transfer function shows is clipped away, out of view, or the value of no voxel";
+    case EmptyFrame::kMasked:
+      return "what the transfer function shows is hidden by the mask, clipped away, out of view, or the value of no "
+             "voxel";
   }
   return "something is drawn";
 }

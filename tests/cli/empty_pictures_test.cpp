@@ -89,6 +89,22 @@ TEST_F(EmptyPicturesCli, EachReason_isNamed) {
               "clipped away, out of view, or the value of no voxel");
 }
 
+// Known because label 7 is in a corner of the mask alone, outside the body.
+TEST_F(EmptyPicturesCli, MaskThatHidesAll_isAReason) {
+  writeText(in("m.nrrd"),
+            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspace: left-posterior-superior\n"
+            "space directions: (80,0,0) (0,80,0) (0,0,80)\nspace origin: (-120,-120,1600)\n"
+            "space units: \"mm\" \"mm\" \"mm\"\nencoding: raw\n\n" +
+                std::string(63, 3) + std::string(1, 7));
+  done({"convert", in("m.nrrd"), in("m.kiln"), "--labels"});
+  const std::string why = "is hidden by the mask, clipped away, out of view, or the value of no voxel";
+  expectWarning({"--mask", in("m.kiln") + ":7"}, "the picture is empty: ", why);
+  expectWarning({"--mask", in("m.kiln") + ":7", "--add", in("h.kiln"), "--add-tf", "solid:30000"},
+                "the picture is empty: ", why);
+  // A certain reason is the only one.
+  expectEmpty({"--mask", in("m.kiln") + ":3", "--clip", "0,0,1,-100000"}, "leave nothing of the volume");
+}
+
 TEST_F(EmptyPicturesCli, VolumeFarSmallerThanAPixel_isNamedForEachProjection) {
   const std::string why = "far smaller than a pixel";
   expectEmpty({"--zoom", "1e-5"}, why);

@@ -32,6 +32,7 @@ struct LevelStatistics {
 /// - kThin: the region, the box of the world or the planes leave so little that 8 bits round its alpha to 0.
 /// - kFaint: 8 bits round the alpha of each pixel to 0.
 /// - kCombined: several reasons together: visible values are clipped away, out of view or in no voxel.
+/// - kMasked: as kCombined, where a mask may hide the visible values, too.
 enum class EmptyFrame : std::uint8_t {
   kShows,
   kOpacity,
@@ -42,7 +43,8 @@ enum class EmptyFrame : std::uint8_t {
   kTooSmall,
   kThin,
   kFaint,
-  kCombined
+  kCombined,
+  kMasked
 };
 
 /// Counts of one frame. Bricks belong to the levels that the view selects (BrickWalkCounts). With several samples a

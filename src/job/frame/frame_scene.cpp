@@ -301,6 +301,9 @@ std::vector<ShownFunction> SceneOfJob::shownIn(const FrameScene& scene) const {
 FrameScene SceneOfJob::at(int frame) const {
   const Animation& animation = job_.animation;
   FrameScene out{job_.picture, {}, functions_.front().at(frame), companions_, {}, geometry_, {}};
+  out.masked = job_.companions.mask || std::ranges::any_of(job_.volumes, [](const VolumeOptions& volume) {
+                 return volume.companions.mask.has_value();
+               });
   if (const auto part = std::exchange(out.picture.part, std::nullopt))
     out.picture.clipping.part = boxOfPart(*part, manifest().geometry().dims, manifest().brick_size);
   out.camera = cameraOf(frame);

@@ -45,6 +45,7 @@ struct FrameScene {
   std::vector<VolumeScene> volumes;  // empty for a single volume; the first volume's function is also above
   VolumeGeometry box;                // the box around all volumes, in the axes of the first
   std::vector<ShownFunction> shown;  // with a legend: of each volume, or of the volume that colours it
+  bool masked = false;               // a mask hides voxels of a volume
 };
 
 /// Returns the function for `choice` in the picture, as `resolve`; where values are projected, "auto" is a ramp of
