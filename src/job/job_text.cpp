@@ -1,6 +1,7 @@
 // Writes a job with every choice made. Leaves out speed and names of outputs, so that equal pictures have equal EXR
 // headers.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -27,6 +28,16 @@ CameraSpec specOf(const Camera& camera) {
   return out;
 }
 
+bool isPoint(const ordered_json& value) {
+  const auto is_number = [](const ordered_json& number) { return number.is_number(); };
+  return value.is_array() && value.size() <= 4 && std::all_of(value.begin(), value.end(), is_number);
+}
+
+// "[0.5, 1, -3]", with digits for people.
+std::string pointText(const ordered_json& point) {
+  return fmt::format("[{:g}]", fmt::join(point.get<std::vector<double>>(), ", "));
+}
+
 // Collects the differences between two values at the same place of two jobs.
 void addDifferences(const ordered_json& there, const ordered_json& here, const std::string& place,
                     std::vector<std::string>& out) {
@@ -46,9 +57,20 @@ void addDifferences(const ordered_json& there, const ordered_json& here, const s
     }
     for (const auto& [key, value] : here.items())
       if (!there.contains(key) && !is_name(key, value)) out.push_back(at(key) + " is here and not there");
+  } else if (isPoint(there) && isPoint(here) && there.size() == here.size()) {
+    const bool differ = pointText(there) != pointText(here);
+    out.push_back(fmt::format("{} is {} there and {} here", place, differ ? pointText(there) : there.dump(),
+                              differ ? pointText(here) : here.dump()));
   } else if (there.is_array() && here.is_array() && there.size() == here.size()) {
-    for (std::size_t i = 0; i < there.size(); ++i)
-      addDifferences(there[i], here[i], fmt::format("{}[{}]", place, i), out);
+    std::vector<std::string> of_entries;
+    std::size_t entries = 0;
+    for (std::size_t i = 0; i < there.size(); ++i) {
+      const std::size_t before = of_entries.size();
+      addDifferences(there[i], here[i], fmt::format("{}[{}]", place, i), of_entries);
+      entries += of_entries.size() > before ? 1 : 0;
+    }
+    if (entries > 1) of_entries = {fmt::format("{} differs in {} of {} entries", place, entries, there.size())};
+    out.insert(out.end(), of_entries.begin(), of_entries.end());
   } else if (there.is_structured() || here.is_structured()) {
     out.push_back(place + " is another");
   } else {
@@ -81,6 +103,8 @@ std::string jobDifference(const std::string& text_there, const std::string& text
                        format < formatOf(here) ? "an earlier" : "a later", format, formatOf(here));
   std::vector<std::string> differences;
   addDifferences(there, here, "", differences);
+  // A camera that is not given follows the shown part of the volume, which other options choose.
+  std::ranges::stable_partition(differences, [](const std::string& each) { return !each.starts_with("camera"); });
   std::string out;
   for (std::size_t i = 0; i < std::min(differences.size(), kMostSaid); ++i) out += (i > 0 ? ", " : "") + differences[i];
   if (differences.size() > kMostSaid) out += fmt::format(", and {} more", differences.size() - kMostSaid);

@@ -206,8 +206,8 @@ RenderJob readJob(const std::filesystem::path& path);
 /// outputs are left out, so that equal pictures have equal headers. `parseJob` of the text gives an equal picture.
 std::string resolvedJobText(const RenderJob& job, const Camera& camera, const TransferFunction& transfer_function);
 
-/// Returns the first few differing keys of two such texts, as "shading.ambient is 0.2 there and 0.3 here". Ignores
-/// names of volumes. Empty without a difference, or if a text is no resolved job.
+/// Returns the first few differing keys of two such texts, as "shading.ambient is 0.2 there and 0.3 here". Keys of
+/// the camera come last. Ignores names of volumes. Empty without a difference, or if a text is no resolved job.
 std::string jobDifference(const std::string& there, const std::string& here);
 
 }  // namespace kiln

@@ -67,6 +67,21 @@ class SequenceCli : public ToolTest {
   }
 };
 
+// The transfer function is given, and the fitted camera follows from it.
+TEST_F(SequenceCli, ResumedWithAnotherTransferFunction_namesItBeforeTheCamera) {
+  const std::vector<std::string> draw = {"render", in("h.kiln"), "-o", in("r_#.png"), "--size",
+                                         "20x18",  "--frames",   "1",  "--tf"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), draw.begin(), draw.end());
+    return more;
+  };
+  done(with({"ct-skin"}));
+  const std::string error = runTool(with({"ct-bone", "--resume"})).err;
+  const std::size_t function = error.find("is a picture of another job: transferFunction.");
+  EXPECT_NE(function, std::string::npos) << error;
+  EXPECT_EQ(error.find("camera.eye["), std::string::npos) << error;
+}
+
 // Known because another job is never interrupted. A job that is killed twice (between frames, and with the files of a
 // power cut) and resumed leaves equal files, to the bit.
 TEST_F(SequenceCli, InterruptedAndResumedIsTheSame) {

@@ -1,6 +1,7 @@
 // Known answers: an example job with each value in its place; each way to get a key wrong names the key.
 #include "job/render_job.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -567,6 +568,23 @@ TEST(RenderJob, ADifferenceOfFormatsIsOfKilns) {
   EXPECT_EQ(jobDifference(second, first), "it was drawn by a later Kiln, whose jobs have format 2 instead of 1");
   EXPECT_EQ(jobDifference(second, R"({"kiln": 2, "shading": {"ambient": 0.5}})"),
             "shading.ambient is 0.3 there and 0.5 here");
+}
+
+// Known because each key is written by hand.
+TEST(RenderJob, DifferencesOfTheCameraComeLast_andAListIsOneDifference) {
+  const auto job = [](const char* eye, const char* points) {
+    return fmt::format(R"({{"kiln": 2, "camera": {{"eye": {}, "target": [0, 0, 0]}},
+                            "transferFunction": {{"points": {}}}}})",
+                       eye, points);
+  };
+  const std::string a = job("[0, -1000.25, 3]", R"([{"value": 1, "opacity": 0}, {"value": 2, "opacity": 1}])"),
+                    b = job("[1, -900, 4]", R"([{"value": 3, "opacity": 0.5}, {"value": 4, "opacity": 1}])"),
+                    c = job("[0, -1000.25, 3]", R"([{"value": 1, "opacity": 0}, {"value": 5, "opacity": 1}])");
+  EXPECT_EQ(jobDifference(a, b),
+            "transferFunction.points differs in 2 of 2 entries, camera.eye is [0, -1000.25, 3] there and "
+            "[1, -900, 4] here");
+  EXPECT_EQ(jobDifference(a, c), "transferFunction.points[1].value is 2 there and 5 here");
+  EXPECT_EQ(jobDifference(a, a), "");
 }
 
 TEST(RenderJob, FilesAreReadAndMissingOnesNamed) {
