@@ -52,6 +52,16 @@ TEST_F(ForeignCache, AnotherFileOfThatNameIsConvertedThoughItIsOlder) {
   EXPECT_FALSE(equalBits(second, readImage(in("first.png"))));
 }
 
+// Copies of a file may have another time; the manual promises a new store.
+TEST_F(ForeignCache, AFileOfEqualContentAndAnotherTime_IsConvertedAnew) {
+  write("v.raw", 3);
+  done(drawn("v.raw", "first.png"));
+  EXPECT_EQ(done(drawn("v.raw", "again.png")).err.find("converting"), std::string::npos);
+  fs::last_write_time(in("v.raw"), fs::last_write_time(in("v.raw")) - std::chrono::hours(1));
+  EXPECT_NE(done(drawn("v.raw", "second.png")).err.find("converting"), std::string::npos);
+  EXPECT_EQ(readFile(in("second.png")), readFile(in("first.png")));
+}
+
 // A program that keeps times, as rsync does, replaces the voxels by others of equal size and time.
 TEST_F(ForeignCache, AFileOfEqualSizeAndTime_IsConvertedAnew) {
   write("v.raw", 3);
