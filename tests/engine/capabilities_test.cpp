@@ -50,7 +50,7 @@ TEST(Capabilities, DefaultOptions_fitEachEngine) {
 }
 
 TEST(Capabilities, Refusal_namesConstraintFoundEngineAndRemedy) {
-  EXPECT_EQ(engineRefusal(kVoxelEngine, {.interpolation = Interpolation::kCubic}),
+  EXPECT_EQ(engineRefusal(kVoxelEngine, {.interpolation = Interpolation::kCubic, .aovs = {}}),
             "--interpolation cubic: needs --lattice pixel, or several volumes (found --lattice voxel); leave "
             "--interpolation out");
   EXPECT_EQ(
@@ -78,12 +78,14 @@ TEST(Capabilities, EngineThatContradictsItself_isRefused) {
 }
 
 TEST(Capabilities, DistanceOfSamples_hasARangeAndAnEngine) {
-  EXPECT_EQ(engineRefusal({}, {.sample_distance = 0.75}), "");
+  EXPECT_EQ(engineRefusal({}, {.sample_distance = 0.75, .aovs = {}}), "");
   for (const double wrong : {0.2, 1.1, -1.0}) {
-    EXPECT_NE(engineRefusal({}, {.sample_distance = wrong}).find("from 0.25 to 1 (found "), std::string::npos) << wrong;
+    EXPECT_NE(engineRefusal({}, {.sample_distance = wrong, .aovs = {}}).find("from 0.25 to 1 (found "),
+              std::string::npos)
+        << wrong;
   }
-  EXPECT_NE(engineRefusal(kVoxelEngine, {.sample_distance = 0.75}), "");
-  EXPECT_NE(engineRefusal(kMipEngine, {.sample_distance = 0.75}), "");
+  EXPECT_NE(engineRefusal(kVoxelEngine, {.sample_distance = 0.75, .aovs = {}}), "");
+  EXPECT_NE(engineRefusal(kMipEngine, {.sample_distance = 0.75, .aovs = {}}), "");
 }
 
 TEST(Capabilities, Manual_printsTheTable) {

@@ -232,7 +232,9 @@ TEST(Projection, BorderPixelsAreAsOpaqueAsTheVolumeCoversThem) {
           if (share > 0 && share < 1) ++border;
           ASSERT_NEAR(alpha, share, 0.08) << "seed " << seed << " mode " << int(mode) << " pixel " << x << "," << y;
           // A pixel that is covered entirely is opaque, without rounding.
-          if (alpha > 1 - 1e-6) ASSERT_EQ(alpha, 1);
+          if (alpha > 1 - 1e-6) {
+            ASSERT_EQ(alpha, 1);
+          }
           sum += alpha - share;
           const double value = valuesOf(image)[static_cast<std::size_t>(y * image.width + x)];
           ASSERT_EQ(std::isnan(value), alpha == 0);

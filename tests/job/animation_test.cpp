@@ -220,14 +220,14 @@ TransferFunction surfacesOf(std::vector<IsoSurface> of) {
 
 // Names of labels stay in a fade, and all regions of two neighbouring keys are drawn between them.
 TEST(TransferFunctionFade, KeepsNames_andTellsWhetherRegionsFade) {
-  TransferFunction a{.unit = 1}, b{.unit = 1};
+  TransferFunction a{.unit = 1, .points = {}}, b{.unit = 1, .points = {}};
   a.labels = {{1, "liver", glm::dvec3(0.5), 1}};
   b.labels = {{1, "", glm::dvec3(0.5), 1}, {2, "spleen", glm::dvec3(0.5), 1}};
   const TransferFunction between = faded(a, b, 0.5);
   ASSERT_EQ(between.labels.size(), 2u);
   EXPECT_EQ(between.labels[0].name, "liver");
   EXPECT_EQ(between.labels[1].name, "spleen");
-  TransferFunction one{.unit = 1}, other{.unit = 1};
+  TransferFunction one{.unit = 1, .points = {}}, other{.unit = 1, .points = {}};
   one.regions.resize(3), other.regions.resize(2);
   EXPECT_TRUE(regionsFade(one, other));
   EXPECT_EQ(faded(one, other, 0.5).regions.size(), 5u);
