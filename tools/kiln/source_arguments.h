@@ -51,10 +51,10 @@ CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional
 void addSourceArguments(CLI::App& command, SourceWords& words);
 
 /// Adds the option --memory. `text` is a std::string with the default, or a std::optional if a job may set the memory.
-/// `holds` ends the help text "the most memory, for …".
+/// `holds` stands in the help text "Most memory, for ….".
 template <class Text>
 CLI::Option* addMemory(CLI::App& command, Text& text, const std::string& holds) {
-  return command.add_option("--memory", text, "the most memory, for " + holds)->type_name("BYTES");
+  return command.add_option("--memory", text, "Most memory, for " + holds + ".")->type_name("BYTES");
 }
 inline constexpr const char* kDefaultMemory = "2G";
 

@@ -62,7 +62,8 @@ void addComposite(CLI::App& app, Context& context) {
                    fmt::format("Compression of an EXR: {}; zip if not given.", fmt::join(kExrCompressionNames, ", ")))
       ->check(oneOf(kExrCompressionNames));
   addMemory(*command, a->memory, "the picture and a part")->capture_default_str();
-  addNumber(*command, "--png-bits", a->png_bits, "8 (default) or 16")->check(CLI::IsMember({8, 16}));
+  addNumber(*command, "--png-bits", a->png_bits, "Bits of a channel of a PNG: 8 (default) or 16.")
+      ->check(CLI::IsMember({8, 16}));
   addExamples(*command,
               {"kiln render head.kiln -o part1.exr --part 1/2", "kiln render head.kiln -o part2.exr --part 2/2",
                "kiln composite part1.exr part2.exr -o head.exr"});

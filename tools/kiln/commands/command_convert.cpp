@@ -238,7 +238,7 @@ void addConvert(CLI::App& app, Context& context) {
   command->add_option("--threads", a->threads, "Threads; 0 takes all.")
       ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
-  addNumber(*command, "--brick-size", a->brick_size, "voxels along a brick's edge, a power of two")
+  addNumber(*command, "--brick-size", a->brick_size, "Voxels along a brick's edge, a power of two.")
       ->capture_default_str();
   command
       ->add_option("--levels", a->levels, "The most levels of resolution; as many as it takes to one brick by default.")

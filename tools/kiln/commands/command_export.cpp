@@ -54,7 +54,7 @@ void addExport(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand("export", "Write a store, or a part of it, as a file of another format.");
   command->add_option("STORE", a->store, "The store.")->required();
   command->add_option("OUT", a->request.out, "The file to write, by its ending: " + exportEndings() + ".")->required();
-  addNumber(*command, "--level", a->request.level, "0 is finest")->capture_default_str();
+  addNumber(*command, "--level", a->request.level, "Level of resolution, 0 for the finest.")->capture_default_str();
   command->add_option("--region", a->region, "Write this box of voxels of level 0 only; X0 is inside, X1 outside.")
       ->type_name("X0,Y0,Z0,X1,Y1,Z1");
   command->add_flag("--compress", a->request.compress,

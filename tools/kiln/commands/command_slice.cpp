@@ -201,7 +201,8 @@ void addSlice(CLI::App& app, Context& context) {
                        "The axis across the slices: x, y or z; or axial, coronal or sagittal, the nearest to the "
                        "patient's.")
           ->capture_default_str();
-  CLI::Option* const level = addNumber(*command, "--level", a->level, "0 is finest")->capture_default_str();
+  CLI::Option* const level =
+      addNumber(*command, "--level", a->level, "Level of resolution, 0 for the finest.")->capture_default_str();
   CLI::Option* const index =
       command
           ->add_option("--index", a->index,
@@ -222,12 +223,13 @@ void addSlice(CLI::App& app, Context& context) {
           ->excludes(axis)
           ->excludes(index)
           ->excludes("--sheet");
-  addNumber(*command, "--thickness", a->thickness, "of the slice around --plane, in the volume's unit of length")
+  addNumber(*command, "--thickness", a->thickness,
+            "Thickness of the slice around --plane, in the volume's unit of length.")
       ->type_name("LENGTH")
       ->needs(plane)
       ->capture_default_str();
   addNumber(*command, "--pixel", a->pixel,
-            "edge of a pixel of --plane, in the volume's unit of length; the shortest edge of a voxel if not given")
+            "Edge of a pixel of --plane, in the volume's unit of length; the shortest edge of a voxel if not given.")
       ->type_name("LENGTH")
       ->needs(plane);
   command->add_option("--mode", a->mode, "The value of a pixel of a thick slice: average, mip or minip.")

@@ -51,7 +51,7 @@ void addSplit(CLI::App& app, Context& context) {
       ->add_option("-o,--output", a->output,
                    "The parts, in whose name a run of # is the part's number: 1 is the first rank's.")
       ->required();
-  addNumber(*command, "--parts", a->parts, "how many, one a rank")->required()->type_name("N");
+  addNumber(*command, "--parts", a->parts, "Number of stores, one a rank.")->required()->type_name("N");
   command
       ->add_option("--tf", a->tf,
                    "The transfer function that is to be drawn: each part has an even share of what it shows.")
