@@ -108,6 +108,17 @@ TEST(LabelStyles, AreReadFromTablesAndLists) {
         << line;
 }
 
+// MRIcron's lists count the atlas's regions in a third column. Of Brodmann's areas the number is the name.
+TEST(LabelStyles, NumbersBehindNames_areNoNames) {
+  const TransferFunction aal = labelDescription("1 Precentral_L 2001\n2 Precentral_R 2002\n", "aal.nii.txt");
+  EXPECT_EQ(aal.labels[0].name, "Precentral_L");
+  EXPECT_EQ(aal.labels[1].name, "Precentral_R");
+  const TransferFunction areas = labelDescription("1 Area 17\n2 Area 18\n", "areas.txt");
+  EXPECT_EQ(areas.labels[1].name, "Area 18");
+  const TransferFunction mixed = labelDescription("1 Lobule 4\n2 Vermis\n", "mixed.txt");
+  EXPECT_EQ(mixed.labels[0].name, "Lobule 4");
+}
+
 TEST(LabelStyles, AWrongLineIsNamed) {
   const auto said = [](const std::string& line) {
     return saidOf([&] { labelDescription("# ITK-SnAP Label Description File\n" + line, "s.txt"); });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <glm/vector_relational.hpp>
 #include <set>
 #include <sstream>
@@ -31,6 +32,7 @@ constexpr double kPaletteOpacity = 0.95;
 struct Described {
   LabelStyle style;
   std::optional<double> alpha;  // in a colour table. unit: 255ths
+  bool listed = false;          // in a list of names
 };
 
 bool isLabel(double number) { return number >= 0 && number <= kLargestLabel && number == std::floor(number); }
@@ -79,7 +81,20 @@ std::optional<Described> nameLine(const std::string& line) {
   name = content(name);
   if (!isLabel(label) || name.empty() || name.find('"') != std::string::npos) return std::nullopt;
   if (numberOf<double>(name.substr(0, name.find_first_of(" \t")))) return std::nullopt;
-  return Described{{label, name, paletteColor(std::max(label, 1.0)), label != 0 ? kPaletteOpacity : 0}, {}};
+  return Described{{label, name, paletteColor(std::max(label, 1.0)), label != 0 ? kPaletteOpacity : 0}, {}, true};
+}
+
+// Lists of MRIcron end each line with the number of a region in the atlas's own count. A column of whole numbers is no
+// part of the names if the names differ without the column.
+void dropNumberColumn(std::vector<Described>& all) {
+  std::set<std::string> names;
+  for (const Described& each : all) {
+    const std::string& name = each.style.name;
+    const std::size_t blank = name.find_last_of(" \t");
+    if (!each.listed || blank == std::string::npos || !decimalOf<std::int64_t>(name.substr(blank + 1))) return;
+    if (!names.insert(content(name.substr(0, blank))).second) return;
+  }
+  for (Described& each : all) each.style.name = content(each.style.name.substr(0, each.style.name.find_last_of(" \t")));
 }
 
 std::optional<Described> describedBy(const std::string& line) {
@@ -127,6 +142,7 @@ TransferFunction labelDescription(const std::string& text, const std::filesystem
                   fmt::format("a transfer function has at most {} labels; describe those to draw", kMostLabelLooks));
     all.push_back(*found);
   }
+  dropNumberColumn(all);
   // FreeSurfer writes 0 for each label, 3D Slicer 255 for opaque labels.
   const bool has_alpha = std::ranges::any_of(all, [](const Described& one) { return one.alpha.value_or(0) > 0; });
   TransferFunction out;
