@@ -77,7 +77,7 @@ std::string shownValue(const json& value) {
   return shown;
 }
 
-std::shared_ptr<const json> checkedDocument(const std::string& text, const std::filesystem::path& path) {
+json checkedDocument(const std::string& text, const std::filesystem::path& path) {
   // The library takes a NUL for the end of the text.
   if (const std::size_t nul = text.find('\0'); nul != std::string::npos)
     throw Error(ErrorCode::kFormat, path, lineAndColumn(text, nul + 1), "JSON has no NUL byte; remove it");
@@ -86,7 +86,7 @@ std::shared_ptr<const json> checkedDocument(const std::string& text, const std::
     const std::string place = checker.bytes_read > 0 ? lineAndColumn(text, checker.bytes_read) : "";
     throw Error(ErrorCode::kFormat, path, place, checker.problem);
   }
-  return std::make_shared<const json>(json::parse(text, nullptr, true, true));
+  return json::parse(text, nullptr, true, true);
 }
 
 // "a", "b" or "c", in quotes.
@@ -141,44 +141,42 @@ std::string expectedWhole(std::int64_t least, std::int64_t most, std::string_vie
   return fmt::format("a whole number{}{} from {} to {}", unit.empty() ? "" : " of ", unit, least, most);
 }
 
-JobObject::JobObject(Json root, Json value, Text text, std::filesystem::path path, std::string place)
-    : root_(std::move(root)),
-      value_(std::move(value)),
-      text_(std::move(text)),
-      path_(std::move(path)),
-      place_(std::move(place)) {
+struct JobObject::Document {
+  json root;
+  std::string text;
+  std::filesystem::path path;
+  std::optional<FlagText> flag;  // if the document is the value of a flag
+};
+
+JobObject::JobObject(Shared document, const json& root, const json& value, std::string place)
+    : document_(std::move(document)), root_(&root), value_(&value), place_(std::move(place)) {
   if (!value_->is_object()) complainAt(place_, "expected an object {…}, found " + shownValue(*value_));
 }
 
 JobObject JobObject::parse(const std::string& text, const std::filesystem::path& path) {
-  const Json root = checkedDocument(text, path);
-  return JobObject(root, root, std::make_shared<const std::string>(text), path, "");
+  const auto document = std::make_shared<const Document>(Document{checkedDocument(text, path), text, path, {}});
+  return JobObject(document, document->root, document->root, "");
 }
 
 std::vector<JobObject> JobObject::parseSeveral(const std::string& text, const std::filesystem::path& path) {
-  const Json root = checkedDocument(text, path);
-  const auto shared_text = std::make_shared<const std::string>(text);
-  if (!root->is_array()) return {JobObject(root, root, shared_text, path, "")};
+  const auto document = std::make_shared<const Document>(Document{checkedDocument(text, path), text, path, {}});
+  const json& root = document->root;
+  if (!root.is_array()) return {JobObject(document, root, root, "")};
   std::vector<JobObject> out;
-  for (std::size_t i = 0; i < root->size(); ++i) {
-    const Json item(root, &(*root)[i]);
-    out.push_back(JobObject(item, item, shared_text, path, fmt::format("[{}]", i)));
-  }
+  for (std::size_t i = 0; i < root.size(); ++i)
+    out.push_back(JobObject(document, root[i], root[i], fmt::format("[{}]", i)));
   return out;
 }
 
 JobObject JobObject::ofFlag(const json& value, const FlagText& flag) {
-  const auto root = std::make_shared<const json>(value);
-  JobObject out(root, root, nullptr, {}, "");
-  out.flag_ = std::make_shared<const FlagText>(flag);
-  return out;
+  const auto document = std::make_shared<const Document>(Document{value, {}, {}, flag});
+  return JobObject(document, document->root, document->root, "");
 }
 
+const std::filesystem::path& JobObject::path() const { return document_->path; }
+
 JobObject JobObject::inside(const json& value, std::string place) const {
-  // Shares the document's lifetime, points at the part.
-  JobObject out(root_, Json(value_, &value), text_, path_, std::move(place));
-  out.flag_ = flag_;
-  return out;
+  return JobObject(document_, *root_, value, std::move(place));
 }
 
 const json* JobObject::find(std::string_view key) const {
@@ -195,14 +193,16 @@ void JobObject::complain(std::string_view key, const std::string& sentence) cons
 }
 
 void JobObject::complainAt(const std::string& place, const std::string& sentence) const {
-  if (flag_) throw Error(ErrorCode::kUsage, flag_->flag + ": " + sentence);
-  const std::string line = "line " + std::to_string(lineOfPlace(*text_, place));
-  throw Error(ErrorCode::kUsage, path_, place.empty() ? line : line + ", " + place, sentence);
+  const std::optional<FlagText>& flag = document_->flag;
+  if (flag) throw Error(ErrorCode::kUsage, flag->flag + ": " + sentence);
+  const std::string line = "line " + std::to_string(lineOfPlace(document_->text, place));
+  throw Error(ErrorCode::kUsage, document_->path, place.empty() ? line : line + ", " + place, sentence);
 }
 
 void JobObject::refuse(std::string_view key, std::string_view expected, std::string_view hint) const {
   const std::string end(hint);
-  if (flag_) complain(key, "expected " + flag_->expected + ", found " + flag_->found + end);
+  if (const std::optional<FlagText>& flag = document_->flag; flag)
+    complain(key, "expected " + flag->expected + ", found " + flag->found + end);
   const json* value = find(key);
   complain(key, "expected " + std::string(expected) + ", found " + (value ? shownValue(*value) : "nothing") + end);
 }
@@ -241,7 +241,7 @@ bool JobObject::isNumber(std::string_view key) const {
 }
 
 std::optional<double> JobObject::format() const {
-  for (const json* owner : {value_.get(), root_.get()}) {
+  for (const json* owner : {value_, root_}) {
     const auto found = owner->find("kiln");
     if (found != owner->end() && found->is_number()) return found->get<double>();
   }
@@ -276,7 +276,7 @@ std::optional<std::int64_t> JobObject::integer(std::string_view key, std::int64_
 std::optional<std::string> JobObject::text(std::string_view key, std::string_view expected) const {
   const json* value = find(key);
   if (!value) return std::nullopt;
-  if (!value->is_string() || (!flag_ && value->get_ref<const std::string&>().empty())) refuse(key, expected);
+  if (!value->is_string() || (!document_->flag && value->get_ref<const std::string&>().empty())) refuse(key, expected);
   if (hasNul(*value)) refuse(key, std::string(expected) + std::string(kWithoutNul));
   return value->get<std::string>();
 }
@@ -309,7 +309,8 @@ std::optional<std::vector<std::size_t>> JobObject::choices(std::string_view key,
     });
     const auto place = static_cast<std::size_t>(found - names.begin());
     const bool again = std::find(out.begin(), out.end(), place) != out.end();
-    if (found == names.end() || (again && !flag_)) refuse(key, "a list of " + listOf(names) + ", none of them twice");
+    if (found == names.end() || (again && !document_->flag))
+      refuse(key, "a list of " + listOf(names) + ", none of them twice");
     if (!again) out.push_back(place);
   }
   return out;

@@ -108,25 +108,24 @@ class JobObject {
   /// throws: Error kUsage at `key`: "expected …, found …" and `hint`; or `sentence`, unchanged.
   [[noreturn]] void refuse(std::string_view key, std::string_view expected, std::string_view hint = "") const;
   [[noreturn]] void complain(std::string_view key, const std::string& sentence) const;
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const;
   /// Returns the path of `key` in the document: "camera.fov".
   std::string placeOf(std::string_view key) const;
 
  private:
-  using Json = std::shared_ptr<const nlohmann::json>;
-  using Text = std::shared_ptr<const std::string>;
-  JobObject(Json root, Json value, Text text, std::filesystem::path path, std::string place);
+  struct Document;  // what all objects of a document have in common: large lists of objects share one
+  using Shared = std::shared_ptr<const Document>;
+  JobObject(Shared document, const nlohmann::json& root, const nlohmann::json& value, std::string place);
   [[noreturn]] void complainAt(const std::string& place, const std::string& sentence) const;
   void requireWithin(std::string_view key, ListLimit limit, const nlohmann::json& list) const;
   const nlohmann::json* find(std::string_view key) const;
   bool fill(std::string_view key, std::string_view expected, const Legal& legal, std::span<double> out) const;
   JobObject inside(const nlohmann::json& value, std::string place) const;
 
-  Json root_, value_;
-  Text text_;  // the whole document
-  std::filesystem::path path_;
-  std::string place_;                     // path of this object; empty for the root
-  std::shared_ptr<const FlagText> flag_;  // if the object stands for a flag
+  Shared document_;
+  const nlohmann::json* root_;   // the document, or its entry where the document is a list
+  const nlohmann::json* value_;  // this object
+  std::string place_;            // path of this object; empty for the root
 };
 
 /// The ranges of numeric keys.
