@@ -160,7 +160,8 @@ TEST_F(SlicesCli, WrongRequests_areOneLine) {
   refused({"slice", in("v.kiln"), "-o", in("p.png"), "--at", "1,1,1"}, 2, "--sheet");
   refused({"slice", in("v.kiln"), "-o", in("p.png"), "--sheet", "--at", "20,1,1"}, 2, "19,14,9");
   refused({"slice", in("v.kiln"), "-o", in("p.png"), "--sheet", "--index", "1"}, 2, "--index");
-  refused({"slice", in("v.kiln"), "-o", in("p.png"), "--sheet", "--memory", "64K"}, 1, "--memory");
+  refused({"slice", in("v.kiln"), "-o", in("p.png"), "--sheet", "--memory", "64K"}, 1,
+          "--memory: 64.0 KiB is too little: a sheet of three slices");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "annotate/edge_letters.h"
 #include "base/error.h"
+#include "base/memory/memory.h"
 #include "frame/histogram_bars.h"
 #include "frame/slice_palette.h"
 #include "image/plot_image.h"
@@ -55,6 +56,14 @@ std::uint64_t sheetBytes(const BrickedVolume& store, int level) {
   return 4 * sizeof(float) * pixels;
 }
 
+void requireSheetFits(const BrickedVolume& store, int level, std::uint64_t memory_bytes) {
+  const std::uint64_t bytes = sheetBytes(store, level) + store.largestReadBytes() + store.index().bytes();
+  if (bytes <= memory_bytes) return;
+  throw Error(ErrorCode::kBudget, store.path(), "--memory",
+              fmt::format("{} is too little: a sheet of three slices, a brick and the index take {}; give as much",
+                          formatBytes(memory_bytes), formatBytes(bytes)));
+}
+
 std::int64_t onLevel(std::int64_t voxel, std::int64_t finest, std::int64_t coarse) {
   return std::min(coarse - 1, voxel * coarse / finest);
 }
@@ -88,7 +97,7 @@ Panel panelOf(const BrickedVolume& store, const SliceSheetRequest& request, cons
   slice.index = onLevel(sheet.at[axis], finest[axis], dims[axis]);
   slice.window = request.window;
   slice.colormap = request.colormap;
-  slice.memory_bytes = request.memory_bytes - std::min(request.memory_bytes, sheetBytes(store, sheet.level));
+  slice.memory_bytes = request.memory_bytes;
   const Image image = renderSlice(store, slice, progress);
   // Returns the pixel of the voxel along a side of so many pixels, as `renderSlice` counts.
   const auto place = [&](const NearestAxis& along, int pixels) {
@@ -156,6 +165,7 @@ SliceSheet renderSliceSheet(const BrickedVolume& store, const SliceSheetRequest&
     throw Error(ErrorCode::kUsage, fmt::format("--at: expected a voxel from 0,0,0 to {},{},{} (found {},{},{})",
                                                dims.x - 1, dims.y - 1, dims.z - 1, out.at.x, out.at.y, out.at.z));
   out.level = levelOfSheet(store);
+  requireSheetFits(store, out.level, request.memory_bytes);
   out.value = valueOf(store, out.at);
   const Window window = request.window.value_or(defaultWindow(manifest.histogram));
   const std::array<SliceView, 3> views = sliceViews(manifest.geometry());
