@@ -176,14 +176,47 @@ void place(double left, double top, double em, std::vector<LegendPart>& parts) {
   }
 }
 
-void addTitle(const AnnotatedPicture& picture, const std::string& title, const PixelRect& below, Drawing& drawing) {
-  if (title.empty()) return;
+const PixelRect& firstOf(const LegendPart& part) { return part.entries.empty() ? part.bar.at : part.first_square; }
+
+// A title above its part, to the right unless that would leave the picture.
+struct Title {
+  std::string text;
+  double left = 0, width = 0;  // unit: pixels
+};
+
+Title titleOf(const AnnotatedPicture& picture, const LegendPart& part, const Style& style) {
+  const double left = firstOf(part).x0, right = picture.view.size.width - style.margin;
+  Title out{cutToWidth(part.title, style.em, right - style.margin), left, 0};
+  out.width = lineOf(out.text, style.em).width;
+  if (left + out.width > right) out.left = right - out.width;
+  return out;
+}
+
+void addTitle(const AnnotatedPicture& picture, const LegendPart& part, Drawing& drawing) {
+  if (part.title.empty()) return;
   const Style& style = drawing.style();
-  const double left = below.x0, top = below.y0, right = picture.view.size.width - style.margin;
-  const std::string text = cutToWidth(title, style.em, right - style.margin);
-  const bool fits = left + lineOf(text, style.em).width <= right;
-  drawing.text(text, {fits ? left : right, top - 0.7 * style.em}, style.em,
-               fits ? Drawing::Align::kLeft : Drawing::Align::kRight);
+  const Title title = titleOf(picture, part, style);
+  drawing.text(title.text, {title.left, firstOf(part).y0 - 0.7 * style.em}, style.em, Drawing::Align::kLeft);
+}
+
+// The room of all parts and titles; empty without parts.
+Room roomOf(const std::vector<LegendPart>& parts, const AnnotatedPicture& picture, const Style& style) {
+  const double most_title = kMostOfWidth * picture.view.size.width;
+  Room out{INFINITY, INFINITY, -INFINITY, -INFINITY};
+  for (const LegendPart& part : parts) {
+    const PixelRect& first = firstOf(part);
+    const double left = first.x0, top = first.y0, right = left + part.width;
+    out = {std::min(out.x0, left), std::min(out.y0, top), std::max(out.x1, right),
+           std::max(out.y1, top + heightOf(part, style.em))};
+    if (part.title.empty()) continue;
+    const Title title = titleOf(picture, part, style);
+    const double beyond = std::max(title.width - most_title, 0.0);
+    const bool at_left = standsLeft(legendPlaceOf(picture));
+    out.x0 = std::min(out.x0, title.left + (at_left ? 0 : beyond));
+    out.x1 = std::max(out.x1, title.left + title.width - (at_left ? beyond : 0));
+    out.y0 = std::min(out.y0, top - kTitle * style.em);
+  }
+  return out;
 }
 
 void addBar(const LegendPart& part, Drawing& drawing) {
@@ -251,6 +284,30 @@ std::vector<LegendPart> legendParts(const AnnotatedPicture& picture, const Style
   return out;
 }
 
+std::vector<FreeEdges> legendEdges(AnnotatedPicture picture) {
+  const ImageSize size = picture.view.size;
+  picture.view = {};
+  picture.view.size = size;
+  picture.annotations.scale_bar_length.reset();
+  const Style style(picture);
+  if (!picture.annotations.legend || !style.legible) return {};
+  const Room room = roomOf(legendParts(picture, style), picture, style);
+  if (room.empty()) return {};
+  const double gap = kApart * style.em;
+  const double most_x = (1 - kLeastBeside) * size.width, most_y = (1 - kLeastBeside) * size.height;
+  const LegendPlace at = legendPlaceOf(picture);
+  std::vector<FreeEdges> out;
+  const double columns = (standsLeft(at) ? room.x1 : size.width - room.x0) + gap;
+  const auto beside = [&](double edge) { return standsLeft(at) ? FreeEdges{.left = edge} : FreeEdges{.right = edge}; };
+  if (columns <= most_x) out.push_back(beside(columns));
+  const bool top = at == LegendPlace::kTopLeft || at == LegendPlace::kTopRight;
+  const bool bottom = at == LegendPlace::kBottomLeft || at == LegendPlace::kBottomRight;
+  if (top && room.y1 + gap <= most_y) out.push_back({.top = room.y1 + gap});
+  if (bottom && size.height - room.y0 + gap <= most_y) out.push_back({.bottom = size.height - room.y0 + gap});
+  if (out.empty()) out.push_back(beside(most_x));
+  return out;
+}
+
 std::vector<LegendEntry> legendEntries(const ShownFunction& shown, std::size_t most) {
   const TransferFunction& function = shown.function;
   std::vector<LegendEntry> out;
@@ -283,7 +340,7 @@ void addLegend(const AnnotatedPicture& picture, Drawing& drawing) {
       addBar(part, drawing);
     else
       addSquares(part, drawing);
-    addTitle(picture, part.title, part.entries.empty() ? part.bar.at : part.first_square, drawing);
+    addTitle(picture, part, drawing);
   }
 }
 

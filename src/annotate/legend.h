@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "annotate/drawing.h"
+#include "scene/camera/framing.h"
 
 namespace kiln {
 
@@ -44,12 +45,21 @@ struct LegendPart {
 /// most kMostOfWidth of the picture's width, and then end earlier. requires: the picture outlives the result.
 std::vector<LegendPart> legendParts(const AnnotatedPicture& picture, const Style& style);
 
+/// Returns choices of edges of the picture that hold the legend: the columns at its side, and for a legend in a corner
+/// the rows above or below. Empty without a legend. Edges do not depend on the camera: the view and a given length of
+/// the scale bar are ignored.
+std::vector<FreeEdges> legendEdges(AnnotatedPicture picture);
+/// Least share of the picture's width or height that edges leave. An object of less than half of its size would be lost
+/// for its legend: legends of more width lie over the object.
+inline constexpr double kLeastBeside = 0.5;
+
 /// Returns the visible surfaces, the greatest value first, the visible labels that the volume has, or the colours of
 /// regions; empty for other functions. A list longer than `most` ends in an entry that counts the rest.
 std::vector<LegendEntry> legendEntries(const ShownFunction& shown, std::size_t most);
 /// Most entries of a list in any picture: their texts are measured.
 inline constexpr std::size_t kMostEntries = 500;
-/// Share of the picture's width beyond which a legend has no further column, and texts are cut.
+/// Share of the picture's width beyond which a legend has no further column, texts are cut, and titles have no room of
+/// their own.
 inline constexpr double kMostOfWidth = 0.3;
 
 }  // namespace kiln

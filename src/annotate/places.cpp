@@ -13,7 +13,6 @@ namespace kiln {
 namespace {
 
 // unit: the font's size.
-constexpr double kApart = 0.6;
 constexpr double kSmallestText = 0.5;  // text in the corner, relative to other text
 // Height to width of a picture beyond which a fitted volume leaves room above itself: a legend goes there.
 constexpr double kTall = 1.2;

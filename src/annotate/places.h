@@ -13,6 +13,9 @@
 
 namespace kiln {
 
+/// Gap between annotations, and beside a legend. unit: the font's size.
+inline constexpr double kApart = 0.6;
+
 /// Room in the picture. unit: pixels.
 struct Room {
   double x0 = 0, y0 = 0, x1 = 0, y1 = 0;

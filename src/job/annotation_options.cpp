@@ -53,7 +53,7 @@ const Options<Annotations>& annotationOptions() {
       Row("legend", "--legend", kAnnotations,
           {KILN_MEMBER(legend), Switch{}, [](const Annotations& a) { return a.legend; }},
           "Draw the colours of the transfer function with their values, the colours of its surfaces, or the names of "
-          "its labels."),
+          "its labels; a camera without --eye and --target fits the volume beside it."),
       Row("legendTitle", "--legend-title", kAnnotations,
           {KILN_MEMBER(legend_title), Text{"a text"}, [](const Annotations& a) { return !a.legend_title.empty(); }},
           "Title of the legend, such as the quantity and its unit."),

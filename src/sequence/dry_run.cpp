@@ -62,7 +62,7 @@ DryRun dryRun(const RenderJob& given, const OpenedVolumes& opened, const MemoryB
   const std::vector<const BrickedVolume*>& volumes = opened.all();
   FitReads fit;
   SilentProgress silent(progress);
-  const SceneOfJob scenes(job, opened.manifests(), shownBoxesOf(job, volumes, fit, silent), progress);
+  const SceneOfJob scenes(job, opened.manifests(), sceneInputsOf(job, opened, fit, silent), progress);
   DryRun out;
   out.memory = memoryOf(job, volumes, scenes, beside, progress);
   out.budget_bytes = job.speed.memory_bytes;

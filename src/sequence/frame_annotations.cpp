@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "annotate/font.h"
+#include "annotate/legend.h"
 #include "annotate/scale_bar.h"
 #include "job/job_facts.h"
 
@@ -14,10 +15,19 @@ void requireFont(const RenderJob& job) {
 
 namespace {
 
-AnnotatedPicture pictureSeenBy(const FrameScene& scene, const View& view) {
+// The facts that need no camera.
+AnnotatedPicture pictureOf(const FrameScene& scene) {
   AnnotatedPicture out;
   out.annotations = scene.picture.annotations;
   out.box = scene.box;
+  out.shown = scene.shown;
+  out.projected = !engineOf(scene.picture).capabilities().composites;
+  out.clipping = scene.picture.clipping;
+  return out;
+}
+
+AnnotatedPicture pictureSeenBy(const FrameScene& scene, const View& view) {
+  AnnotatedPicture out = pictureOf(scene);
   out.view = view;
   out.target_depth = (view.view_from_world * glm::dvec4(scene.camera.target, 1)).z;
   return out;
@@ -46,6 +56,12 @@ void warnOfLostAnnotations(const FrameScene& scene, Progress& progress) {
                   *width, bar.unit, bar.label));
 }
 
+std::vector<FreeEdges> freeEdges(const FrameScene& scene) {
+  AnnotatedPicture picture = pictureOf(scene);
+  picture.view.size = scene.picture.size;
+  return legendEdges(picture);
+}
+
 Annotators annotatorsOf(const RenderJob& job, const DrawnFrame& drawn) {
   const FrameScene& scene = drawn.scene;
   Annotators out(drawn.views.size());
@@ -54,10 +70,7 @@ Annotators annotatorsOf(const RenderJob& job, const DrawnFrame& drawn) {
     AnnotatedPicture picture = pictureSeenBy(scene, drawn.views[i].view);
     picture.pixels = drawnPixels(scene.picture.size, scene.picture.crop);
     picture.background = backgroundBehind(job, scene);
-    picture.shown = scene.shown;
-    picture.projected = !engineOf(scene.picture).capabilities().composites;
     picture.has_depth = hidesOutline(job);
-    picture.clipping = scene.picture.clipping;
     out[i] = std::make_unique<Annotator>(picture);
   }
   return out;

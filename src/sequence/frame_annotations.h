@@ -17,6 +17,9 @@ void requireFont(const RenderJob& job);
 /// Warns of annotations that the frame has no room for.
 void warnOfLostAnnotations(const FrameScene& scene, Progress& progress);
 
+/// Returns choices of edges of the picture that cameras leave free for its legend. The scene needs no camera.
+std::vector<FreeEdges> freeEdges(const FrameScene& scene);
+
 /// One for each view, in order; null without annotations.
 using Annotators = std::vector<std::unique_ptr<Annotator>>;
 /// Returns the annotations of a frame of the job.

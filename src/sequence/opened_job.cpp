@@ -146,11 +146,10 @@ FrameMemory memoryOf(RenderJob job, const std::vector<const BrickedVolume*>& sto
   return out;
 }
 
-ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const BrickedVolume*> stores, FitReads& reads,
-                        Progress& progress) {
-  return [&job, &reads, &progress, stores = std::move(stores)](
-             std::size_t volume, const std::vector<TransferFunction>& functions, const Clipping& clipping) {
-    const BrickedVolume& store = *stores[volume];
+SceneInputs sceneInputsOf(const RenderJob& job, const OpenedVolumes& volumes, FitReads& reads, Progress& progress) {
+  const auto shown_box = [&](std::size_t volume, const std::vector<TransferFunction>& functions,
+                             const Clipping& clipping) {
+    const BrickedVolume& store = *volumes.all()[volume];
     std::vector<TransferFunction> in_world;
     for (const TransferFunction& function : functions)
       in_world.push_back(inWorld(function, store.manifest().world_per_own));
@@ -168,6 +167,7 @@ ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const BrickedVolume*> 
     const VolumeGeometry box = shown.box.empty() ? VolumeGeometry() : partOf(store.manifest().geometry(), shown.box);
     return FramedBox(box, std::move(shown.outline), Fit::kVisible);
   };
+  return {shown_box, freeEdges, volumes.companions(), volumes.colorFunctions()};
 }
 
 OpenedJob::OpenedJob(const RenderJob& job, Progress& progress, const MemoryBeside& beside, SharedReads* shared,
@@ -179,14 +179,13 @@ OpenedJob::OpenedJob(const RenderJob& job, OpenedVolumes volumes, Progress& prog
     : job_(job),
       drawn_job_(withDrawnAovs(job)),
       volumes_(std::move(volumes)),
-      scenes_(drawn_job_, volumes_.manifests(), shownBoxesOf(drawn_job_, volumes_.all(), fit_, progress)),
+      scenes_(drawn_job_, volumes_.manifests(), sceneInputsOf(drawn_job_, volumes_, fit_, progress)),
       memory_(withShared(withBehind(memoryOf(drawn_job_, volumes_.all(), scenes_, beside), writes_behind, drawn_job_),
                          shared != nullptr ? job_.speed.memory_bytes : 0, volumes_.stores())),
       for_ranks_(shared, volumes_.stores(), memory_.shared),
       cache_(volumes_.all(), cacheBytes(memory_, job_.speed.memory_bytes, firstVolume().path()), readersOfCache(),
              skipperOf(job_, progress), for_ranks_.supplier()) {
   requireFont(job_);
-  scenes_.accompany(volumes_.companions(), volumes_.colorFunctions());
   boundSparePages(sparePagesBytes(memory_, job_.speed.memory_bytes));
 }
 

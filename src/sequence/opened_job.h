@@ -116,11 +116,10 @@ unsigned readersOfCache();
 /// Returns the request of a frame that keeps to a plan of memory.
 FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed, const FrameMemory& memory);
 
-/// Returns the function that finds boxes by index and bricks of the volumes; the function adds what it reads to
-/// `reads`. If the job skips damaged bricks, a damaged brick makes the box larger, with a warning. requires: all
-/// outlive the function.
-ShownBoxOf shownBoxesOf(const RenderJob& job, std::vector<const BrickedVolume*> stores, FitReads& reads,
-                        Progress& progress);
+/// Returns what scenes of the job take from its volumes and annotations: all programs that draw or plan the job have
+/// equal cameras. Boxes are found by index and bricks of the volumes; what is read is added to `reads`. If the job
+/// skips damaged bricks, a damaged brick makes the box larger, with a warning. requires: all outlive the result.
+SceneInputs sceneInputsOf(const RenderJob& job, const OpenedVolumes& volumes, FitReads& reads, Progress& progress);
 
 /// Plans the memory of the job's first frame, with the samples of the frame that has most. `beside` is charged with the
 /// image. throws: as SceneOfJob::at; kCancelled.

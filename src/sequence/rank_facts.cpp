@@ -80,8 +80,7 @@ class FrameFacts {
     }
     std::vector<const Manifest*> manifests;
     for (const Manifest& manifest : manifests_) manifests.push_back(&manifest);
-    scenes_.emplace(opened_, manifests);
-    scenes_->accompany(std::move(companions), {});
+    scenes_.emplace(opened_, manifests, SceneInputs{.companions = std::move(companions)});
     return out;
   }
 

@@ -93,10 +93,10 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job, const Prog
   requireEngineOptions(out->job.picture);
   drawnPixels(job.picture.size, job.picture.crop);
   SilentProgress silent(progress);
-  const ShownBoxOf shown_box = shownBoxesOf(out->job, volumes_.all(), fit_, silent);
+  SceneInputs inputs = sceneInputsOf(out->job, volumes_, fit_, silent);
   // A camera that fits the picture needs equal boxes at each move.
-  const ShownBoxOf remembered = [&](std::size_t volume, const std::vector<TransferFunction>& functions,
-                                    const Clipping& clipping) {
+  const ShownBoxOf shown_box = std::exchange(inputs.shown_box, {});
+  inputs.shown_box = [&](std::size_t volume, const std::vector<TransferFunction>& functions, const Clipping& clipping) {
     for (const ShownMemo& memo : shown_) {
       if (memo.volume == volume && memo.functions == functions && memo.clipping == clipping &&
           memo.clipping.section == clipping.section)
@@ -107,8 +107,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job, const Prog
     shown_.push_back({volume, functions, clipping, box});
     return box;
   };
-  out->scenes = std::make_unique<SceneOfJob>(out->job, volumes_.manifests(), remembered, progress);
-  out->scenes->accompany(volumes_.companions(), volumes_.colorFunctions());
+  out->scenes = std::make_unique<SceneOfJob>(out->job, volumes_.manifests(), inputs, progress);
   out->frame = framesOf(out->job).front();
   out->scene = out->scenes->at(out->frame);
   nlohmann::ordered_json stated = statedJson(out->job);

@@ -703,6 +703,66 @@ TEST(Places, OfTheLegend_areItsCorners) {
   }
 }
 
+// Known: the rectangles of the legend, of which a choice of edges holds all; edges leave at least half of the picture.
+TEST(LegendEdges, HoldTheLegend) {
+  for (const ImageSize& size : {ImageSize{480, 360}, {200, 150}, {1280, 720}, {300, 900}, {360, 360}, {100, 80}}) {
+    for (std::size_t place = 0; place <= 6; ++place) {
+      for (const int labels : {0, 5, 200}) {
+        AnnotatedPicture picture = labelledPicture(size, labels);
+        if (labels == 0) picture.shown = {{"volume", functionOfTest(), {}, {}}};
+        Annotations& all = picture.annotations;
+        all.scale_bar = all.axes = true;
+        all.legend_title = "a title of some length";
+        all.text = "frame 7";
+        if (place < 6) all.legend_place = static_cast<LegendPlace>(place);
+        const std::string where =
+            std::to_string(size.width) + " " + std::to_string(place) + " " + std::to_string(labels);
+        const std::vector<FreeEdges> choices = legendEdges(picture);
+        AnnotatedPicture unseen = picture;
+        unseen.view = {};
+        unseen.view.size = size;
+        EXPECT_EQ(legendEdges(unseen), choices) << where << ": a camera has no say";
+        ASSERT_FALSE(choices.empty()) << where;
+        const std::vector<Room> rooms = roomsOf(picture, Style(picture));
+        for (const FreeEdges& edges : choices) {
+          const glm::dvec2 left = edges.rectangle(size);
+          EXPECT_GE(std::min(left.x / size.width, left.y / size.height), 0.5 - 1e-9) << where;
+          if (left.x < 0.5 * size.width + 1e-9) continue;  // too wide a legend
+          for (std::size_t i = 3; i < rooms.size(); ++i) {
+            const Room& room = rooms[i];
+            EXPECT_TRUE(room.x0 > size.width - edges.right || room.x1 < edges.left || room.y1 < edges.top ||
+                        room.y0 > size.height - edges.bottom)
+                << where << " " << i;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(LegendEdges, AreThoseOfALegend) {
+  AnnotatedPicture picture = labelledPicture({480, 360}, 5);
+  ASSERT_EQ(legendEdges(picture).size(), 1u);
+  const double narrow = legendEdges(picture)[0].right;
+  EXPECT_GT(narrow, 0);
+  picture.annotations.legend_title = "a title that is wider than the list";
+  const double titled = legendEdges(picture)[0].right;
+  EXPECT_GT(titled, narrow);
+  picture.annotations.legend_title += ", wider than a third of the picture, and cut where the picture ends";
+  const Style style(picture);
+  EXPECT_NEAR(legendEdges(picture)[0].right, kMostOfWidth * 480 + style.margin + kApart * style.em, 1);
+  picture.annotations.legend_place = LegendPlace::kBottomLeft;
+  const std::vector<FreeEdges> choices = legendEdges(picture);
+  ASSERT_EQ(choices.size(), 2u);
+  EXPECT_GT(choices[0].left, 0);
+  EXPECT_GT(choices[1].bottom, 0);
+  picture.annotations.legend = false;
+  EXPECT_TRUE(legendEdges(picture).empty());
+  picture.annotations.legend = true;
+  picture.view.size = {50, 40};
+  EXPECT_TRUE(legendEdges(picture).empty()) << "no letters";
+}
+
 TEST(Letters, AreLegibleOrAbsent) {
   for (const double factor : {0.5, 1.0}) {
     AnnotatedPicture picture = pictureOf({Projection::kOrthographic, {200, 150}});

@@ -1,6 +1,7 @@
 // Annotated pictures as users see them: layers of an EXR, pictures composited, crops, tiles and ranks equal to the
 // whole, and each wrong combination refused in one line.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -53,9 +54,13 @@ double inkOf(const Image& image) {
 }
 
 TEST_F(AnnotationsCli, AnExrHasTheLayerBesideEqualColours) {
-  drawn("plain.exr", {"--exr-type", "float"}, false);
-  drawn("layer.exr", {"--exr-type", "float"});
-  drawn("depth.exr", {"--exr-type", "float", "--aov", "depth"});
+  // A camera that leaves no room for the legend.
+  const std::vector<std::string> options = {"--exr-type", "float", "--target", "0,0,1735"};
+  std::vector<std::string> with_depth = options;
+  with_depth.insert(with_depth.end(), {"--aov", "depth"});
+  drawn("plain.exr", options, false);
+  drawn("layer.exr", options);
+  drawn("depth.exr", with_depth);
   const Image plain = read("plain.exr"), layer = read("layer.exr", kLayer), depth = read("depth.exr", kLayer);
   EXPECT_EQ(plain.rgba, layer.rgba);
   EXPECT_GT(inkOf(layer), 500);
@@ -66,6 +71,66 @@ TEST_F(AnnotationsCli, AnExrHasTheLayerBesideEqualColours) {
   std::set<std::string> expected = {"R", "G", "B", "A"};
   expected.insert(kLayer.begin(), kLayer.end());
   EXPECT_EQ(channels, expected);
+}
+
+// The pixels of the object in the rectangle around all ink, and the ink's own pixels.
+std::pair<std::size_t, std::size_t> pixelsUnderInk(const Image& layer) {
+  PixelRect around{layer.width, layer.height, 0, 0};
+  std::size_t object = 0, ink = 0;
+  const auto inkAt = [&](int x, int y) {
+    return layer.planes.back().values[static_cast<std::size_t>(y * layer.width + x)];
+  };
+  for (int y = 0; y < layer.height; ++y) {
+    for (int x = 0; x < layer.width; ++x) {
+      if (inkAt(x, y) == 0) continue;
+      ++ink;
+      around = {std::min(around.x0, x), std::min(around.y0, y), std::max(around.x1, x + 1), std::max(around.y1, y + 1)};
+    }
+  }
+  for (int y = around.y0; y < around.y1; ++y) {
+    for (int x = around.x0; x < around.x1; ++x) object += layer.pixel(x, y)[3] > 0.02f ? 1 : 0;
+  }
+  return {object, ink};
+}
+
+// Known: a camera that fits the object leaves the rectangle of the legend free, in each frame of a turn.
+TEST_F(AnnotationsCli, NothingIsDrawnUnderALegend) {
+  writeText(in("l.nrrd"),
+            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspace: left-posterior-superior\n"
+            "space directions: (72,0,0) (0,72,0) (0,0,63)\nspace origin: (-108,-108,1639)\n"
+            "space units: \"mm\" \"mm\" \"mm\"\nencoding: raw\n\n" +
+                std::string(32, 1) + std::string(32, 2));
+  done({"convert", in("l.nrrd"), in("l.kiln"), "--labels"});
+  writeText(in("names.txt"), "1 255 0 0 1 1 1 \"lower half\"\n2 0 0 255 1 1 1 \"upper half\"\n");
+  const std::vector<std::string> ct = {in("h.kiln"), "--tf", "ct-skin"},
+                                 labels = {in("l.kiln"), "--tf", in("names.txt")};
+  const std::vector<std::vector<std::string>> kinds = {
+      {"--size", "130x120"},
+      {"--size", "130x120", "--projection", "orthographic", "--view", "left"},
+      {"--size", "240x100", "--legend-position", "left", "--legend-title", "a title"},
+      {"--size", "120x200"},
+      {"--size", "200x150", "--legend-position", "bottom-left"},
+      {"--size", "160x120", "--fit", "box", "--view", "front"},
+      {"--size", "160x120", "--zoom", "0.7"},
+      {"--size", "130x120", "--turntable", "8", "--frames", "1,2,4"},
+      {"--size", "130x120", "--turntable", "8", "--frames", "3,8", "--projection", "orthographic", "--roll", "30"}};
+  for (const std::vector<std::string>& volume : {ct, labels}) {
+    for (const std::vector<std::string>& kind : kinds) {
+      const bool film = std::ranges::find(kind, "--turntable") != kind.end();
+      std::vector<std::string> words = {"render", "-o", in(film ? "f_#.exr" : "f_1.exr"), "--legend"};
+      words.insert(words.end(), volume.begin(), volume.end());
+      words.insert(words.end(), kind.begin(), kind.end());
+      done(words);
+      for (const int frame : {1, 2, 3, 4, 8}) {
+        const std::string file = "f_" + std::to_string(frame) + ".exr";
+        if (!fs::exists(in(file))) continue;
+        const auto [object, ink] = pixelsUnderInk(read(file, kLayer));
+        EXPECT_EQ(object, 0u) << fmt::format("{}", fmt::join(words, " ")) << ", frame " << frame;
+        EXPECT_GT(ink, 500u);
+        fs::remove(in(file));
+      }
+    }
+  }
 }
 
 TEST_F(AnnotationsCli, AScaleBarWithoutRoomIsWarnedOf) {

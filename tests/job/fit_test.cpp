@@ -41,7 +41,7 @@ Fitted fittedBy(RenderJob job) {
     out.asked = functions.front();
     return FramedBox(partOf(manifest.geometry(), kObject));
   };
-  const SceneOfJob scenes(job, {&manifest}, shown_box);
+  const SceneOfJob scenes(job, {&manifest}, {.shown_box = shown_box});
   out.target = scenes.at(1).camera.target;
   return out;
 }

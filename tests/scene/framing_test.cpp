@@ -149,6 +149,119 @@ TEST(Framing, Outlines_areInTheMiddleOfThePicture) {
   }
 }
 
+// The least and the greatest pixel of points, from the middle of the rectangle between edges; 1 at the edges.
+struct Extent {
+  glm::dvec2 lo{INFINITY}, hi{-INFINITY};
+  double most() const { return std::max({-lo.x, -lo.y, hi.x, hi.y}); }
+};
+
+Extent between(const FreeEdges& edges, const Camera& camera, const ImageSize& size,
+               const std::vector<glm::dvec3>& points) {
+  const glm::dvec2 half = 0.5 * edges.rectangle(size), middle = glm::dvec2(edges.left, edges.top) + half;
+  Extent out;
+  for (const glm::dvec3& point : points) {
+    const glm::dvec2 at = (pixelOf(camera, size, point) - middle) / half;
+    out.lo = glm::min(out.lo, at), out.hi = glm::max(out.hi, at);
+  }
+  return out;
+}
+
+// Known: points are in a rectangle, and two of opposite sides touch its margin; with a zoom of 2 they are twice as far
+// from its middle.
+TEST(FreeEdges, HoldNothingOfTheOutline) {
+  const VolumeGeometry volume = boxOfSize(100, 80, 60);
+  const ImageSize size{300, 200};
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> share(0, 1), turn(-90, 90);
+  for (int n = 0; n < 200; ++n) {
+    FramedBox box(volume, n % 4 < 2 ? Fit::kVisible : Fit::kBox);
+    if (box.fit == Fit::kVisible) box.outline.clear();
+    for (int i = 0; i < 6 && box.fit == Fit::kVisible; ++i)
+      box.outline.push_back(glm::dvec3(100 * share(random), 80 * share(random), 60 * share(random)));
+    const FreeEdges edges{100 * share(random), 40 * share(random), 30 * share(random), 80 * share(random)};
+    box.free_edges = {edges};
+    CameraSpec spec;
+    spec.projection = n % 2 == 0 ? Projection::kPerspective : Projection::kOrthographic;
+    spec.azimuth_deg = turn(random), spec.elevation_deg = turn(random), spec.roll_deg = turn(random);
+    const Extent fitted = between(edges, spec.resolve(box, size), size, box.outline);
+    EXPECT_NEAR(fitted.most(), 1 / box.margin(), 1e-9) << n;
+    const glm::dvec2 half = 0.5 * (fitted.hi - fitted.lo);
+    const int across = half.x > half.y ? 0 : 1;
+    if (box.fit == Fit::kVisible) {
+      EXPECT_NEAR(fitted.lo[across], -fitted.hi[across], 1e-9) << n;
+      // The other direction is in the middle exactly where depth changes no size.
+      if (spec.projection == Projection::kOrthographic) {
+        EXPECT_NEAR(fitted.lo[1 - across], -fitted.hi[1 - across], 1e-9) << n;
+      }
+    }
+    spec.zoom = 2;
+    EXPECT_NEAR(between(edges, spec.resolve(box, size), size, box.outline).most(), 2 / box.margin(), 1e-9) << n;
+    spec.zoom.reset();
+    spec.pan = glm::dvec2(0.1, -0.05);
+    const Camera still = spec.resolve(box, size);
+    spec.pan.reset();
+    const glm::dvec2 shift = pixelOf(still, size, spec.resolve(box, size).target) -
+                             pixelOf(spec.resolve(box, size), size, spec.resolve(box, size).target);
+    EXPECT_LT(glm::distance(shift, glm::dvec2(30, 10)), 1e-9) << n;
+  }
+}
+
+// Known: the axis goes through the middle of the box, which is in the middle of the rectangle in each frame.
+TEST(FreeEdges, OfTurntables_areFreeInAllFrames) {
+  const VolumeGeometry volume = boxOfSize(10, 100, 20);
+  const ImageSize size{120, 90};
+  const FreeEdges edges{.right = 35};
+  for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+    FramedBox box(volume, Fit::kVisible);
+    box.free_edges = {edges};
+    CameraSpec still;
+    still.projection = projection;
+    still.elevation_deg = 20;
+    const Turntable turn{36, 360, std::nullopt};
+    double most = 0;
+    for (int frame = 1; frame <= turn.frames; ++frame) {
+      const Camera camera = cameraAt(turn, still, frame, box, size);
+      most = std::max(most, between(edges, camera, size, box.outline).most());
+      EXPECT_LT(between(edges, camera, size, {centreOf(volume)}).most(), 1e-9) << frame;
+    }
+    EXPECT_NEAR(most, 1 / 1.06, 1e-9);
+  }
+}
+
+// Who gives a place or a target has this camera.
+TEST(FreeEdges, LeaveGivenCameras) {
+  FramedBox plain(boxOfSize(30, 40, 50), Fit::kVisible), edged = plain;
+  edged.free_edges = {{.left = 30}};
+  const ImageSize size{100, 50};
+  std::vector<CameraSpec> specs(3);
+  specs[0].eye = glm::dvec3(0, -100, 20);
+  specs[1].target = glm::dvec3(10, 10, 10);
+  specs[2].projection = Projection::kEquirectangular;
+  for (const CameraSpec& spec : specs) {
+    const Camera expected = spec.resolve(plain, size), found = spec.resolve(edged, size);
+    EXPECT_EQ(found.eye, expected.eye);
+    EXPECT_EQ(found.target, expected.target);
+    EXPECT_EQ(found.fov_deg, expected.fov_deg);
+  }
+  EXPECT_NE(CameraSpec().resolve(plain, size).eye, CameraSpec().resolve(edged, size).eye);
+}
+
+// A wide box loses less to a row than to a column, a high box less to a column.
+TEST(FreeEdges, OfSeveralChoices_areThoseOfTheLargestPicture) {
+  const ImageSize size{100, 100};
+  const FreeEdges column{.right = 40}, row{.top = 40};
+  for (const bool wide : {true, false}) {
+    FramedBox box(wide ? boxOfSize(100, 10, 10) : boxOfSize(10, 10, 100), Fit::kVisible);
+    box.free_edges = {column, row};
+    for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+      CameraSpec spec;
+      spec.projection = projection;
+      spec.side = Side::kFront;
+      EXPECT_NEAR(between(wide ? row : column, spec.resolve(box, size), size, box.outline).most(), 1 / 1.06, 1e-9);
+    }
+  }
+}
+
 // Turntables keep their axis: the camera looks at the middle of the box.
 TEST(Framing, Turns_leaveTheMiddleOfTheBox) {
   const VolumeGeometry volume = boxOfSize(100, 100, 100);

@@ -136,6 +136,11 @@ PlaceholderTexts textsOfFrame(const RenderJob& job, int frame, const Manifest& m
           fmt::format("{} × {} × {}", dims.x, dims.y, dims.z)};
 }
 
+// Returns edges that leave free what either leaves free.
+FreeEdges around(const FreeEdges& a, const FreeEdges& b) {
+  return {std::max(a.left, b.left), std::max(a.right, b.right), std::max(a.top, b.top), std::max(a.bottom, b.bottom)};
+}
+
 Clipping withPlanes(Clipping clipping, const std::vector<ClipPlane>& planes) {
   clipping.planes.insert(clipping.planes.end(), planes.begin(), planes.end());
   return clipping;
@@ -158,12 +163,14 @@ std::vector<const Manifest*> looksOf(const RenderJob& job, const std::vector<con
 
 }  // namespace
 
-SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const ShownBoxOf& shown_box,
+SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const SceneInputs& inputs,
                        const Progress& progress)
     : job_(job),
       manifests_(std::move(manifests)),
       looks_(looksOf(job, manifests_)),
       geometry_(boxOfAll(looks_)),
+      companions_(inputs.companions),
+      colors_(inputs.colors),
       framed_(geometry_) {
   requireWorldBox(job.picture.clipping, geometry_);
   for (std::size_t i = 0; i < job.volumes.size(); ++i) requireWorldBox(job.volumes[i].clipping, looks_[i]->geometry());
@@ -187,7 +194,8 @@ SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manife
     still.clipping = clippingOf(i);
     add(volume.functions, volume.transfer_function, *looks_[i], channelColor(job, i, *looks_[i]));
   }
-  framed_ = framedBox(shown_box);
+  framed_ = framedBox(inputs.shown_box);
+  if (inputs.free_edges) framed_.free_edges = freeEdges(inputs.free_edges);
 }
 
 // Planes that move are left out: the box is the same in all frames.
@@ -232,6 +240,39 @@ FramedBox SceneOfJob::framedBox(const ShownBoxOf& shown_box) const {
     outline.insert(outline.end(), box.outline.begin(), box.outline.end());
   }
   return boxes.empty() ? FramedBox(geometry_) : FramedBox(boxAround(boxes), std::move(outline), fit);
+}
+
+// Frames and volumes of a film have equal edges, so that nothing jumps: edges are free for the legends of all keys, and
+// for those half way between two keys, where both fade.
+std::vector<FreeEdges> SceneOfJob::freeEdges(const FreeEdgesOf& free_edges) const {
+  const CameraSpec& still = job_.picture.camera;
+  if (!job_.picture.annotations.legend || !still.leavesEdges() || !isFramed(job_.animation.camera, still)) return {};
+  std::vector<int> frames;
+  for (const Functions& functions : functions_) {
+    double before = functions.keys->empty() ? 1 : functions.keys->front().frame;
+    if (functions.keys->empty()) frames.push_back(1);
+    for (const Key<TransferFunctionChoice>& key : *functions.keys) {
+      for (const double frame : {std::midpoint(before, key.frame), key.frame})
+        frames.push_back(static_cast<int>(std::lround(frame)));
+      before = key.frame;
+    }
+  }
+  std::ranges::sort(frames);
+  frames.erase(std::unique(frames.begin(), frames.end()), frames.end());
+  std::vector<FreeEdges> out;
+  for (const int frame : frames) {
+    FrameScene scene = unframed(frame);
+    scene.picture.annotations.text = filledIn(job_.picture.annotations.text, {});
+    scene.shown = shownIn(scene, looks_);
+    // The name of a series' file is another in each frame.
+    if (job_.series) {
+      for (ShownFunction& shown : scene.shown) shown.name.clear();
+    }
+    const std::vector<FreeEdges> edges = free_edges(scene);
+    out.resize(std::max(out.size(), edges.size()));
+    for (std::size_t i = 0; i < edges.size(); ++i) out[i] = around(out[i], edges[i]);
+  }
+  return out;
 }
 
 TransferFunction SceneOfJob::Functions::at(int frame) const {
@@ -282,13 +323,14 @@ int SceneOfJob::mostSamples(const Progress& progress) const {
   return most;
 }
 
-std::vector<ShownFunction> SceneOfJob::shownIn(const FrameScene& scene) const {
+std::vector<ShownFunction> SceneOfJob::shownIn(const FrameScene& scene,
+                                               const std::vector<const Manifest*>& manifests) const {
   std::vector<ShownFunction> out;
   const bool single = job_.volumes.empty();
-  for (std::size_t i = 0; i < manifests_.size(); ++i) {
+  for (std::size_t i = 0; i < manifests.size(); ++i) {
     const std::filesystem::path& volume = single ? job_.volume : job_.volumes[i].volume;
     ShownFunction shown =
-        shownFunction(volume, single ? scene.transfer_function : scene.volumes[i].transfer_function, *manifests_[i]);
+        shownFunction(volume, single ? scene.transfer_function : scene.volumes[i].transfer_function, *manifests[i]);
     const std::string of_section = single ? "section" : shown.name + ", section";
     const bool own = i >= colors_.size() || !colors_[i];
     out.push_back(own ? std::move(shown) : *colors_[i]);
@@ -299,6 +341,14 @@ std::vector<ShownFunction> SceneOfJob::shownIn(const FrameScene& scene) const {
 }
 
 FrameScene SceneOfJob::at(int frame) const {
+  FrameScene out = unframed(frame);
+  if (out.picture.annotations.legend) out.shown = shownIn(out, manifests_);
+  out.camera = cameraOf(frame);
+  out.picture.samples = samplesOf(out.camera);
+  return out;
+}
+
+FrameScene SceneOfJob::unframed(int frame) const {
   const Animation& animation = job_.animation;
   FrameScene out{job_.picture, {}, functions_.front().at(frame), companions_, {}, geometry_, {}};
   out.masked = job_.companions.mask || std::ranges::any_of(job_.volumes, [](const VolumeOptions& volume) {
@@ -306,8 +356,6 @@ FrameScene SceneOfJob::at(int frame) const {
                });
   if (const auto part = std::exchange(out.picture.part, std::nullopt))
     out.picture.clipping.part = boxOfPart(*part, manifest().geometry().dims, manifest().brick_size);
-  out.camera = cameraOf(frame);
-  out.picture.samples = samplesOf(out.camera);
   out.picture.background = backgroundOf(out.picture, out.transfer_function);
   const auto between = [&](const auto& keys) {
     const auto [i, t] = mixAt(KeyTimes(keys), frame);
@@ -333,7 +381,6 @@ FrameScene SceneOfJob::at(int frame) const {
     if (auto& section = scene.clipping.section) section = resolved(*section, *looks_[i], scene.transfer_function);
     out.volumes.push_back(std::move(scene));
   }
-  if (out.picture.annotations.legend) out.shown = shownIn(out);
   return out;
 }
 

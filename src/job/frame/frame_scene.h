@@ -58,20 +58,27 @@ TransferFunction resolvedFor(const PictureOptions& picture, const TransferFuncti
 using ShownBoxOf = std::function<FramedBox(std::size_t volume, const std::vector<TransferFunction>& functions,
                                            const Clipping& clipping)>;
 
+/// Returns choices of edges of the picture that a camera leaves free for a legend (FramedBox), by the picture and the
+/// functions of the legend. The scene has no camera yet, and no text in place of placeholders.
+using FreeEdgesOf = std::function<std::vector<FreeEdges>(const FrameScene& scene)>;
+
+/// What scenes take from the open volumes of a job, and from the annotations of its pictures.
+struct SceneInputs {
+  ShownBoxOf shown_box = {};                              // without it, Fit::kVisible is Fit::kRegion
+  FreeEdgesOf free_edges = {};                            // without it, a legend lies over the picture
+  std::vector<Hash128> companions = {};                   // for FrameScene::companions
+  std::vector<std::optional<ShownFunction>> colors = {};  // one for each volume; nothing for colours of its own
+};
+
 /// The job's scenes over one volume. Files are read once.
 class SceneOfJob {
  public:
   /// requires: both outlive the object. throws: Error for an unreadable or unusable transfer function.
   SceneOfJob(const RenderJob& job, const Manifest& manifest) : SceneOfJob(job, std::vector{&manifest}) {}
   /// Takes the manifests of all volumes; a framing fits the box around all. In a time series (RenderJob::series),
-  /// framing and transfer functions are those of all frames, and a framing fits whole volumes. Without `shown_box`,
-  /// Fit::kVisible is Fit::kRegion.
-  SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const ShownBoxOf& shown_box = {},
+  /// framing and transfer functions are those of all frames, and a framing fits whole volumes.
+  SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const SceneInputs& inputs = {},
              const Progress& progress = Progress());
-  /// Sets FrameScene::companions of all scenes. `colors`: one for each volume; nothing for colours of its own.
-  void accompany(std::vector<Hash128> index_checksums, std::vector<std::optional<ShownFunction>> colors) {
-    companions_ = std::move(index_checksums), colors_ = std::move(colors);
-  }
   /// throws: Error kUsage where the camera cannot be used.
   FrameScene at(int frame) const;
   /// Returns the largest number of samples of all frames; frames whose camera cannot be used are left out.
@@ -93,7 +100,9 @@ class SceneOfJob {
   Fit fit() const;
   std::vector<TransferFunction> fittedFunctions(std::size_t volume) const;
   FramedBox framedBox(const ShownBoxOf& shown_box) const;
-  std::vector<ShownFunction> shownIn(const FrameScene& scene) const;
+  std::vector<FreeEdges> freeEdges(const FreeEdgesOf& free_edges) const;
+  std::vector<ShownFunction> shownIn(const FrameScene& scene, const std::vector<const Manifest*>& manifests) const;
+  FrameScene unframed(int frame) const;
   Camera cameraOf(int frame) const;
   int samplesOf(const Camera& camera) const;
 
@@ -102,9 +111,9 @@ class SceneOfJob {
   std::vector<const Manifest*> looks_;  // the manifests that decide framing and colours: a volume's own, or its series'
   const VolumeGeometry geometry_;       // geometry of the box around all of them
   std::vector<Functions> functions_;    // one for each volume
-  FramedBox framed_;                    // what cameras fit
-  std::vector<Hash128> companions_;
-  std::vector<std::optional<ShownFunction>> colors_;  // functions of volumes that other volumes colour
+  const std::vector<Hash128> companions_;
+  const std::vector<std::optional<ShownFunction>> colors_;  // functions of volumes that other volumes colour
+  FramedBox framed_;                                        // what cameras fit
 };
 
 }  // namespace kiln

@@ -63,15 +63,12 @@ Camera turnedAt(const Turntable& turntable, const CameraSpec& still, double fram
                 const ImageSize& size) {
   // The picture is moved after the turn: the axis goes through the volume's centre. A rolled picture shows the same
   // turn.
-  CameraSpec unmoved = still;
-  unmoved.pan.reset();
-  CameraSpec upright = unmoved;
+  CameraSpec upright = still;
   upright.roll_deg.reset();
-  Camera camera = unmoved.resolve(box, size);
-  const glm::dvec3 axis = turntable.axis ? *turntable.axis : upright.resolve(box, size).up;
-  if (box.fit != Fit::kBox && still.framed()) camera = unmoved.resolve(box, size, turnsOf(turntable, axis));
-  camera = turned(camera, axis, angleAt(turntable, frame));
-  return still.pan ? panned(camera, *still.pan, size) : camera;
+  UnpannedCamera first = still.unpanned(box, size);
+  const glm::dvec3 axis = turntable.axis ? *turntable.axis : upright.unpanned(box, size).camera.up;
+  if (box.fit != Fit::kBox && still.framed()) first = still.unpanned(box, size, turnsOf(turntable, axis));
+  return panned(turned(first.camera, axis, angleAt(turntable, frame)), first.pan, size);
 }
 
 // Returns the rotation with the camera's axes in the world as columns: right, down, along the view.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <span>
 #include <string>
 
 #include "base/error.h"
@@ -51,7 +52,8 @@ Camera fromEye(const CameraSpec& spec, const FramedBox& box, const ImageSize& si
   return camera;
 }
 
-Camera fromFraming(const CameraSpec& spec, const FramedBox& box, const ImageSize& size, Turns turns) {
+Camera fromFraming(const CameraSpec& spec, const FramedBox& box, const ImageSize& size, Turns turns,
+                   const FreeEdges& edges) {
   const bool turned = spec.side || spec.azimuth_deg || spec.elevation_deg;
   Framing framing = turned ? Framing{} : defaultFraming();
   framing.side = spec.side.value_or(framing.side);
@@ -64,7 +66,7 @@ Camera fromFraming(const CameraSpec& spec, const FramedBox& box, const ImageSize
   framing.fov_deg = spec.fov_deg.value_or(framing.fov_deg);
   const bool panorama = framing.projection == Projection::kEquirectangular;
   if (panorama) framing.projection = Projection::kPerspective;
-  Camera camera = frameVolume(box, framing, size, turns);
+  Camera camera = frameVolume(box, framing, size, turns, edges);
   if (panorama) {
     // A panorama is taken from the middle of the volume, with the volume all around.
     camera.projection = Projection::kEquirectangular;
@@ -85,14 +87,42 @@ Camera fromFraming(const CameraSpec& spec, const FramedBox& box, const ImageSize
   return camera;
 }
 
+// Greater for a smaller picture of the box.
+double distanceOf(const Camera& camera) {
+  return camera.projection == Projection::kOrthographic ? camera.height : glm::distance(camera.eye, camera.target);
+}
+
+// Takes the edges that leave the largest picture, the first of equal ones.
+UnpannedCamera besideEdges(const CameraSpec& spec, const FramedBox& box, const ImageSize& size, Turns turns) {
+  const FreeEdges none;
+  const std::span choices = box.free_edges.empty() ? std::span(&none, 1) : std::span(box.free_edges);
+  UnpannedCamera out{fromFraming(spec, box, size, turns, choices.front()), choices.front().shift(size)};
+  for (const FreeEdges& edges : choices.subspan(1)) {
+    const Camera camera = fromFraming(spec, box, size, turns, edges);
+    if (distanceOf(camera) < distanceOf(out.camera)) out = {camera, edges.shift(size)};
+  }
+  return out;
+}
+
 }  // namespace
 
-Camera CameraSpec::resolve(const FramedBox& box, const ImageSize& size, Turns turns) const {
+UnpannedCamera CameraSpec::unpanned(const FramedBox& box, const ImageSize& size, Turns turns) const {
   refuseContradictions(*this);
-  Camera camera = eye ? fromEye(*this, box, size) : fromFraming(*this, box, size, turns);
-  if (pan) camera = panned(camera, *pan, size);
-  kiln::resolve(camera, size);  // refuses an unusable camera before long work
-  return camera;
+  UnpannedCamera out;
+  if (eye)
+    out.camera = fromEye(*this, box, size);
+  else if (leavesEdges())
+    out = besideEdges(*this, box, size, turns);
+  else
+    out.camera = fromFraming(*this, box, size, turns, {});
+  if (pan) out.pan += *pan;
+  kiln::resolve(out.camera, size);  // refuses an unusable camera before long work
+  return out;
+}
+
+Camera CameraSpec::resolve(const FramedBox& box, const ImageSize& size, Turns turns) const {
+  const UnpannedCamera out = unpanned(box, size, turns);
+  return panned(out.camera, out.pan, size);
 }
 
 }  // namespace kiln

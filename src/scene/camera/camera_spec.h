@@ -15,6 +15,12 @@
 
 namespace kiln {
 
+/// A camera, and the pan that it lacks. unit: widths and heights of the picture.
+struct UnpannedCamera {
+  Camera camera;
+  glm::dvec2 pan{0};
+};
+
 /// Either an eye or a framing; each key is optional. Defaults with an eye: target at the volume's centre, up superior,
 /// fov 60, and an orthographic height that fits. Defaults without: `defaultFraming`, or a side seen straight; a target
 /// then moves eye and target together. A named projection ignores the other projection's fov or height.
@@ -29,9 +35,14 @@ struct CameraSpec {
 
   /// Returns whether the camera fits the volume into the picture: it has no eye.
   bool framed() const { return !eye; }
+  /// Returns whether the camera leaves edges of the picture free: neither its place nor what it looks at is given.
+  bool leavesEdges() const { return framed() && !target && projection != Projection::kEquirectangular; }
   /// `turns` are the rotations of a turntable (frameVolume). throws: Error kUsage if settings contradict each other (an
   /// eye and a side; a height without a projection) or the camera cannot be used.
   Camera resolve(const FramedBox& box, const ImageSize& size, Turns turns = {}) const;
+  /// Returns the camera before its pan, which is `pan` and the shift to the middle between free edges: a camera on a
+  /// turntable turns first. throws: as `resolve`.
+  UnpannedCamera unpanned(const FramedBox& box, const ImageSize& size, Turns turns = {}) const;
 };
 
 /// Frame 1 is the still camera. Each later frame turns eye and up by degrees / frames about the axis through the

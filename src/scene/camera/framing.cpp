@@ -1,7 +1,8 @@
 // Fits exactly, not by a bounding sphere. The points of the outline, and the turned points of a turntable, are
 // transformed to the camera's axes.
 // Each point requires a least distance (perspective) or height (orthographic) to be inside the image; the greatest
-// decides. The margin is applied in the image, so it is equal for every field of view.
+// decides. The margin is applied in the image, so it is equal for every field of view. Free edges of the picture make
+// the image smaller; a pan then moves the image to its place, and changes no size.
 #include "scene/camera/framing.h"
 
 #include <algorithm>
@@ -56,10 +57,10 @@ Direction directionOf(PatientFrame frame, const Framing& framing) {
   return turned;
 }
 
-// Half the image's extent at depth 1 in x and y, without the margin.
-glm::dvec2 usableTangents(double fov_deg, double margin, const ImageSize& size) {
+// Half the rectangle's extent at depth 1 in x and y, without the margin.
+glm::dvec2 usableTangents(double fov_deg, double margin, const ImageSize& size, const glm::dvec2& rectangle) {
   const double tangent = std::tan(0.5 * glm::radians(fov_deg)) / margin;
-  return {tangent * size.width / size.height, tangent};
+  return {tangent * rectangle.x / size.height, tangent * (rectangle.y / size.height)};
 }
 
 // Calls each(point) for the points of the outline, turned and not turned, in the camera's axes, relative to the target.
@@ -83,12 +84,13 @@ struct Place {
 
 // At distance d, a point at p has the depth d + p.z, and |p.x - shift| <= tangent · depth must hold. Hence
 // d >= p.x / tangent - p.z - shift / tangent and d >= -p.x / tangent - p.z + shift / tangent: the least d has the mean
-// of the greatest right sides.
-Place fittingPlace(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns) {
-  const glm::dvec2 tangents = usableTangents(camera.fov_deg, box.margin(), size);
+// of the greatest right sides. A pan moves the eye by -d · aside, and |p.x - shift + d · aside - depth · aside| =
+// |p.x - p.z · aside - shift| <= tangent · depth must hold: the points are sheared.
+Place fittingPlace(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns,
+                   const glm::dvec2& tangents, const glm::dvec2& aside) {
   glm::dvec2 above(-INFINITY), below(-INFINITY);
   forPointsSeen(box, camera, size, turns, [&](const glm::dvec3& point) {
-    const glm::dvec2 slope = glm::dvec2(point) / tangents;
+    const glm::dvec2 slope = (glm::dvec2(point) - point.z * aside) / tangents;
     above = glm::max(above, slope - point.z), below = glm::max(below, -slope - point.z);
   });
   if (box.isCentred(turns)) {
@@ -114,8 +116,8 @@ Span spanSeen(const FramedBox& box, Camera camera, const ImageSize& size, Turns 
   return out;
 }
 
-double heightAround(const glm::dvec2& half, double margin, const ImageSize& size) {
-  return 2 * std::max(half.y, half.x * size.height / size.width) * margin;
+double heightAround(const glm::dvec2& half, double margin, const ImageSize& size, const glm::dvec2& rectangle) {
+  return 2 * std::max(half.y / (rectangle.y / size.height), half.x * size.height / rectangle.x) * margin;
 }
 
 Camera shifted(const Camera& camera, const glm::dvec2& by, const ImageSize& size) {
@@ -143,6 +145,14 @@ void requireLegal(const Framing& framing) {
 }
 
 }  // namespace
+
+glm::dvec2 FreeEdges::rectangle(const ImageSize& size) const {
+  return {size.width - left - right, size.height - top - bottom};
+}
+
+glm::dvec2 FreeEdges::shift(const ImageSize& size) const {
+  return {0.5 * (left - right) / size.width, 0.5 * (bottom - top) / size.height};
+}
 
 FramedBox::FramedBox(VolumeGeometry box, Fit how) : volume(std::move(box)), fit(how) {
   const auto corners = volume.corners();
@@ -198,7 +208,7 @@ glm::dvec3 centreOf(const VolumeGeometry& volume) {
 
 double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize& size) {
   const Span span = spanSeen(box, camera, size, {});
-  return heightAround(glm::max(span.hi, -span.lo), box.margin(), size);
+  return heightAround(glm::max(span.hi, -span.lo), box.margin(), size, FreeEdges().rectangle(size));
 }
 
 Camera rolled(const Camera& camera, double degrees) {
@@ -210,6 +220,7 @@ Camera rolled(const Camera& camera, double degrees) {
 }
 
 Camera panned(const Camera& camera, const glm::dvec2& pan, const ImageSize& size) {
+  if (pan == glm::dvec2(0)) return camera;
   const bool parallel = camera.projection == Projection::kOrthographic;
   const double height =
       parallel ? camera.height
@@ -223,8 +234,10 @@ Camera panned(const Camera& camera, const glm::dvec2& pan, const ImageSize& size
   return out;
 }
 
-Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize& size, Turns turns) {
+Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize& size, Turns turns,
+                   const FreeEdges& edges) {
   requireLegal(framing);
+  const glm::dvec2 rectangle = edges.rectangle(size);
   const VolumeGeometry& volume = box.volume;
   const Direction seen = directionOf(volume.frame, framing);
   const glm::dvec3 centre = centreOf(volume);
@@ -242,10 +255,15 @@ Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize
   if (framing.projection == Projection::kOrthographic) {
     const Span span = spanSeen(box, camera, size, turns);
     const glm::dvec2 middle = box.isCentred(turns) ? 0.5 * (span.lo + span.hi) : glm::dvec2(0);
-    camera.height = heightAround(glm::max(span.hi - middle, middle - span.lo), box.margin(), size) / framing.zoom;
+    const glm::dvec2 half = glm::max(span.hi - middle, middle - span.lo);
+    camera.height = heightAround(half, box.margin(), size, rectangle) / framing.zoom;
     return shifted(camera, middle, size);
   }
-  const Place place = fittingPlace(box, camera, size, turns);
+  const glm::dvec2 tangents = usableTangents(framing.fov_deg, box.margin(), size, rectangle);
+  // The slope of the ray through the middle of the rectangle, right and down.
+  const double across = 2 * std::tan(0.5 * glm::radians(framing.fov_deg)) / framing.zoom;
+  const glm::dvec2 shift = edges.shift(size), aside = across * glm::dvec2(shift.x * size.width / size.height, -shift.y);
+  const Place place = fittingPlace(box, camera, size, turns, tangents, aside);
   camera.eye = centre + place.distance * seen.towards_eye;
   camera = shifted(camera, place.shift, size);
   camera.fov_deg = glm::degrees(2 * std::atan(std::tan(0.5 * glm::radians(framing.fov_deg)) / framing.zoom));

@@ -24,6 +24,17 @@ enum class Fit { kVisible, kRegion, kBox };
 /// Rotations of the world about the middle of the box that leave the outline in the picture.
 using Turns = std::span<const glm::dmat3>;
 
+/// Edges of a picture that a framing leaves free, for annotations. unit: pixels.
+struct FreeEdges {
+  double left = 0, right = 0, top = 0, bottom = 0;
+  /// Returns the width and height of the rectangle between the edges.
+  glm::dvec2 rectangle(const ImageSize& size) const;
+  /// Returns the shift from the middle of the picture to the middle of the rectangle, right and up. unit: widths and
+  /// heights of the picture.
+  glm::dvec2 shift(const ImageSize& size) const;
+  bool operator==(const FreeEdges&) const = default;
+};
+
 /// A box, the points that pictures contain, and how a framing fits the points. With kBox the margin is 1 % on each
 /// side, and the first frame of a turntable is fitted, as earlier versions did; else it is 3 %, and all frames are
 /// fitted. Cameras look at the middle of the box; with kVisible, where nothing turns, at the middle of what is seen.
@@ -31,6 +42,8 @@ struct FramedBox {
   VolumeGeometry volume;
   Fit fit = Fit::kBox;
   std::vector<glm::dvec3> outline;  // unit: world
+  /// Choices of edges, of which a CameraSpec takes those that leave the largest picture. Empty: no edge is free.
+  std::vector<FreeEdges> free_edges = {};
   /// The outline is the box's corners.
   FramedBox(VolumeGeometry box, Fit how = Fit::kBox);
   FramedBox(VolumeGeometry box, std::vector<glm::dvec3> points, Fit how)
@@ -60,9 +73,11 @@ Framing defaultFraming();
 
 /// Returns a camera whose image of size `size` contains the outline, also where the outline is turned about the box's
 /// centre by one of `turns`; the eye is always outside the outline. Zoom narrows the field of view (or height) and
-/// leaves the eye, so the perspective is unchanged. throws: Error kUsage if zoom is not positive, or an angle is out of
-/// range.
-Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize& size, Turns turns = {});
+/// leaves the eye, so the perspective is unchanged. With `edges`, the outline is between them after `panned` by
+/// edges.shift(size), and zoom is about the middle of their rectangle. throws: Error kUsage if zoom is not positive, or
+/// an angle is out of range.
+Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize& size, Turns turns = {},
+                   const FreeEdges& edges = {});
 
 /// Returns the orthographic height at which the image of `camera` (eye, target and up) contains the outline, with the
 /// margin of `frameVolume`. unit: world.

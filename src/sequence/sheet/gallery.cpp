@@ -69,7 +69,7 @@ class GalleryPainter {
   Thumbnails draw(const std::string& preset) {
     Thumbnails out{preset, {}, 0};
     job_.picture.transfer_function = preset;
-    const SceneOfJob scenes(job_, volumes_.manifests(), shownBoxesOf(job_, volumes_.all(), fit_, progress_));
+    const SceneOfJob scenes(job_, volumes_.manifests(), sceneInputsOf(job_, volumes_, fit_, progress_));
     for (int view = 1; view <= static_cast<int>(galleryViews().size()); ++view) {
       progress_.throwIfCancelled("drawing a gallery");
       const FrameScene scene = scenes.at(view);
