@@ -13,12 +13,10 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
-// The program's main function, in tests that link the program.
-__attribute__((weak)) int kilnToolMain(int argc, char** argv);
+#include "tool_server.h"
 
 namespace kiln::test {
 namespace {
@@ -52,31 +50,21 @@ struct Pipe {
   int ends[2] = {-1, -1};
 };
 
-std::ptrdiff_t threadsNow() {
-  const std::filesystem::directory_iterator threads("/proc/self/task");
-  return std::distance(begin(threads), end(threads));
-}
-// Libraries start idle threads (log4cplus, behind OpenVDB), and a forked child needs none.
-const std::ptrdiff_t kThreadsAtStart = threadsNow();
-
-// A child with limits, or under mpirun, executes the program, as does a child of a test that has started threads.
+// A child with limits, or under mpirun, executes the program.
 bool callsMain(const ToolOptions& options) {
   constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
   const bool limited = options.file_bytes != kNone || options.address_bytes != kNone || options.open_files != kNone;
-  return kilnToolMain != nullptr && !options.fresh && !limited && options.ranks == 0 && threadsNow() <= kThreadsAtStart;
+  return hasToolServer() && !options.fresh && !limited && options.ranks == 0;
 }
 
 // Only async-signal-safe calls are allowed between fork and exec of a process with threads.
-void useStreams(const Pipe& out, const Pipe& err, const ToolOptions& options) {
+// `arguments`: the program's name and arguments, and a null pointer.
+[[noreturn]] void becomeTool(char* const* arguments, const Pipe& out, const Pipe& err, const ToolOptions& options) {
   const int null = ::open("/dev/null", O_RDONLY);
   if (null >= 0) ::dup2(null, STDIN_FILENO);
   ::dup2(out.ends[1], STDOUT_FILENO);
   ::dup2(err.ends[1], STDERR_FILENO);
   if (!options.directory.empty() && ::chdir(options.directory.c_str()) != 0) ::_exit(127);
-}
-
-[[noreturn]] void becomeTool(char* const* arguments, const Pipe& out, const Pipe& err, const ToolOptions& options) {
-  useStreams(out, err, options);
   const auto limitTo = [](auto resource, std::uint64_t most) {
     if (most == std::numeric_limits<std::uint64_t>::max()) return;
     const rlimit limit{static_cast<rlim_t>(most), static_cast<rlim_t>(most)};
@@ -87,21 +75,6 @@ void useStreams(const Pipe& out, const Pipe& err, const ToolOptions& options) {
   limitTo(RLIMIT_NOFILE, options.open_files);
   ::execvp(arguments[0], arguments);
   ::_exit(127);
-}
-
-// `arguments`: the program's name and arguments, and a null pointer.
-[[noreturn]] void callTool(std::vector<char*>& arguments, const Pipe& out, const Pipe& err,
-                           const ToolOptions& options) {
-  useStreams(out, err, options);
-  // Descriptors that an executed program would not have.
-  for (const Pipe* pipe : {&out, &err}) ::close(pipe->ends[0]), ::close(pipe->ends[1]);
-  for (const std::string& variable : options.environment) {
-    const std::size_t equals = variable.find('=');
-    ::setenv(variable.substr(0, equals).c_str(), variable.substr(equals + 1).c_str(), 1);
-  }
-  const int exit_code = kilnToolMain(static_cast<int>(arguments.size()) - 1, arguments.data());
-  std::fflush(nullptr);
-  ::_exit(exit_code);
 }
 
 // Appends all available bytes. Returns false at the end of the stream.
@@ -139,28 +112,43 @@ std::vector<std::string> ToolResult::errorLines() const {
   return lines;
 }
 
-ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions& options) {
-  const bool calls = callsMain(options);
-  std::vector<std::string> words;
-  if (!calls && !options.environment.empty()) {
-    words.emplace_back("/usr/bin/env");
-    words.insert(words.end(), options.environment.begin(), options.environment.end());
+namespace {
+
+// A child that executes the program, with the words of mpirun or env before it.
+class ExecutedTool {
+ public:
+  ExecutedTool(const std::vector<std::string>& arguments, const Pipe& out, const Pipe& err,
+               const ToolOptions& options) {
+    std::vector<std::string> words;
+    if (!options.environment.empty()) {
+      words.emplace_back("/usr/bin/env");
+      words.insert(words.end(), options.environment.begin(), options.environment.end());
+    }
+    for (const std::string& word : launcherOf(options.ranks)) words.push_back(word);
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> raw;
+    for (std::string& word : words) raw.push_back(word.data());
+    raw.push_back(nullptr);
+    process_ = ::fork();
+    if (process_ < 0) throw std::runtime_error("fork failed");
+    if (process_ == 0) becomeTool(raw.data(), out, err, options);
   }
-  for (const std::string& word : launcherOf(options.ranks)) words.push_back(word);
-  words.emplace_back(KILN_TOOL);
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> raw;
-  for (std::string& word : words) raw.push_back(word.data());
-  raw.push_back(nullptr);
-  Pipe out, err(options.terminal_columns);
-  std::fflush(nullptr);  // a child would write buffered text again
-  const pid_t child = ::fork();
-  if (child < 0) throw std::runtime_error("fork failed");
-  if (child == 0 && calls) callTool(raw, out, err, options);
-  if (child == 0) becomeTool(raw.data(), out, err, options);
+  pid_t process() const { return process_; }
+  ToolEnd wait() const {
+    ToolEnd end{};
+    while (::wait4(process_, &end.status, 0, &end.usage) < 0 && errno == EINTR) {
+    }
+    return end;
+  }
+
+ private:
+  pid_t process_;
+};
+
+// Reads both streams until the child has closed them, and sends the signals that `options` describes.
+ToolResult readStreams(Pipe& out, Pipe& err, pid_t child, const ToolOptions& options) {
   out.closeWriter();
   err.closeWriter();
-
   ToolResult result;
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds);
   std::array<pollfd, 2> streams = {pollfd{out.ends[0], POLLIN, 0}, pollfd{err.ends[0], POLLIN, 0}};
@@ -176,13 +164,24 @@ ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions&
       ::kill(child, SIGKILL);
     }
   }
-  int status = 0;
-  rusage usage{};
-  while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
-  }
-  result.peak_resident_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   return result;
+}
+
+}  // namespace
+
+ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions& options) {
+  std::vector<std::string> words = {KILN_TOOL};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  Pipe out, err(options.terminal_columns);
+  const auto resultOf = [&](const auto& tool) {
+    ToolResult result = readStreams(out, err, tool.process(), options);
+    const ToolEnd end = tool.wait();
+    result.peak_resident_bytes = static_cast<std::uint64_t>(end.usage.ru_maxrss) * 1024;
+    result.exit_code = WIFEXITED(end.status) ? WEXITSTATUS(end.status) : -WTERMSIG(end.status);
+    return result;
+  };
+  if (!callsMain(options)) return resultOf(ExecutedTool(words, out, err, options));
+  return resultOf(callTool({words, options.environment, options.directory, out.ends[1], err.ends[1]}));
 }
 
 }  // namespace kiln::test

@@ -1,7 +1,6 @@
 // Runs the real program as a child process and captures its output.
-// Method. The tests of the program link its main function. A test that has started no threads forks and calls the
-// function: the loader, which takes 50 ms to bind OpenVDB's symbols, has run once. Otherwise the child executes
-// KILN_TOOL.
+// Method. Tests that link the program's main function call it in a child of a server (tool_server.h); all other
+// children execute KILN_TOOL.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +26,7 @@ struct ToolOptions {
   std::filesystem::path directory{};
   /// Variables of the environment to set for the child. shape: NAME=VALUE.
   std::vector<std::string> environment{};
-  /// Executes KILN_TOOL, as measuring memory needs: a forked child begins with the memory of the test.
+  /// Executes KILN_TOOL, as measuring memory needs: a forked child begins with the memory of the server.
   bool fresh = false;
   /// Number of ranks under mpirun, on this machine; 0 runs without mpirun. requires: canRunRanks().
   int ranks = 0;
