@@ -87,6 +87,7 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .composites = true,
        .labels = true,
        .gradient_opacity = true,
+       .surfaces = true,
        .cubic = true,
        .sample_distance = true,
        .coarser_levels = true,

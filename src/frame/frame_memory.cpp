@@ -38,7 +38,8 @@ EngineMemory largestOf(const EngineMemory& a, const EngineMemory& b) {
 // `tile`: the size of the largest tile. The lattice of ambient occlusion is drawn by the engine of several volumes.
 EngineMemory engineMemory(const RenderJob& job, const ImageSize& tile, std::int64_t brick_size) {
   const EngineChoice engine = engineOf(job);
-  EngineMemory out = passMemory(engine, job.picture.aovs.normal, tile, brick_size);
+  const bool layers = job.picture.aovs.any() || drawsDeep(job) || isShaded(job.picture.shading);
+  EngineMemory out = passMemory(engine, layers, tile, brick_size);
   if (job.picture.shading.occlusion.strength > 0 && engine.capabilities().composites) {
     EngineChoice of_lattice;
     of_lattice.several_volumes = true;

@@ -34,19 +34,14 @@ void requireRequest(const std::vector<const BrickedVolume*>& stores, const Frame
   }
   requireOptions(request.engine(),
                  {request.interpolation, request.samples, request.sample_distance, request.aovs, request.coarser});
+  requireSurfaces(request.engine(), request.transfer_function);
+  for (const VolumeRequest& volume : request.volumes) requireSurfaces(request.engine(), volume.transfer_function);
   const int tile_px = request.tile_px;
   if (tile_px != 0 && (tile_px < kVisibilityTile || !std::has_single_bit(static_cast<unsigned>(tile_px)))) {
     throw Error(ErrorCode::kUsage, fmt::format("a tile of {} pixels: expected a power of two from {} on, or 0 for the "
                                                "whole frame",
                                                tile_px, kVisibilityTile));
   }
-}
-
-// Not required of the lattice of ambient occlusion: the engine of several volumes adds up the opacities of surfaces,
-// but composites no light of theirs in order.
-void requireDrawableSurfaces(const FrameRequest& request) {
-  requireSurfaces(request.engine(), request.transfer_function);
-  for (const VolumeRequest& volume : request.volumes) requireSurfaces(request.engine(), volume.transfer_function);
 }
 
 // Excludes writing, which may be another frame's.
@@ -214,7 +209,6 @@ FramePainter::FramePainter(BrickCache& cache, const FrameRequest& request, Progr
   const auto begin = std::chrono::steady_clock::now();
   const BusyTimes before = BusyTimes::now();
   requireRequest(cache.stores(), request);
-  requireDrawableSurfaces(request);
   drawnPixels(request.view.size, request.crop);
   illuminate(cache, progress, request_, lights_);
   if (request_.eyes.empty()) beginView(request_);
@@ -300,7 +294,6 @@ Image renderFrame(BrickCache& cache, const FrameRequest& request, Progress& prog
     const auto begin = std::chrono::steady_clock::now();
     const BusyTimes before = BusyTimes::now();
     requireRequest(cache.stores(), request);
-    requireDrawableSurfaces(request);
     Image panorama = renderPanorama(cache, request, progress, statistics);
     statistics.wall_s = secondsSince(begin);
     statistics.busy = busySince(before);

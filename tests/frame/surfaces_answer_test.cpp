@@ -88,6 +88,13 @@ Largest departureFrom(const Ball& ball, const FrameRequest& request, const Image
   return out;
 }
 
+// The request's volume and a volume of which nothing shows, in one picture.
+FrameRequest besideAnother(FrameRequest request) {
+  request.volumes = {{request.transfer_function, request.shading, request.clipping},
+                     {TransferFunction{1, {{0, glm::dvec3(1), 0}}}, request.shading, {}}};
+  return request;
+}
+
 TEST(Surfaces, OfABallAreItsSurface) {
   const Ball ball{{40.3, 39.8, 40.1}, 34};
   const DenseVolume volume = fill({{81, 80, 82}, VoxelType::f32}, [&](auto i, auto j, auto k) {
@@ -98,11 +105,13 @@ TEST(Surfaces, OfABallAreItsSurface) {
     for (const int size : {75, 140, 210}) {
       FrameRequest request = answerRequest(volume.geometry, {0.4, -0.8, 0.3}, projection, size);
       request.transfer_function = surfacesAt({{0}});
-      const Largest off = departureFrom(ball, request, draw(store, request));
-      std::printf("%d pixels: depth %.4f voxels, normal %.3f degrees\n", size, off.depth, off.angle);
-      EXPECT_GT(off.pixels, size * size / 8);
-      EXPECT_LT(off.depth, 0.02);
-      EXPECT_LT(off.angle, 0.5);
+      for (const Image& image : {draw(store, request), draw({store, store}, besideAnother(request))}) {
+        const Largest off = departureFrom(ball, request, image);
+        std::printf("%d pixels: depth %.4f voxels, normal %.3f degrees\n", size, off.depth, off.angle);
+        EXPECT_GT(off.pixels, size * size / 8);
+        EXPECT_LT(off.depth, 0.02);
+        EXPECT_LT(off.angle, 0.5);
+      }
     }
   }
 }
@@ -316,22 +325,8 @@ TEST(Surfaces, HaveNoHolesWhereLevelsMeet) {
   }
 }
 
-// A ball above a floor in light from straight above. The floor under the ball has ambient light only; far from the
-// shadow the light is that of a picture without shadows, and the ball's lit half has no shadow of its own.
-TEST(Surfaces, CastShadows) {
-  const Ball ball{{32, 32, 40}, 10};
-  const DenseVolume volume = fill({{65, 65, 65}, VoxelType::f32}, [&](auto i, auto j, auto k) {
-    return std::max(8.3 - static_cast<double>(k), ball.radius - glm::length(glm::dvec3(i, j, k) - ball.centre));
-  });
-  const auto store = makeStore(volume, "above", 32);
-  FrameRequest request = answerRequest(volume.geometry, {0.6, -1, 0.7}, Projection::kPerspective, 120);
-  request.transfer_function = surfacesAt({{0, glm::dvec3(1)}});
-  request.shading.specular = 0;
-  request.shading.lights = {Light{}};
-  request.shading.lights[0].kind = LightKind::kDirectional;
-  const Image lit = draw(store, request);
-  request.shading.shadows = true;
-  const Image shadowed = draw(store, request);
+// `request` is the picture's without shadows.
+void expectShadowBelow(const Ball& ball, const FrameRequest& request, const Image& lit, const Image& shadowed) {
   int dark = 0, same = 0;
   for (int y = 0; y < lit.height; ++y) {
     for (int x = 0; x < lit.width; ++x) {
@@ -353,6 +348,71 @@ TEST(Surfaces, CastShadows) {
   EXPECT_GT(same, 1000);
 }
 
+// A ball above a floor in light from straight above. The floor under the ball has ambient light only; far from the
+// shadow the light is that of a picture without shadows, and the ball's lit half has no shadow of its own.
+TEST(Surfaces, CastShadows) {
+  const Ball ball{{32, 32, 40}, 10};
+  const DenseVolume volume = fill({{65, 65, 65}, VoxelType::f32}, [&](auto i, auto j, auto k) {
+    return std::max(8.3 - static_cast<double>(k), ball.radius - glm::length(glm::dvec3(i, j, k) - ball.centre));
+  });
+  const auto store = makeStore(volume, "above", 32);
+  FrameRequest request = answerRequest(volume.geometry, {0.6, -1, 0.7}, Projection::kPerspective, 120);
+  request.transfer_function = surfacesAt({{0, glm::dvec3(1)}});
+  request.shading.specular = 0;
+  request.shading.lights = {Light{}};
+  request.shading.lights[0].kind = LightKind::kDirectional;
+  FrameRequest with_shadows = request;
+  with_shadows.shading.shadows = true;
+  const auto beside = [](const FrameRequest& one) {
+    FrameRequest out = besideAnother(one);
+    out.volumes[0].shading = out.volumes[1].shading = one.shading;
+    return out;
+  };
+  expectShadowBelow(ball, request, draw(store, request), draw(store, with_shadows));
+  expectShadowBelow(ball, request, draw({store, store}, beside(request)), draw({store, store}, beside(with_shadows)));
+}
+
+// Two opaque balls of two volumes, each inside the other in part. Known: a ray meets the nearer front first.
+TEST(Surfaces, OfTwoVolumesHideEachOther) {
+  const Ball red{{24, 32, 32}, 16}, blue{{40, 30, 34}, 14};
+  const auto volumeOf = [](const Ball& ball) {
+    return fill({{65, 65, 65}, VoxelType::f32},
+                [&](auto i, auto j, auto k) { return ball.radius - glm::length(glm::dvec3(i, j, k) - ball.centre); });
+  };
+  const DenseVolume of_red_ball = volumeOf(red);
+  const std::vector<std::filesystem::path> stores = {makeStore(of_red_ball, "red", 32),
+                                                     makeStore(volumeOf(blue), "blue", 32)};
+  for (const Projection projection : kSurfaceProjections) {
+    FrameRequest request = answerRequest(of_red_ball.geometry, {0.2, -1, 0.3}, projection, 240);
+    request.volumes = {{surfacesAt({{0, glm::dvec3(1, 0, 0)}}), request.shading, {}},
+                       {surfacesAt({{0, glm::dvec3(0, 0, 1)}}), request.shading, {}}};
+    for (VolumeRequest& volume : request.volumes) volume.shading.phong = false;
+    const Image image = draw(stores, request);
+    int seen[2] = {};
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
+        const auto front = [&](const Ball& ball) {
+          return ball.nearest(ray) < ball.radius ? ball.front(ray) : std::numeric_limits<double>::infinity();
+        };
+        const double of_red = front(red), of_blue = front(blue);
+        // Samples of a slab mix, and the silhouettes are those of other tests.
+        const bool silhouette =
+            std::abs(red.nearest(ray) - red.radius) < 0.3 || std::abs(blue.nearest(ray) - blue.radius) < 0.3;
+        if (std::min(of_red, of_blue) == std::numeric_limits<double>::infinity() || silhouette) continue;
+        if (std::abs(of_red - of_blue) < 1) continue;
+        const int nearer = of_red < of_blue ? 0 : 2;
+        EXPECT_NEAR(image.pixel(x, y)[nearer], 1, 1e-3) << x << " " << y;
+        EXPECT_NEAR(image.pixel(x, y)[2 - nearer], 0, 1e-3) << x << " " << y;
+        EXPECT_NEAR(alongOf(request.view, ray, planeAt(image, "Z", x, y)), std::min(of_red, of_blue), 0.1);
+        ++seen[nearer / 2];
+      }
+    }
+    EXPECT_GT(seen[0], 1000);
+    EXPECT_GT(seen[1], 1000);
+  }
+}
+
 TEST(Surfaces, AreRefusedByOtherEngines) {
   const DenseVolume volume = ramp({{16, 16, 16}, VoxelType::u8}, 0, 10);
   const auto store = makeStore(volume, "ramp", 16);
@@ -361,7 +421,8 @@ TEST(Surfaces, AreRefusedByOtherEngines) {
   request.aovs = {};
   request.lattice = Lattice::kVoxel;
   expectError([&] { draw(store, request); }, ErrorCode::kUsage,
-              "--tf: surfaces (iso:VALUE) need --lattice pixel (found --lattice voxel); choose solid:VALUE");
+              "--tf: surfaces (iso:VALUE) need --lattice pixel, or several volumes (found --lattice voxel); choose "
+              "solid:VALUE");
   request.lattice = Lattice::kPixel;
   request.mode = Mode::kMip;
   expectError([&] { draw(store, request); }, ErrorCode::kUsage, "found --mode mip");

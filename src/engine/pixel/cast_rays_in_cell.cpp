@@ -495,9 +495,15 @@ class CellCaster {
     closed_count_ = 0;
     for (std::size_t n = 0; n < kept_; ++n) {
       const float depth = s_.weight[n] = s_.opacity[n];
-      if (places_ && in_.sums->hasNormals() && depth > 0) {
+      if (in_.sums->hasLayers() && depth > 0) {
         const CellPlaces::Place at = p_.placeOf(s_.kept_code[n]);
-        in_.sums->addNormal(at.slab, at.x, at.y, depth * normalOf(siteOf(n)));
+        std::optional<float> place;
+        if (exact()) place = s_.at[n] + r_.middle + 0.5f - static_cast<float>(at.slab);
+        if (tile_.shadows != nullptr)
+          in_.sums->addShade(at.slab, at.x, at.y, depth, place);
+        else
+          in_.sums->addLayer(at.slab, at.x, at.y, depth, places_ ? normalOf(siteOf(n)) : glm::vec3(0),
+                             place.value_or(0.5f), place ? 0.0f : 1.0f);
       }
     }
     keepSeen();

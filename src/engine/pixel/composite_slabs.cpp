@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -24,12 +25,13 @@ namespace {
 class SlabCompositing {
  public:
   SlabCompositing(const SlabSums& sums, const SlabZone& zone, const RaySampling& rays, const TilePixels& tile,
-                  float opacity_threshold, Visibility& visibility)
+                  float opacity_threshold, bool exact, Visibility& visibility)
       : sums_(sums),
         zone_(zone),
         rays_(rays),
         tile_(tile),
         opacity_threshold_(opacity_threshold),
+        exact_(exact),
         visibility_(visibility),
         has_layers_(tile.aovs.any() || tile.deep != nullptr || tile.shadows != nullptr) {}
 
@@ -96,26 +98,56 @@ class SlabCompositing {
     for (std::uint64_t rest = adds_; rest != 0; rest &= rest - 1) {
       const int lane = std::countr_zero(rest), column = tile_.rect.x0 + x + lane;
       const float* const before = before_ + 4 * lane;
-      if (tile_.aovs.any()) {
-        SlabLayer layer;
-        layer.before = before[3];
-        layer.added = weight_[lane];
-        layer.closes = (closed >> lane & 1) != 0;
-        layer.opacity = opacity_[lane];
-        layer.middle = near + 0.5 * zone_.thickness;
-        layer.thickness = zone_.thickness;
-        if (sums_.hasNormals()) {
-          const float* const normal = sums_.normalRow(slab, row) + 4 * (x + lane);
-          for (int a = 0; a < 3; ++a) layer.normal[a] = per_depth_[lane] * normal[a];
-        }
-        addLayer(layer, tile_.aovs, tile_.placeOf(column, y));
+      const float after = (closed >> lane & 1) != 0 ? 1 : before[3] + weight_[lane];
+      if (tile_.shadows != nullptr) {
+        addShadow(slab, row, x + lane, before[3], after);
+        continue;
       }
-      if (tile_.shadows != nullptr)
-        tile_.shadows->add(column, y, static_cast<float>(near), static_cast<float>(near + zone_.thickness), before[3],
-                           (closed >> lane & 1) != 0 ? 1 : before[3] + weight_[lane]);
+      SlabLayer layer;
+      layer.before = before[3];
+      layer.added = weight_[lane];
+      layer.closes = (closed >> lane & 1) != 0;
+      layer.opacity = opacity_[lane];
+      layer.middle = near + 0.5 * zone_.thickness;
+      layer.thickness = zone_.thickness;
+      if (sums_.hasLayers()) {
+        const float* const sums = sums_.layer(slab, row, x + lane);
+        for (int a = 0; a < 3; ++a) layer.normal[a] = per_depth_[lane] * sums[a];
+        if (exact_) {
+          const double per_depth = static_cast<double>(per_depth_[lane]) / static_cast<double>(weight_[lane]);
+          layer.middle = near + per_depth * static_cast<double>(sums[3]) * zone_.thickness;
+          layer.thickness = per_depth * static_cast<double>(sums[4]) * zone_.thickness;
+        }
+      }
+      if (tile_.aovs.any()) addLayer(layer, tile_.aovs, tile_.placeOf(column, y));
+      const double from = exact_ ? layer.middle - 0.5 * layer.thickness : near;
       if (tile_.deep != nullptr)
-        tile_.deep->add(column, y, static_cast<float>(near), static_cast<float>(near + zone_.thickness), before,
+        tile_.deep->add(column, y, static_cast<float>(from), static_cast<float>(from + layer.thickness), before,
                         rgba_ + 4 * (x + lane));
+    }
+  }
+
+  // Adds the slab to a shadow map: as a whole, or its parts apart where surfaces cross the slab. The shadow of a part
+  // begins behind the part, so that no surface shades itself.
+  void addShadow(int slab, int row, int column, float before, float after) {
+    const int x = tile_.rect.x0 + column, y = tile_.rect.y0 + row;
+    const double near = zone_.near + slab * zone_.thickness;
+    const auto add = [&](double from, double thickness, float alpha) {
+      tile_.shadows->add(x, y, static_cast<float>(from), static_cast<float>(from + thickness), before, alpha);
+      before = alpha;
+    };
+    const float* const shade = exact_ ? sums_.layer(slab, row, column) : nullptr;
+    if (shade == nullptr || shade[SlabSums::kParts] == 0) return add(near, zone_.thickness, after);
+    const double part_thickness = zone_.thickness / SlabSums::kParts;
+    const float first = before;
+    float depth = 0;
+    int last = SlabSums::kParts - 1;
+    while (last > 0 && shade[last] == 0) --last;
+    for (int part = 0; part <= last; ++part) {
+      depth += shade[part];
+      if (shade[part] > 0)
+        add(near + (part + 1) * part_thickness, part_thickness,
+            part == last ? after : 1 - (1 - first) * std::exp(-depth));
     }
   }
 
@@ -124,6 +156,7 @@ class SlabCompositing {
   const RaySampling& rays_;
   const TilePixels& tile_;
   const float opacity_threshold_;
+  const bool exact_;
   Visibility& visibility_;
   const bool has_layers_;                    // samples are kept beyond their light
   alignas(64) float rgba_[4 * kSquareEdge];  // the row's pixels
@@ -133,8 +166,8 @@ class SlabCompositing {
 };
 
 void compositeSlabsOn(const SlabSums& sums, const SlabZone& zone, const RaySampling& rays, const TilePixels& tile,
-                      float opacity_threshold, Visibility& visibility) {
-  SlabCompositing(sums, zone, rays, tile, opacity_threshold, visibility).run();
+                      float opacity_threshold, bool exact, Visibility& visibility) {
+  SlabCompositing(sums, zone, rays, tile, opacity_threshold, exact, visibility).run();
 }
 
 }  // namespace
@@ -148,8 +181,8 @@ namespace kiln {
 HWY_EXPORT(compositeSlabsOn);
 
 void compositeSlabs(const SlabSums& sums, const SlabZone& zone, const RaySampling& rays, const TilePixels& tile,
-                    float opacity_threshold, Visibility& visibility) {
-  HWY_DYNAMIC_DISPATCH(compositeSlabsOn)(sums, zone, rays, tile, opacity_threshold, visibility);
+                    float opacity_threshold, bool exact, Visibility& visibility) {
+  HWY_DYNAMIC_DISPATCH(compositeSlabsOn)(sums, zone, rays, tile, opacity_threshold, exact, visibility);
 }
 
 }  // namespace kiln

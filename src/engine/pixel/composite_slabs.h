@@ -10,8 +10,9 @@
 namespace kiln {
 
 /// Composites the sums behind the tile's pixels. At an alpha of `opacity_threshold` a pixel is divided by alpha, alpha
-/// is set to 1, and the pixel is closed in `visibility`. requires: the sums cover `tile.rect` and a zone of `rays`.
+/// is set to 1, and the pixel is closed in `visibility`. `exact`: a volume shows surfaces or cut faces, and layers have
+/// the places of their samples in a slab. requires: the sums cover `tile.rect` and a zone of `rays`.
 void compositeSlabs(const SlabSums& sums, const SlabZone& zone, const RaySampling& rays, const TilePixels& tile,
-                    float opacity_threshold, Visibility& visibility);
+                    float opacity_threshold, bool exact, Visibility& visibility);
 
 }  // namespace kiln

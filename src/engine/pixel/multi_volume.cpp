@@ -19,6 +19,8 @@ class MultiVolume::ZoneEngine final : public Engine {
  public:
   ZoneEngine(const Zone& zone, MemoryPool<SlabSums>& sums) : zone_(zone), sums_(sums) {
     for (const SlabZone& slabs : zone.slabs) slabs_ = std::max(slabs_, slabs.slabs);
+    for (const std::unique_ptr<SlabContext>& context : zone.contexts)
+      exact_ = exact_ || (context && (context->look().surfaces || context->look().faces != nullptr));
   }
 
   std::unique_ptr<const PreparedBrick> prepare(const BrickToDraw& brick) const override {
@@ -31,14 +33,14 @@ class MultiVolume::ZoneEngine final : public Engine {
     sums_.lend([&](SlabSums& sums) {
       for (const TilePixels& square : squaresOf(target.pixels)) {
         if (target.visibility.hidden(square.rect)) continue;
-        sums.reset(square.rect, slabs_, square.aovs.normal[0] != nullptr);
+        sums.reset(square.rect, slabs_, keepsLayers(square));
         for (std::size_t volume = 0; volume < zone_.contexts.size(); ++volume)
           addVolume(volume, bricks, square, target, sums);
         if (square.extinction != nullptr) {
           addExtinction(sums, *square.extinction);
           continue;
         }
-        compositeSlabs(sums, zone_.slabs.front(), zone_.rays.front(), square, target.opacity_threshold,
+        compositeSlabs(sums, zone_.slabs.front(), zone_.rays.front(), square, target.opacity_threshold, exact_,
                        target.visibility);
       }
     });
@@ -53,6 +55,11 @@ class MultiVolume::ZoneEngine final : public Engine {
     const BrickToDraw due;
     const std::vector<SlabCell> cells;
   };
+
+  bool keepsLayers(const TilePixels& square) const {
+    const bool has_layers = square.aovs.any() || square.shadows != nullptr || square.deep != nullptr;
+    return square.aovs.normal[0] != nullptr || (exact_ && has_layers);
+  }
 
   void addVolume(std::size_t volume, std::span<const PreparedBrick* const> bricks, const TilePixels& square,
                  const TileTarget& target, SlabSums& sums) const {
@@ -89,7 +96,8 @@ class MultiVolume::ZoneEngine final : public Engine {
 
   const Zone& zone_;
   MemoryPool<SlabSums>& sums_;
-  int slabs_ = 0;  // the most of a volume
+  int slabs_ = 0;       // the most of a volume
+  bool exact_ = false;  // samples have places of their own in slabs
 };
 
 MultiVolume::Volume::Volume(MixedVolume the_mixed, const MixView& view)
@@ -106,12 +114,12 @@ MultiVolume::Volume::Volume(MixedVolume the_mixed, const MixView& view)
 
 MultiVolume::~MultiVolume() = default;
 
-EngineMemory MultiVolume::memory(std::int64_t brick_size, bool normals) {
+EngineMemory MultiVolume::memory(std::int64_t brick_size, bool layers) {
   // A brick is in the lists of two or three zones, and in two sets of drawn bricks.
   constexpr std::uint64_t kStoredBytes = 4 * sizeof(Brick) + 2 * 64;
   EngineMemory out = PixelEngine::memory(brick_size);
   out.stored_brick = kStoredBytes;
-  out.thread += SlabSums::bytesFor(normals);
+  out.thread += SlabSums::bytesFor(layers);
   return out;
 }
 

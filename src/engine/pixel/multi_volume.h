@@ -50,7 +50,7 @@ class MultiVolume {
   MultiVolume(const MultiVolume&) = delete;
   MultiVolume& operator=(const MultiVolume&) = delete;
 
-  static EngineMemory memory(std::int64_t brick_size, bool normals);
+  static EngineMemory memory(std::int64_t brick_size, bool layers);
 
   /// From the nearest to the farthest.
   std::size_t zones() const { return zones_.size(); }

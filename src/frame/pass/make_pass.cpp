@@ -75,7 +75,7 @@ std::unique_ptr<ValuePass> makeValuePass(const BrickedVolume& store, const Frame
 
 }  // namespace
 
-EngineMemory passMemory(const EngineChoice& engine, bool normals, const ImageSize& tile, std::int64_t brick_size) {
+EngineMemory passMemory(const EngineChoice& engine, bool layers, const ImageSize& tile, std::int64_t brick_size) {
   EngineMemory out;
   switch (engine.kind()) {
     case EngineKind::kPixel:
@@ -92,7 +92,7 @@ EngineMemory passMemory(const EngineChoice& engine, bool normals, const ImageSiz
       if (engine.several_volumes) out.pixel += kChannelBytes;
       break;
     case EngineKind::kMultiVolume:
-      out = MultiVolume::memory(brick_size, normals);
+      out = MultiVolume::memory(brick_size, layers);
       break;
   }
   return out;

@@ -15,8 +15,8 @@ namespace kiln {
 /// as FrameLevels.
 std::unique_ptr<FramePass> makePass(const std::vector<const BrickedVolume*>& stores, const FrameRequest& request);
 
-/// Returns the memory of the pass and its engine. `tile` is the size of the largest tile, `normals` whether the picture
-/// has planes of normals.
-EngineMemory passMemory(const EngineChoice& engine, bool normals, const ImageSize& tile, std::int64_t brick_size);
+/// Returns the memory of the pass and its engine. `tile` is the size of the largest tile, `layers` whether the picture
+/// has planes of depths or normals, is deep, or has shadows.
+EngineMemory passMemory(const EngineChoice& engine, bool layers, const ImageSize& tile, std::int64_t brick_size);
 
 }  // namespace kiln
