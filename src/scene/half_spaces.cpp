@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
@@ -50,6 +51,13 @@ void addBox(const glm::dvec3& lo, const glm::dvec3& hi, std::vector<glm::dvec4>&
 glm::dvec4 inIndexSpace(const glm::dvec4& half_space, const glm::dmat4& world_from_index) {
   const glm::dvec4 out = glm::transpose(world_from_index) * half_space;
   return out / glm::length(glm::dvec3(out));
+}
+
+bool cuts(const glm::dvec4& half_space, const Extent3& dims) {
+  constexpr double kRounding = 1e-6;  // of a plane's place. unit: voxels
+  const glm::dvec3 normal(half_space), size(dims.x, dims.y, dims.z);
+  const glm::dvec3 least = glm::min(normal * -0.5, normal * (size - 0.5));
+  return least.x + least.y + least.z + half_space.w < -kRounding * glm::length(normal);
 }
 
 std::vector<Edge> edgesOf(std::span<const glm::dvec4> half_spaces) {

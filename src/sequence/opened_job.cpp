@@ -14,6 +14,7 @@
 #include "base/thread/profile_scope.h"
 #include "engine/shown_box.h"
 #include "frame/empty_frame.h"
+#include "frame/hidden_section.h"
 #include "frame/light/illuminate.h"
 #include "frame/pass/frame_progress.h"
 #include "job/job_facts.h"
@@ -90,6 +91,7 @@ std::vector<Doubt> doubtsOf(const RenderJob& job, const OpenedVolumes& volumes, 
     add(v, mergedValuesText(manifest));
     add(v, manifest.assumption);
     if (v > 0 && isAuto(job.volumes[v])) add(v, likelyLabelsText(manifest));
+    add(v, hiddenSectionText(scenes, framesOf(job), v, manifest.geometry()));
   }
   for (const std::string& assumption : volumes.assumptions()) out.push_back({assumption, assumption});
   const Shading& shading = job.picture.shading;

@@ -31,7 +31,8 @@ struct FrameTiles;
 struct Doubt {
   std::string kind, sentence;
 };
-/// Finds labels without an entry, unknown frames of reference and units, amounts that look like labels.
+/// Finds labels without an entry, unknown frames of reference and units, amounts that look like labels, sections that
+/// no frame shows.
 std::vector<Doubt> doubtsOf(const RenderJob& job, const OpenedVolumes& volumes, const SceneOfJob& scenes);
 
 struct DrawnFrame {

@@ -74,6 +74,29 @@ TEST_F(SectionsCli, SeveralVolumesHaveTheirOwn) {
   EXPECT_EQ(drawn({in("again.json")}), both);
 }
 
+// Known because the default camera is in front of the head, at -y, and the part at y > 0 has its face there.
+TEST_F(SectionsCli, SectionWhoseFacesLookAway_isWarnedOfWithAViewThatShowsIt) {
+  const auto warning = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"render", in("h.kiln"), "-o", in("w#.png"), "--size", "40x36", "--section", "tf"});
+    const std::string err = done(options).err;
+    const std::size_t at = err.find("--section: no cut face looks at the camera");
+    return at == std::string::npos ? "" : err.substr(at, err.find('\n', at) - at);
+  };
+  EXPECT_EQ(warning({"--clip", "0,1,0,-2"}), "");
+  const std::string away = warning({"--clip", "0,-1,0,2"});
+  EXPECT_NE(away.find("(--view back), or keep the other side (--clip 0,1,0,-2)"), std::string::npos) << away;
+  EXPECT_EQ(warning({"--clip", "0,-1,0,2", "--view", "back"}), "");
+  EXPECT_EQ(warning({"--clip", "0,-1,0,2", "--view", "back", "--projection", "orthographic"}), "");
+  EXPECT_NE(warning({"--clip", "0,-1,0,2", "--projection", "orthographic"}), "");
+  // One face of two is enough.
+  EXPECT_EQ(warning({"--clip", "0,-1,0,2", "--clip", "0,0,-1,1660"}), "");
+  const std::string region = warning({"--region", "0,0,0,40,20,40"});
+  EXPECT_NE(region.find("(--view back)"), std::string::npos) << region;
+  EXPECT_EQ(region.find("--clip"), std::string::npos) << region;
+  // A turntable shows the face in some frame.
+  EXPECT_EQ(warning({"--clip", "0,-1,0,2", "--turntable", "4"}), "");
+}
+
 TEST_F(SectionsCli, WrongUsesAreRefused) {
   const auto refusedWith = [&](const std::vector<std::string>& more, const char* text) {
     std::vector<std::string> arguments = {"render", in("h.kiln"), "-o", in("r.png"), "--size", "40x36"};

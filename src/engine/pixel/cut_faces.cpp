@@ -4,20 +4,10 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "scene/half_spaces.h"
 #include "scene/transfer/display_map.h"
 
 namespace kiln {
-namespace {
-
-// Returns whether a half-space hides a part of the volume. A plane in the volume's border hides nothing and is no face.
-bool cuts(const glm::dvec4& half_space, const Extent3& dims) {
-  constexpr double kRounding = 1e-6;  // of a plane's place. unit: voxels
-  const glm::dvec3 normal(half_space), size(dims.x, dims.y, dims.z);
-  const glm::dvec3 least = glm::min(normal * -0.5, normal * (size - 0.5));
-  return least.x + least.y + least.z + half_space.w < -kRounding * glm::length(normal);
-}
-
-}  // namespace
 
 CutFaces::CutFaces(const Section& section, const Manifest& volume, const FrameLevels& levels, const SampleTable& own)
     : opacity_(static_cast<float>(section.opacity)) {

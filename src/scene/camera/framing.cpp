@@ -23,28 +23,27 @@ struct Direction {
   glm::dvec3 towards_eye, up;
 };
 
-Direction directionOf(PatientFrame frame, const Framing& framing) {
+Direction directionOf(PatientFrame frame, Side side) {
   const PatientAxes axes = patientAxes(frame);
-  Direction seen{axes.anterior, axes.superior};
-  switch (framing.side) {
+  switch (side) {
     case Side::kFront:
-      break;
+      return {axes.anterior, axes.superior};
     case Side::kBack:
-      seen = {-axes.anterior, axes.superior};
-      break;
+      return {-axes.anterior, axes.superior};
     case Side::kLeft:
-      seen = {axes.left, axes.superior};
-      break;
+      return {axes.left, axes.superior};
     case Side::kRight:
-      seen = {-axes.left, axes.superior};
-      break;
+      return {-axes.left, axes.superior};
     case Side::kTop:
-      seen = {axes.superior, axes.anterior};
-      break;
+      return {axes.superior, axes.anterior};
     case Side::kBottom:
-      seen = {-axes.superior, axes.anterior};
-      break;
+      return {-axes.superior, axes.anterior};
   }
+  return {};
+}
+
+Direction directionOf(PatientFrame frame, const Framing& framing) {
+  const Direction seen = directionOf(frame, framing.side);
   // To the right in the picture: from the front, the patient's left.
   const glm::dvec3 right = glm::cross(seen.up, seen.towards_eye);
   const double azimuth = glm::radians(framing.azimuth_deg);
@@ -153,6 +152,8 @@ glm::dvec2 FreeEdges::rectangle(const ImageSize& size) const {
 glm::dvec2 FreeEdges::shift(const ImageSize& size) const {
   return {0.5 * (left - right) / size.width, 0.5 * (bottom - top) / size.height};
 }
+
+glm::dvec3 towardsEye(PatientFrame frame, Side side) { return directionOf(frame, side).towards_eye; }
 
 FramedBox::FramedBox(VolumeGeometry box, Fit how) : volume(std::move(box)), fit(how) {
   const auto corners = volume.corners();

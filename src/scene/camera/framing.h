@@ -14,6 +14,8 @@
 namespace kiln {
 
 enum class Side { kFront, kBack, kTop, kBottom, kLeft, kRight };
+/// Returns the direction from a volume to an eye that looks at this side. unit: world, of length 1.
+glm::dvec3 towardsEye(PatientFrame frame, Side side);
 
 /// Part of a volume that a framing fits into the picture.
 /// - kVisible: what the transfer functions show after clipping.

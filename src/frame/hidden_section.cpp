@@ -1,0 +1,79 @@
+#include "frame/hidden_section.h"
+
+#include <fmt/format.h>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <optional>
+
+#include "base/error.h"
+#include "job/job_names.h"
+#include "scene/camera/framing.h"
+#include "scene/clip_region.h"
+#include "scene/half_spaces.h"
+
+namespace kiln {
+namespace {
+
+// Returns the half-spaces of the world that hide a part of the volume.
+std::vector<glm::dvec4> cutsOf(const Clipping& clipping, const VolumeGeometry& geometry) {
+  const glm::dmat4 index_from_world = glm::inverse(geometry.world_from_index);
+  std::vector<glm::dvec4> out;
+  for (const glm::dvec4& half_space : ClipRegion(clipping, geometry).halfSpaces()) {
+    if (cuts(half_space, geometry.dims)) out.push_back(half_space * index_from_world);
+  }
+  return out;
+}
+
+// A face looks at the eye if the eye is on its hidden side.
+bool looksAtEye(const glm::dvec4& cut, const View& view) {
+  if (view.projection == Projection::kOrthographic) return glm::dot(glm::dvec3(cut), view.forward_world) > 0;
+  return glm::dot(cut, glm::dvec4(view.eye_world, 1)) < 0;
+}
+
+// Returns the side whose eye looks most squarely at the face of the cut.
+std::string_view sideOf(const glm::dvec4& cut, PatientFrame frame) {
+  Side out = Side::kFront;
+  for (std::size_t i = 0; i < kSides; ++i) {
+    const Side side{static_cast<int>(i)};
+    if (glm::dot(glm::dvec3(cut), towardsEye(frame, side)) < glm::dot(glm::dvec3(cut), towardsEye(frame, out)))
+      out = side;
+  }
+  return kSideNames[static_cast<std::size_t>(out)];
+}
+
+// Returns the plane with the opposite sign, if it is the only one.
+std::string oppositeText(const Clipping& clipping) {
+  if (clipping.region || clipping.planes.size() != 1) return "";
+  const glm::dvec3 normal = 0.0 - clipping.planes.front().normal;
+  return fmt::format(", or keep the other side (--clip {:g},{:g},{:g},{:g})", normal.x, normal.y, normal.z,
+                     0.0 - clipping.planes.front().offset);
+}
+
+}  // namespace
+
+std::string hiddenSectionText(const SceneOfJob& scenes, const std::vector<int>& frames, std::size_t volume,
+                              const VolumeGeometry& geometry) {
+  std::string out;
+  for (const int frame : frames) {
+    try {
+      const FrameScene scene = scenes.at(frame);
+      const Clipping& clipping = scene.volumes.empty() ? scene.picture.clipping : scene.volumes[volume].clipping;
+      if (!clipping.section) return "";
+      const View view = resolve(scene.camera, scene.picture.size);
+      for (const glm::dvec4& cut : cutsOf(clipping, geometry)) {
+        if (looksAtEye(cut, view)) return "";
+        if (!out.empty()) continue;
+        out = fmt::format(
+            "--section: no cut face looks at the camera, so the picture shows nothing of the section; look from the "
+            "side that is cut away (--view {}){}",
+            sideOf(cut, scene.box.frame), oppositeText(clipping));
+      }
+    } catch (const Error&) {
+      // Drawing the frame reports the error, with the frame's number.
+    }
+  }
+  return out;
+}
+
+}  // namespace kiln
