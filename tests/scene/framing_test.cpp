@@ -206,7 +206,8 @@ TEST(FreeEdges, HoldNothingOfTheOutline) {
   }
 }
 
-// Known: the axis goes through the middle of the box, which is in the middle of the rectangle in each frame.
+// Known: the axis goes through the middle of the box, and one point of the axis is in the middle of the rectangle in
+// each frame.
 TEST(FreeEdges, OfTurntables_areFreeInAllFrames) {
   const VolumeGeometry volume = boxOfSize(10, 100, 20);
   const ImageSize size{120, 90};
@@ -218,11 +219,13 @@ TEST(FreeEdges, OfTurntables_areFreeInAllFrames) {
     still.projection = projection;
     still.elevation_deg = 20;
     const Turntable turn{36, 360, std::nullopt};
+    const glm::dvec3 middle = panned(cameraAt(turn, still, 1, box, size), -edges.shift(size), size).target;
+    EXPECT_LT(glm::distance(glm::dvec2(middle), glm::dvec2(centreOf(volume))), 1e-9);
     double most = 0;
     for (int frame = 1; frame <= turn.frames; ++frame) {
       const Camera camera = cameraAt(turn, still, frame, box, size);
       most = std::max(most, between(edges, camera, size, box.outline).most());
-      EXPECT_LT(between(edges, camera, size, {centreOf(volume)}).most(), 1e-9) << frame;
+      EXPECT_LT(between(edges, camera, size, {middle}).most(), 1e-9) << frame;
     }
     EXPECT_NEAR(most, 1 / 1.06, 1e-9);
   }
@@ -262,13 +265,54 @@ TEST(FreeEdges, OfSeveralChoices_areThoseOfTheLargestPicture) {
   }
 }
 
-// Turntables keep their axis: the camera looks at the middle of the box.
-TEST(Framing, Turns_leaveTheMiddleOfTheBox) {
+// Turntables keep their axis: the target moves along the axis alone.
+TEST(Framing, Turns_keepTheTargetOnTheAxis) {
   const VolumeGeometry volume = boxOfSize(100, 100, 100);
-  const FramedBox box(volume, {glm::dvec3(0, 0, 0), glm::dvec3(50, 10, 0), glm::dvec3(10, 20, 30)}, Fit::kVisible);
-  const std::vector<glm::dmat3> half_turn = {glm::dmat3(-1, 0, 0, 0, -1, 0, 0, 0, 1)};
-  EXPECT_EQ(frameVolume(box, Framing(), {100, 100}, half_turn).target, centreOf(volume));
-  EXPECT_NE(frameVolume(box, Framing(), {100, 100}).target, centreOf(volume));
+  FramedBox box(volume, {glm::dvec3(0, 0, 0), glm::dvec3(50, 10, 0), glm::dvec3(10, 20, 30)}, Fit::kVisible);
+  Turns half_turn{{glm::dmat3(-1, 0, 0, 0, -1, 0, 0, 0, 1)}, {0, 0, 1}};
+  const glm::dvec3 centre = centreOf(volume), target = frameVolume(box, Framing(), {100, 100}, half_turn).target;
+  EXPECT_EQ(target.x, centre.x);
+  EXPECT_EQ(target.y, centre.y);
+  EXPECT_NEAR(target.z, 15, 5);
+  EXPECT_NE(frameVolume(box, Framing(), {100, 100}).target, centre);
+  half_turn.moves_target = false;
+  EXPECT_EQ(frameVolume(box, Framing(), {100, 100}, half_turn).target, centre);
+  half_turn.moves_target = true;
+  box.fit = Fit::kRegion;
+  EXPECT_EQ(frameVolume(box, Framing(), {100, 100}, half_turn).target, centre);
+}
+
+// The base of a cone reaches further down than its tip reaches up, seen from above. Over all frames the margins at both
+// ends of the axis are those of the fit: no picture with this axis in its middle is larger.
+TEST(Framing, Turntables_haveEqualMarginsAtBothEndsOfTheAxis) {
+  const VolumeGeometry volume = boxOfSize(60, 60, 100);
+  FramedBox cone(volume, Fit::kVisible);
+  cone.outline = {{29.5, 29.5, 99.5}};
+  for (int i = 0; i < 36; ++i)
+    cone.outline.emplace_back(29.5 + 30 * std::cos(i * M_PI / 18), 29.5 + 30 * std::sin(i * M_PI / 18), -0.5);
+  const ImageSize size{220, 200};
+  const Turntable turn{36, 360, std::nullopt};
+  for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+    for (const double roll : {0.0, 90.0}) {
+      for (const double elevation : {-30.0, 0.0, 20.0, 50.0}) {
+        for (const FreeEdges& edges : {FreeEdges(), FreeEdges{.left = 10, .top = 20}}) {
+          CameraSpec still;
+          still.projection = projection;
+          still.roll_deg = roll, still.elevation_deg = elevation;
+          cone.free_edges = {edges};
+          Extent all;
+          for (int frame = 1; frame <= turn.frames; ++frame) {
+            const Extent one = between(edges, cameraAt(turn, still, frame, cone, size), size, cone.outline);
+            all.lo = glm::min(all.lo, one.lo), all.hi = glm::max(all.hi, one.hi);
+          }
+          const int along = roll == 0 ? 1 : 0;
+          EXPECT_NEAR(all.hi[along], 1 / 1.06, 1e-6) << roll << " " << elevation;
+          EXPECT_NEAR(all.lo[along], -1 / 1.06, 1e-6) << roll << " " << elevation;
+          EXPECT_NEAR(all.most(), 1 / 1.06, 1e-6) << roll << " " << elevation;
+        }
+      }
+    }
+  }
 }
 
 // The middle of the picture moves with the target, by the shift in pixels.

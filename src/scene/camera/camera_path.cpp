@@ -48,13 +48,14 @@ Camera turned(Camera camera, const glm::dvec3& axis, double angle) {
 
 // Returns the turns of the volume that the still camera sees as a turning camera sees the volume. A box between two
 // turns of 1° reaches 0.004 % further.
-std::vector<glm::dmat3> turnsOf(const Turntable& turntable, const glm::dvec3& axis) {
+Turns turnsOf(const Turntable& turntable, const glm::dvec3& axis) {
   constexpr int kMostTurns = 360;
   const int turns = std::min(turntable.frames, kMostTurns);
-  std::vector<glm::dmat3> out;
+  Turns out;
+  out.axis = glm::normalize(axis);
   for (int i = 1; i < turns; ++i) {
     const double angle = -glm::radians(turntable.degrees) * i / turns;
-    out.push_back(glm::mat3_cast(glm::angleAxis(angle, glm::normalize(axis))));
+    out.rotations.push_back(glm::mat3_cast(glm::angleAxis(angle, out.axis)));
   }
   return out;
 }
@@ -67,7 +68,11 @@ Camera turnedAt(const Turntable& turntable, const CameraSpec& still, double fram
   upright.roll_deg.reset();
   UnpannedCamera first = still.unpanned(box, size);
   const glm::dvec3 axis = turntable.axis ? *turntable.axis : upright.unpanned(box, size).camera.up;
-  if (box.fit != Fit::kBox && still.framed()) first = still.unpanned(box, size, turnsOf(turntable, axis));
+  if (box.fit != Fit::kBox && still.framed()) {
+    Turns turns = turnsOf(turntable, axis);
+    turns.moves_target = !still.target;
+    first = still.unpanned(box, size, turns);
+  }
   return panned(turned(first.camera, axis, angleAt(turntable, frame)), first.pan, size);
 }
 

@@ -52,7 +52,7 @@ Camera fromEye(const CameraSpec& spec, const FramedBox& box, const ImageSize& si
   return camera;
 }
 
-Camera fromFraming(const CameraSpec& spec, const FramedBox& box, const ImageSize& size, Turns turns,
+Camera fromFraming(const CameraSpec& spec, const FramedBox& box, const ImageSize& size, const Turns& turns,
                    const FreeEdges& edges) {
   const bool turned = spec.side || spec.azimuth_deg || spec.elevation_deg;
   Framing framing = turned ? Framing{} : defaultFraming();
@@ -93,7 +93,7 @@ double distanceOf(const Camera& camera) {
 }
 
 // Takes the edges that leave the largest picture, the first of equal ones.
-UnpannedCamera besideEdges(const CameraSpec& spec, const FramedBox& box, const ImageSize& size, Turns turns) {
+UnpannedCamera besideEdges(const CameraSpec& spec, const FramedBox& box, const ImageSize& size, const Turns& turns) {
   const FreeEdges none;
   const std::span choices = box.free_edges.empty() ? std::span(&none, 1) : std::span(box.free_edges);
   UnpannedCamera out{fromFraming(spec, box, size, turns, choices.front()), choices.front().shift(size)};
@@ -106,7 +106,7 @@ UnpannedCamera besideEdges(const CameraSpec& spec, const FramedBox& box, const I
 
 }  // namespace
 
-UnpannedCamera CameraSpec::unpanned(const FramedBox& box, const ImageSize& size, Turns turns) const {
+UnpannedCamera CameraSpec::unpanned(const FramedBox& box, const ImageSize& size, const Turns& turns) const {
   refuseContradictions(*this);
   UnpannedCamera out;
   if (eye)
@@ -120,7 +120,7 @@ UnpannedCamera CameraSpec::unpanned(const FramedBox& box, const ImageSize& size,
   return out;
 }
 
-Camera CameraSpec::resolve(const FramedBox& box, const ImageSize& size, Turns turns) const {
+Camera CameraSpec::resolve(const FramedBox& box, const ImageSize& size, const Turns& turns) const {
   const UnpannedCamera out = unpanned(box, size, turns);
   return panned(out.camera, out.pan, size);
 }

@@ -39,10 +39,10 @@ struct CameraSpec {
   bool leavesEdges() const { return framed() && !target && projection != Projection::kEquirectangular; }
   /// `turns` are the rotations of a turntable (frameVolume). throws: Error kUsage if settings contradict each other (an
   /// eye and a side; a height without a projection) or the camera cannot be used.
-  Camera resolve(const FramedBox& box, const ImageSize& size, Turns turns = {}) const;
+  Camera resolve(const FramedBox& box, const ImageSize& size, const Turns& turns = {}) const;
   /// Returns the camera before its pan, which is `pan` and the shift to the middle between free edges: a camera on a
   /// turntable turns first. throws: as `resolve`.
-  UnpannedCamera unpanned(const FramedBox& box, const ImageSize& size, Turns turns = {}) const;
+  UnpannedCamera unpanned(const FramedBox& box, const ImageSize& size, const Turns& turns = {}) const;
 };
 
 /// Frame 1 is the still camera. Each later frame turns eye and up by degrees / frames about the axis through the

@@ -64,14 +64,38 @@ glm::dvec2 usableTangents(double fov_deg, double margin, const ImageSize& size, 
 
 // Calls each(point) for the points of the outline, turned and not turned, in the camera's axes, relative to the target.
 template <class Each>
-void forPointsSeen(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns, Each&& each) {
+void forPointsSeen(const FramedBox& box, const Camera& camera, const ImageSize& size, const Turns& turns, Each&& each) {
   const glm::dmat3 seen(resolve(camera, size).view_from_world);
   const glm::dvec3 centre = centreOf(box.volume), moved = seen * (centre - camera.target);
   for (const glm::dvec3& point : box.outline) each(seen * (point - camera.target));
-  for (const glm::dmat3& turn : turns) {
+  for (const glm::dmat3& turn : turns.rotations) {
     const glm::dmat3 turned = seen * turn;
     for (const glm::dvec3& point : box.outline) each(moved + turned * (point - centre));
   }
+}
+
+// At distance d, a point at p has the depth d + p.z, and |p.x - shift| <= tangent · depth must hold. Hence
+// d >= p.x / tangent - p.z - shift / tangent and d >= -p.x / tangent - p.z + shift / tangent. A pan moves the eye by
+// -d · aside, and |p.x - shift + d · aside - depth · aside| = |p.x - p.z · aside - shift| <= tangent · depth must hold:
+// the points are sheared.
+struct Perspective {
+  glm::dvec2 tangents, aside;
+  glm::dvec2 sheared(const glm::dvec3& point) const { return glm::dvec2(point) - point.z * aside; }
+};
+
+// The greatest right sides, without shift, of the points of both signs.
+struct Reach {
+  glm::dvec2 above{-INFINITY}, below{-INFINITY};
+};
+
+Reach reachSeen(const FramedBox& box, const Camera& camera, const ImageSize& size, const Turns& turns,
+                const Perspective& seen) {
+  Reach out;
+  forPointsSeen(box, camera, size, turns, [&](const glm::dvec3& point) {
+    const glm::dvec2 slope = seen.sheared(point) / seen.tangents;
+    out.above = glm::max(out.above, slope - point.z), out.below = glm::max(out.below, -slope - point.z);
+  });
+  return out;
 }
 
 // The distance of an eye that sees the outline, and the shift of eye and target to the middle of what is seen, along
@@ -81,22 +105,18 @@ struct Place {
   glm::dvec2 shift{0};
 };
 
-// At distance d, a point at p has the depth d + p.z, and |p.x - shift| <= tangent · depth must hold. Hence
-// d >= p.x / tangent - p.z - shift / tangent and d >= -p.x / tangent - p.z + shift / tangent: the least d has the mean
-// of the greatest right sides. A pan moves the eye by -d · aside, and |p.x - shift + d · aside - depth · aside| =
-// |p.x - p.z · aside - shift| <= tangent · depth must hold: the points are sheared.
-Place fittingPlace(const FramedBox& box, const Camera& camera, const ImageSize& size, Turns turns,
-                   const glm::dvec2& tangents, const glm::dvec2& aside) {
-  glm::dvec2 above(-INFINITY), below(-INFINITY);
-  forPointsSeen(box, camera, size, turns, [&](const glm::dvec3& point) {
-    const glm::dvec2 slope = (glm::dvec2(point) - point.z * aside) / tangents;
-    above = glm::max(above, slope - point.z), below = glm::max(below, -slope - point.z);
-  });
-  if (box.isCentred(turns)) {
-    const glm::dvec2 least = 0.5 * (above + below);
-    return {std::max(least.x, least.y), 0.5 * tangents * (above - below)};
+// The shift that makes both right sides equal.
+glm::dvec2 middleOf(const Reach& reach, const Perspective& seen) {
+  return 0.5 * seen.tangents * (reach.above - reach.below);
+}
+
+// With the shift to the middle, the least distance is the mean of the greatest right sides.
+Place fittingPlace(const Reach& reach, const Perspective& seen, bool centred) {
+  if (centred) {
+    const glm::dvec2 least = 0.5 * (reach.above + reach.below);
+    return {std::max(least.x, least.y), middleOf(reach, seen)};
   }
-  const glm::dvec2 least = glm::max(above, below);
+  const glm::dvec2 least = glm::max(reach.above, reach.below);
   return {std::max(least.x, least.y), glm::dvec2(0)};
 }
 
@@ -105,13 +125,42 @@ struct Span {
   glm::dvec2 lo{INFINITY}, hi{-INFINITY};
 };
 
-Span spanSeen(const FramedBox& box, Camera camera, const ImageSize& size, Turns turns) {
-  camera.projection = Projection::kPerspective;  // only the axes are needed, and the height is not known yet
+// The camera with its axes, for where its height is not known yet.
+Camera withAxesOnly(Camera camera) {
+  camera.projection = Projection::kPerspective;
   camera.fov_deg = 90;
+  return camera;
+}
+
+// The rows are right, down and along the view, in the world.
+glm::dmat3 axesOf(const Camera& camera, const ImageSize& size) {
+  return glm::dmat3(resolve(withAxesOnly(camera), size).view_from_world);
+}
+
+Span spanSeen(const FramedBox& box, const Camera& camera, const ImageSize& size, const Turns& turns) {
   Span out;
-  forPointsSeen(box, camera, size, turns, [&](const glm::dvec3& point) {
+  forPointsSeen(box, withAxesOnly(camera), size, turns, [&](const glm::dvec3& point) {
     out.lo = glm::min(out.lo, glm::dvec2(point)), out.hi = glm::max(out.hi, glm::dvec2(point));
   });
+  return out;
+}
+
+// Moves the target along the axis of the turns by the part of `middle`, along the camera's x and y, that lies along the
+// axis as the camera sees it. All points move alike, so that the middle moves by the same amount. The target stays
+// within the outline, also where the axis is almost along the view.
+Camera movedAlongAxis(const FramedBox& box, const Camera& camera, const Turns& turns, const glm::dvec2& axis_seen,
+                      const glm::dvec2& middle) {
+  const int along = std::abs(axis_seen.x) > std::abs(axis_seen.y) ? 0 : 1;
+  if (std::abs(axis_seen[along]) < 1e-6) return camera;
+  double lo = 0, hi = 0;
+  for (const glm::dvec3& point : box.outline) {
+    const double place = glm::dot(point - camera.target, turns.axis);
+    lo = std::min(lo, place), hi = std::max(hi, place);
+  }
+  const glm::dvec3 by = std::clamp(middle[along] / axis_seen[along], lo, hi) * turns.axis;
+  Camera out = camera;
+  out.eye += by;
+  out.target += by;
   return out;
 }
 
@@ -121,11 +170,7 @@ double heightAround(const glm::dvec2& half, double margin, const ImageSize& size
 
 Camera shifted(const Camera& camera, const glm::dvec2& by, const ImageSize& size) {
   if (by == glm::dvec2(0)) return camera;
-  Camera plain = camera;
-  plain.projection = Projection::kPerspective;
-  plain.fov_deg = 90;
-  // Rows of the rotation: right, down and along the view, in the world.
-  const glm::dmat3 axes = glm::transpose(glm::dmat3(resolve(plain, size).view_from_world));
+  const glm::dmat3 axes = glm::transpose(axesOf(camera, size));
   Camera out = camera;
   out.eye += by.x * axes[0] + by.y * axes[1];
   out.target += by.x * axes[0] + by.y * axes[1];
@@ -235,7 +280,7 @@ Camera panned(const Camera& camera, const glm::dvec2& pan, const ImageSize& size
   return out;
 }
 
-Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize& size, Turns turns,
+Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize& size, const Turns& turns,
                    const FreeEdges& edges) {
   requireLegal(framing);
   const glm::dvec2 rectangle = edges.rectangle(size);
@@ -253,8 +298,14 @@ Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize
   // A parallel view is equal from everywhere along its axis; two radii keep the whole outline in front of the eye.
   camera.eye = centre + 2 * radius * seen.towards_eye;
   camera = rolled(camera, framing.roll_deg);
+  const bool along_axis = box.isCentredAlongAxis(turns);
+  const glm::dvec3 axis = along_axis ? axesOf(camera, size) * turns.axis : glm::dvec3(0);
   if (framing.projection == Projection::kOrthographic) {
-    const Span span = spanSeen(box, camera, size, turns);
+    Span span = spanSeen(box, camera, size, turns);
+    if (along_axis) {
+      camera = movedAlongAxis(box, camera, turns, axis, 0.5 * (span.lo + span.hi));
+      span = spanSeen(box, camera, size, turns);
+    }
     const glm::dvec2 middle = box.isCentred(turns) ? 0.5 * (span.lo + span.hi) : glm::dvec2(0);
     const glm::dvec2 half = glm::max(span.hi - middle, middle - span.lo);
     camera.height = heightAround(half, box.margin(), size, rectangle) / framing.zoom;
@@ -264,8 +315,14 @@ Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize
   // The slope of the ray through the middle of the rectangle, right and down.
   const double across = 2 * std::tan(0.5 * glm::radians(framing.fov_deg)) / framing.zoom;
   const glm::dvec2 shift = edges.shift(size), aside = across * glm::dvec2(shift.x * size.width / size.height, -shift.y);
-  const Place place = fittingPlace(box, camera, size, turns, tangents, aside);
-  camera.eye = centre + place.distance * seen.towards_eye;
+  const Perspective perspective{tangents, aside};
+  Reach reach = reachSeen(box, camera, size, turns, perspective);
+  if (along_axis) {
+    camera = movedAlongAxis(box, camera, turns, perspective.sheared(axis), middleOf(reach, perspective));
+    reach = reachSeen(box, camera, size, turns, perspective);
+  }
+  const Place place = fittingPlace(reach, perspective, box.isCentred(turns));
+  camera.eye = camera.target + place.distance * seen.towards_eye;
   camera = shifted(camera, place.shift, size);
   camera.fov_deg = glm::degrees(2 * std::atan(std::tan(0.5 * glm::radians(framing.fov_deg)) / framing.zoom));
   return camera;

@@ -4,7 +4,6 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -23,8 +22,13 @@ glm::dvec3 towardsEye(PatientFrame frame, Side side);
 /// - kBox: the box of the whole volume.
 enum class Fit { kVisible, kRegion, kBox };
 
-/// Rotations of the world about the middle of the box that leave the outline in the picture.
-using Turns = std::span<const glm::dmat3>;
+/// Rotations of the world about an axis through the middle of the box that leave the outline in the picture.
+struct Turns {
+  std::vector<glm::dmat3> rotations = {};
+  glm::dvec3 axis{0};        // of length 1, unless there is no rotation
+  bool moves_target = true;  // the target may move along the axis
+  bool empty() const { return rotations.empty(); }
+};
 
 /// Edges of a picture that a framing leaves free, for annotations. unit: pixels.
 struct FreeEdges {
@@ -39,7 +43,8 @@ struct FreeEdges {
 
 /// A box, the points that pictures contain, and how a framing fits the points. With kBox the margin is 1 % on each
 /// side, and the first frame of a turntable is fitted, as earlier versions did; else it is 3 %, and all frames are
-/// fitted. Cameras look at the middle of the box; with kVisible, where nothing turns, at the middle of what is seen.
+/// fitted. Cameras look at the middle of the box; with kVisible at the middle of what is seen. A turntable's camera
+/// looks at the point of its axis that leaves equal margins at both ends of the axis, over all frames.
 struct FramedBox {
   VolumeGeometry volume;
   Fit fit = Fit::kBox;
@@ -52,7 +57,10 @@ struct FramedBox {
       : volume(std::move(box)), fit(how), outline(std::move(points)) {}
   /// Ratio of the picture's extent to the outline's.
   double margin() const { return fit == Fit::kBox ? 1.02 : 1.06; }
-  bool isCentred(Turns turns) const { return fit == Fit::kVisible && turns.empty(); }
+  bool isCentred(const Turns& turns) const { return fit == Fit::kVisible && turns.empty(); }
+  bool isCentredAlongAxis(const Turns& turns) const {
+    return fit == Fit::kVisible && !turns.empty() && turns.moves_target;
+  }
 };
 
 struct Framing {
@@ -78,7 +86,7 @@ Framing defaultFraming();
 /// leaves the eye, so the perspective is unchanged. With `edges`, the outline is between them after `panned` by
 /// edges.shift(size), and zoom is about the middle of their rectangle. throws: Error kUsage if zoom is not positive, or
 /// an angle is out of range.
-Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize& size, Turns turns = {},
+Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize& size, const Turns& turns = {},
                    const FreeEdges& edges = {});
 
 /// Returns the orthographic height at which the image of `camera` (eye, target and up) contains the outline, with the
