@@ -216,6 +216,19 @@ TEST_F(AnnotationsCli, TheJobOfAHeaderDrawsAnEqualPicture) {
   for (std::size_t i = 0; i < kLayer.size(); ++i) EXPECT_EQ(a.planes[i].values, b.planes[i].values);
 }
 
+// The resolved text is the header's. The phantom is in mm; a file without a unit has world units, as kiln info prints.
+TEST_F(AnnotationsCli, UnitsOfTexts_areNamedAlsoIfUnknown) {
+  const auto text = [&](const std::string& store) {
+    done({"render", in(store), "-o", in("u.exr"), "--size", "96x64", "--text", "in {unit}."});
+    return readImageText(in("u.exr")).at("kiln:job");
+  };
+  EXPECT_NE(text("h.kiln").find("in mm."), std::string::npos);
+  writeText(in("n.nrrd"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 8 8 8\nencoding: raw\n\n" + std::string(256, 1) +
+                              std::string(256, 2));
+  done({"convert", in("n.nrrd"), in("n.kiln")});
+  EXPECT_NE(text("n.kiln").find("in world units."), std::string::npos);
+}
+
 TEST_F(AnnotationsCli, BothEyesAreAnnotated) {
   const std::vector<std::string> pair = {"--stereo", "both", "--interocular", "4"};
   drawn("both.png", pair);

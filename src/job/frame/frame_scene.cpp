@@ -123,6 +123,10 @@ TransferFunction brighterThanBackground(const ValueRange& window) {
   return {0, {{value, glm::dvec3(1), 0}, {value, glm::dvec3(1), 1}}};
 }
 
+std::string unitOf(const VolumeGeometry& volume) {
+  return volume.unit.empty() ? "world units" : shownUnit(volume.unit);
+}
+
 // The texts of placeholders, in their order.
 PlaceholderTexts textsOfFrame(const RenderJob& job, int frame, const Manifest& manifest) {
   const double time_s = (frame - 1) / job.output.video.rate.perSecond();
@@ -130,7 +134,7 @@ PlaceholderTexts textsOfFrame(const RenderJob& job, int frame, const Manifest& m
   return {fmt::format("{}", frame),
           fmt::format("{:.2f}", time_s),
           volumeNameOf(job.volume),
-          shownUnit(manifest.geometry().unit),
+          unitOf(manifest.geometry()),
           fmt::format("{:g}", manifest.range.lo),
           fmt::format("{:g}", manifest.range.hi),
           fmt::format("{} × {} × {}", dims.x, dims.y, dims.z)};
