@@ -161,6 +161,22 @@ TEST(Words, InfoOfAVolumeFile_isItsHeader) {
   EXPECT_NE(part.err.find("manifest.json: is missing"), std::string::npos) << part.err;
 }
 
+// A conversion without notes is silent; what a dry run shows is no report.
+TEST(Words, QuietConversions_printNothing) {
+  const std::filesystem::path directory = freshDirectory("words_quiet");
+  const std::string store = (directory / "h.kiln").string(), file = (directory / "h.nrrd").string();
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"convert", "phantom:head:24x24x24", store}, {"export", store, file}}) {
+    std::vector<std::string> quiet = command;
+    quiet.emplace_back("--quiet");
+    const ToolResult result = runTool(quiet);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out + result.err, "");
+    EXPECT_TRUE(std::filesystem::exists(command.back()));
+  }
+  EXPECT_NE(runTool({"convert", "phantom:head:24x24x24", "--dry-run", "--quiet"}).out, "");
+}
+
 // The user's bounds, bytes read and memory, stand in every report but the quiet one.
 TEST(Words, ALineForAFrame_isShortUnlessAskedFor) {
   const std::filesystem::path directory = freshDirectory("words_lines");

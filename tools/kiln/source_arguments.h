@@ -56,6 +56,12 @@ template <class Text>
 CLI::Option* addMemory(CLI::App& command, Text& text, const std::string& holds) {
   return command.add_option("--memory", text, "Most memory, for " + holds + ".")->type_name("BYTES");
 }
+
+/// Adds the flag --quiet of commands that convert.
+inline void addQuiet(CLI::App& command, bool& quiet) {
+  command.add_flag("--quiet", quiet, "Print no progress and no report, but notes, warnings and errors.");
+}
+
 inline constexpr const char* kDefaultMemory = "2G";
 
 /// Returns the finite numbers between separators. throws: Error kUsage "OPTION: expected …, found …".

@@ -31,6 +31,7 @@ struct ConvertArguments {
   unsigned threads = 0;
   std::int64_t brick_size = kDefaultBrickSize;
   bool overwrite = false, resume = false, half = false, labels = false, dry_run = false, list = false, json = false;
+  bool quiet = false;
   int levels = 0;
   SourceWords source;
 };
@@ -177,6 +178,7 @@ void run(const ConvertArguments& a, Context& context) {
   if (std::error_code ignored; isStore(a.input) && std::filesystem::exists(a.input + "/index.bin", ignored))
     throw Error(ErrorCode::kUsage, a.input, "",
                 "is a store already: kiln render draws it, kiln export makes a file of another format of it");
+  if (a.quiet) context.progress.silence();
   keepFreedMemory();
   const ThreadLimit threads(a.threads);
   SourceOptions source_options = a.source.resolve();
@@ -210,13 +212,15 @@ void run(const ConvertArguments& a, Context& context) {
   const HalfLoss loss = rounded != nullptr ? lossOfAll(rounded->loss(), *context.ranks) : HalfLoss();
   context.progress.clear();
   if (!speaks) return;
-  printReport(a, source->info(), report);
-  if (rounded != nullptr)
-    say("rounded to half: no value changed by more than {:g}, no mean of a coarser level by more than {:g}\n",
-        loss.largest_error, loss.largest_error + report.half_error);
+  if (!a.quiet) {
+    printReport(a, source->info(), report);
+    if (rounded != nullptr)
+      say("rounded to half: no value changed by more than {:g}, no mean of a coarser level by more than {:g}\n",
+          loss.largest_error, loss.largest_error + report.half_error);
+    if (report.nan_count > 0) say("{} voxels are NaN and will be transparent\n", report.nan_count);
+  }
   if (const std::string lost = loss.warning(); !lost.empty()) context.progress.warn(a.output + ": " + lost);
   if (makesLabels(source->info(), options)) warnOfLabels(a.output, context);
-  if (report.nan_count > 0) say("{} voxels are NaN and will be transparent\n", report.nan_count);
 }
 
 }  // namespace
@@ -262,6 +266,7 @@ void addConvert(CLI::App& app, Context& context) {
       ->add_flag("--resume", a->resume,
                  "Go on with an interrupted conversion of the same input with the same options, or begin.")
       ->excludes(overwrite);
+  addQuiet(*command, a->quiet);
   addRankTimeout(*command, context);
   addSourceArguments(*command, a->source);
   addExamples(*command, {"kiln convert phantom:head:64x64x64 head.kiln", "kiln convert scan.nrrd scan.kiln --memory 1G",

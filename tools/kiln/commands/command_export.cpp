@@ -25,9 +25,11 @@ struct ExportArguments {
   unsigned threads = 0;
   std::optional<std::string> region, type, tf;
   ExportRequest request;
+  bool quiet = false;
 };
 
 void run(const ExportArguments& a, Context& context) {
+  if (a.quiet) context.progress.silence();
   const ThreadLimit threads(a.threads);
   ExportRequest request = a.request;
   if (a.type) request.values.type = *a.type == "half" ? VdbType::kHalf : VdbType::kFloat;
@@ -43,6 +45,7 @@ void run(const ExportArguments& a, Context& context) {
   if (a.tf) request.baked = resolve(transferFunctionNamed(*a.tf, "--tf"), std::nullopt, store.manifest());
   const ExportReport report = exportStore(store, request, context.progress);
   context.progress.clear();
+  if (a.quiet) return;
   say("{}: {}, {}\n", request.out.string(), report.contents, formatBytes(report.bytes));
   for (const std::string& line : report.lines) say("{}\n", line);
 }
@@ -83,6 +86,7 @@ void addExport(CLI::App& app, Context& context) {
       ->capture_default_str();
   command->add_flag("--resume", a->request.resume, "Continue an interrupted export to .zarr or of --tiles.");
   command->add_flag("--overwrite", a->request.overwrite, "Replace files that are there.");
+  addQuiet(*command, a->quiet);
   addExamples(*command,
               {"kiln export head.kiln head.nrrd", "kiln export head.kiln head.nii.gz",
                "kiln export head.kiln head.ome.zarr", "kiln export head.kiln part.mhd --region 0,0,0,32,32,32",
