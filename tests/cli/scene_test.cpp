@@ -321,7 +321,11 @@ TEST_F(SceneCli, APairOfEyes) {
   const Image middle = drawn({}), left = drawnTwice({"--stereo", "left", "--interocular", "3"});
   EXPECT_NE(left.rgba, middle.rgba);
   EXPECT_NE(drawnTwice({"--stereo", "right", "--interocular", "3", "--convergence", "40"}).rgba, left.rgba);
-  expectRefused({"--stereo", "left"}, "--stereo: how far the eyes are apart");
+  // Known because the usual distance is a thirtieth of the depth, here of 450, in the unit of the volume, here unknown.
+  const std::string usual = "is usual, here --interocular 15 (world units)";
+  expectRefused({"--stereo", "left", "--convergence", "450"}, usual);
+  expectRefused({"--stereo", "both", "--eye", "0,-450,1735", "--target", "0,0,1735"}, usual);
+  expectRefused({"--stereo", "left", "--projection", "orthographic"}, "choose perspective");
   expectRefused({"--stereo", "middle", "--interocular", "3"}, "--stereo: expected one of left, right");
   expectRefused({"--stereo", "left", "--interocular", "3", "--projection", "orthographic"}, "choose perspective");
 }

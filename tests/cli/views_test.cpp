@@ -242,7 +242,7 @@ TEST_F(ViewsCli, PairsOfManyFramesAreResumed) {
 
 TEST_F(ViewsCli, PairsThatCannotBeAreRefused) {
   const std::string pair = in("p.exr");
-  refused({"-o", pair, "--stereo", "both"}, "--interocular, is missing");
+  refused({"-o", pair, "--stereo", "both"}, "needs --interocular, the distance between both eyes; one thirtieth");
   refused({"-o", pair, "--stereo", "middle", "--interocular", "20"}, "--stereo");
   refused({"-o", pair, "--stereo", "both", "--interocular", "20", "--projection", "orthographic"},
           "--stereo: a pair is of a perspective camera");

@@ -1,5 +1,6 @@
 #include "input_job.h"
 
+#include <algorithm>
 #include <variant>
 
 #include "base/error.h"
@@ -14,9 +15,24 @@
 #include "sequence/sequence_frames.h"
 #include "sequence/series_volumes.h"
 #include "store/manifest/read_manifest.h"
+#include "store/store_reader.h"
 
 namespace kiln::tool {
 namespace fs = std::filesystem;
+
+namespace {
+
+// Refuses a pair of eyes without a distance before a file is converted. The refusal for stores knows a usual distance.
+void requireInterocularOfFiles(const RenderJob& job) {
+  const auto& stereo = job.picture.stereo;
+  if (!stereo || stereo->interocular > 0 || !job.animation.stereo.empty()) return;
+  if (!std::ranges::all_of(volumesOf(job), [](const fs::path& volume) { return isStore(volume); }))
+    throw Error(ErrorCode::kUsage,
+                "--stereo: needs --interocular, the distance between both eyes; one thirtieth of the distance to the "
+                "volume is usual");
+}
+
+}  // namespace
 
 void AddedArguments::addTo(CLI::App& command) {
   const auto option = [&](const char* name, const char* type, std::vector<std::string>& value, const char* help) {
@@ -51,6 +67,7 @@ RenderJob jobOfInput(const std::string& input, const GivenFlags& flags, const Ad
   if (const auto name = flags.text("--tf")) transferFunctionNamed(*name, "--tf");
   applyGiven(flags, isVolumeName(input), job);
   addVolumes(volumes.resolve(), flags, job);
+  requireInterocularOfFiles(job);
   return job;
 }
 

@@ -13,12 +13,10 @@
 namespace kiln {
 namespace {
 
-// Checks that a pair of eyes is complete once the flags are applied.
+// A missing --interocular is refused where the distance of the volume is known (SceneOfJob).
 void requireStereo(const GivenFlags& flags, const std::optional<Stereo>& of_job) {
   if (!of_job && !flags.has("--stereo") && flags.hasAny({"--interocular", "--convergence"}))
     throw Error(ErrorCode::kUsage, "--interocular, --convergence: no pair is drawn; add --stereo both, left or right");
-  if (!of_job && flags.has("--stereo") && !flags.has("--interocular"))
-    throw Error(ErrorCode::kUsage, "--stereo: how far the eyes are apart, --interocular, is missing");
 }
 
 void requireStillCamera(const GivenFlags& flags, const RenderJob& job) {

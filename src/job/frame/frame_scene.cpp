@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <numeric>
 #include <utility>
 #include <variant>
@@ -16,6 +17,7 @@
 #include "job/frame/auto_samples.h"
 #include "job/frame/series_look.h"
 #include "job/job_facts.h"
+#include "job/stereo.h"
 #include "job/transfer_function_choice.h"
 #include "scene/annotation_text.h"
 #include "scene/camera/camera_path.h"
@@ -123,6 +125,13 @@ TransferFunction brighterThanBackground(const ValueRange& window) {
   return {0, {{value, glm::dvec3(1), 0}, {value, glm::dvec3(1), 1}}};
 }
 
+// The rule of thumb of stereo photography, "one over 30", there of the nearest object (Brewster's formula in Wattie,
+// Stereo Base Formulae). Two digits are enough for a rule.
+std::string usualInterocular(double depth) {
+  const double exact = depth / 30, step = std::pow(10.0, std::floor(std::log10(exact)) - 1);
+  return fmt::format("{:.6g}", std::round(exact / step) * step);
+}
+
 std::string unitOf(const VolumeGeometry& volume) {
   return volume.unit.empty() ? "world units" : shownUnit(volume.unit);
 }
@@ -167,6 +176,19 @@ std::vector<const Manifest*> looksOf(const RenderJob& job, const std::vector<con
 
 }  // namespace
 
+void SceneOfJob::requireInterocular() const {
+  const std::optional<Stereo>& stereo = job_.picture.stereo;
+  if (!stereo || stereo->interocular > 0 || !job_.animation.stereo.empty()) return;
+  const Camera camera = cameraOf(framesOf(job_).front());
+  resolve(camera, stereo, job_.picture.size);  // refuses cameras without a pair
+  const double depth = stereo->convergence.value_or(glm::distance(camera.eye, camera.target));
+  throw Error(
+      ErrorCode::kUsage,
+      fmt::format("--stereo: needs --interocular, the distance between both eyes; one thirtieth of the depth at "
+                  "which both views agree is usual, here --interocular {} ({})",
+                  usualInterocular(depth), unitOf(geometry_)));
+}
+
 SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manifests, const SceneInputs& inputs,
                        const Progress& progress)
     : job_(job),
@@ -200,6 +222,7 @@ SceneOfJob::SceneOfJob(const RenderJob& job, std::vector<const Manifest*> manife
   }
   framed_ = framedBox(inputs.shown_box);
   if (inputs.free_edges) framed_.free_edges = freeEdges(inputs.free_edges);
+  requireInterocular();
 }
 
 // Planes that move are left out: the box is the same in all frames.

@@ -104,6 +104,8 @@ class SceneOfJob {
   std::vector<ShownFunction> shownIn(const FrameScene& scene, const std::vector<const Manifest*>& manifests) const;
   FrameScene unframed(int frame) const;
   Camera cameraOf(int frame) const;
+  // throws: Error kUsage, with a usual distance, for a pair of eyes without a distance.
+  void requireInterocular() const;
   int samplesOf(const Camera& camera) const;
 
   const RenderJob& job_;
