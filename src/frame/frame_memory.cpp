@@ -35,10 +35,20 @@ EngineMemory largestOf(const EngineMemory& a, const EngineMemory& b) {
   return out;
 }
 
+// The lights of all frames are those of the first key, up to places and colours.
+Shading shadingOf(const RenderJob& job) {
+  Shading out = job.picture.shading;
+  if (!job.animation.lights.empty()) out.lights = job.animation.lights.front().value;
+  return out;
+}
+
 // `tile`: the size of the largest tile. The lattice of ambient occlusion is drawn by the engine of several volumes.
 EngineMemory engineMemory(const RenderJob& job, const ImageSize& tile, std::int64_t brick_size) {
   const EngineChoice engine = engineOf(job);
-  const bool layers = job.picture.aovs.any() || drawsDeep(job) || isShaded(job.picture.shading);
+  const Shading shading = shadingOf(job);
+  const bool shadows =
+      std::ranges::any_of(shading.lights, [&](const Light& light) { return castsShadows(shading, light); });
+  const bool layers = job.picture.aovs.any() || drawsDeep(job) || shadows;
   EngineMemory out = passMemory(engine, layers, tile, brick_size);
   if (job.picture.shading.occlusion.strength > 0 && engine.capabilities().composites) {
     EngineChoice of_lattice;
@@ -197,9 +207,7 @@ class FrameAccount {
     std::vector<Clipping> clippings;
     for (const VolumeOptions& volume : job_.volumes) clippings.push_back(volume.clipping);
     if (clippings.empty()) clippings.push_back(job_.picture.clipping);
-    Shading shading = job_.picture.shading;
-    if (!job_.animation.lights.empty()) shading.lights = job_.animation.lights.front().value;
-    out_.shadows = illuminationBytes(stores_, clippings, shading, size_);
+    out_.shadows = illuminationBytes(stores_, clippings, shadingOf(job_), size_);
   }
 
   void chargeIndex() {

@@ -196,7 +196,10 @@ class CellCaster {
 
   // Keeps crossings with the optical depths of their opacities.
   void sumSurfaces() {
-    for (std::size_t n = 0; n < kept_; ++n) s_.opacity[n] = static_cast<float>(extinctionOf(s_.opacity[n], 1));
+    for (std::size_t n = 0; n < kept_; ++n) {
+      const float before = p_.pixelOf(s_.kept_code[n] & CellPlaces::kPixel)[3];
+      s_.opacity[n] = static_cast<float>(extinctionOf(opacityIn(n, before), 1));
+    }
     keepAll();
   }
 
@@ -498,7 +501,7 @@ class CellCaster {
       if (in_.sums->hasLayers() && depth > 0) {
         const CellPlaces::Place at = p_.placeOf(s_.kept_code[n]);
         std::optional<float> place;
-        if (exact()) place = s_.at[n] + r_.middle + 0.5f - static_cast<float>(at.slab);
+        if (exact()) place = std::max(s_.at[n] + r_.middle + 0.5f - static_cast<float>(at.slab), 0.0f);
         if (tile_.shadows != nullptr)
           in_.sums->addShade(at.slab, at.x, at.y, depth, place);
         else

@@ -114,7 +114,7 @@ class SlabCompositing {
         const float* const sums = sums_.layer(slab, row, x + lane);
         for (int a = 0; a < 3; ++a) layer.normal[a] = per_depth_[lane] * sums[a];
         if (exact_) {
-          const double per_depth = static_cast<double>(per_depth_[lane]) / static_cast<double>(weight_[lane]);
+          const double per_depth = 1 / static_cast<double>(sums_.lightRow(slab, row)[4 * (x + lane) + 3]);
           layer.middle = near + per_depth * static_cast<double>(sums[3]) * zone_.thickness;
           layer.thickness = per_depth * static_cast<double>(sums[4]) * zone_.thickness;
         }

@@ -185,7 +185,7 @@ void MultiVolume::addBrick(std::size_t volume, const BrickKey& key, const PixelR
   bool of_frame = false, interesting = false;
   for (auto zone = first; zone != zones_.end(); ++zone) {
     const SlabZone& slabs = zone->slabs[volume];
-    if (slabs.near - 2 * slabs.thickness > depths.far) break;
+    if (slabs.overlapNear() - 2 * slabs.thickness > depths.far) break;
     if (!zone->contexts[volume] || slabs.level != key.level || !DepthZones::reaches(depths, slabs)) continue;
     of_frame = true;
     PixelRect rect;

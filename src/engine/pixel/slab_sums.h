@@ -48,6 +48,7 @@ class SlabSums {
     to[4] += depth * thickness;
   }
 
+  static constexpr int kParts = 4;  // of a slab, for addShade
   /// Adds a sample's optical depth for a shadow map, which needs crossings of several surfaces in a slab apart. `place`
   /// of a crossing: in [0, 1] of the slab; nothing for a sample of a medium, which fills the slab. requires:
   /// hasLayers(); no addLayer.
@@ -60,8 +61,6 @@ class SlabSums {
     to[std::clamp(static_cast<int>(*place * kParts), 0, kParts - 1)] += depth;
     to[kParts] += depth;
   }
-  static constexpr int kParts = 4;  // of a slab, for addShade
-
   /// Returns true if a row of a slab has samples. Row 0 is the rectangle's first row.
   bool has(int slab, int row) const { return (rows_[static_cast<std::size_t>(slab)] >> row & 1) != 0; }
   /// Sums of a row that has samples. shape: 4 floats per pixel, kSquareEdge pixels, zero beyond the rectangle.
@@ -76,6 +75,7 @@ class SlabSums {
 
  private:
   static constexpr std::size_t kPixelFloats = 4, kLayerFloats = 5, kRow = kSquareEdge, kSlab = kRow * kSquareEdge;
+  static_assert(kParts + 1 <= kLayerFloats, "a layer or a shade");
   static constexpr std::size_t kSlabFloats = kPixelFloats * kSlab, kSlabLayerFloats = kLayerFloats * kSlab;
   static_assert(kSquareEdge <= 64, "a slab has a bit a row");
 

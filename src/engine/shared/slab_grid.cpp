@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "grid/pyramid.h"
 
@@ -143,19 +144,21 @@ SharedSlabs sharedSlabs(double scale, double near, double far, std::span<const Z
   return out;
 }
 
-// Appends [near, near + slabs · thickness) as zones of at most kMostSharedSlabs slabs.
-void addShared(const SharedSlabs& shared, double near, double thickness, int slabs,
+// Appends [near, far) as zones of at most kMostSharedSlabs slabs.
+void addShared(const SharedSlabs& shared, double near, double far, double thickness, int slabs,
                std::vector<std::vector<SlabZone>>& out) {
   const int parts = (slabs + kMostSharedSlabs - 1) / kMostSharedSlabs;
   for (int part = 0, first = 0; part < parts; ++part) {
     const int end = static_cast<int>(std::int64_t{slabs} * (part + 1) / parts);
-    std::vector<SlabZone>& zone = out.emplace_back(shared.volumes);
+    std::vector<SlabZone> zone = shared.volumes;
     for (std::size_t i = 0; i < zone.size(); ++i) {
       zone[i].near = near + first * thickness;
-      zone[i].far = near + end * thickness;
+      zone[i].far = end == slabs ? far : near + end * thickness;
+      zone[i].behind_finer = !out.empty() && out.back()[i].slabs > 0 && out.back()[i].level < zone[i].level;
       zone[i].thickness = thickness;
       zone[i].slabs = shared.reaches[i] ? end - first : 0;
     }
+    out.push_back(std::move(zone));
     first = end;
   }
 }
@@ -175,7 +178,7 @@ std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volu
     const SharedSlabs shared = sharedSlabs(view.focal_px, all.near, all.far, volumes, depths, level);
     const double thickness = std::max(shared.thickness, (all.far - all.near) / (kMostRaySlabs - 6));
     const ParallelSlabs slabs = parallelSlabs(all.near, all.far, thickness);
-    addShared(shared, slabs.near, thickness, slabs.count, out);
+    addShared(shared, slabs.near, slabs.near + slabs.count * thickness, thickness, slabs.count, out);
     return out;
   }
   int exponent;
@@ -187,7 +190,7 @@ std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volu
       const SharedSlabs shared = sharedSlabs(view.focal_px / near, near, near + width, volumes, depths, level);
       if (std::isinf(shared.thickness)) continue;
       const int slabs = slabsIn(width, shared.thickness);
-      addShared(shared, near, width / slabs, slabs, out);
+      addShared(shared, near, near + width, width / slabs, slabs, out);
     }
   }
   return out;
