@@ -133,6 +133,22 @@ TEST_F(AnnotationsCli, NothingIsDrawnUnderALegend) {
   }
 }
 
+// Known: a short legend may have rows or columns, a list of 20 surfaces columns only, and both frames have one camera.
+TEST_F(AnnotationsCli, NothingIsDrawnUnderALongerLegendOfAFilm) {
+  std::string many = "iso:600";
+  for (int value = 650; value < 1600; value += 50) many += "," + std::to_string(value);
+  writeText(in("film.json"), R"({"kiln": 2, "volume": "h.kiln", "transferFunction": {"keyframes": [
+      {"frame": 1, "function": "iso:600"}, {"frame": 2, "function": ")" +
+                                 many + R"("}]}})");
+  done({"render", in("film.json"), "-o", in("f_#.exr"), "--legend", "--legend-position", "bottom-right", "--size",
+        "340x460"});
+  for (const char* const file : {"f_1.exr", "f_2.exr"}) {
+    const auto [object, ink] = pixelsUnderInk(read(file, kLayer));
+    EXPECT_EQ(object, 0u) << file;
+    EXPECT_GT(ink, 100u);
+  }
+}
+
 TEST_F(AnnotationsCli, AScaleBarWithoutRoomIsWarnedOf) {
   std::vector<std::string> words = render("long.png", {"--scale-bar", "--scale-bar-length", "50"}, false);
   EXPECT_EQ(done(words).err.find("--scale-bar-length"), std::string::npos);

@@ -154,6 +154,21 @@ FreeEdges around(const FreeEdges& a, const FreeEdges& b) {
   return {std::max(a.left, b.left), std::max(a.right, b.right), std::max(a.top, b.top), std::max(a.bottom, b.bottom)};
 }
 
+// Choices that both pictures have, rows or columns, each wide enough for both; without a common choice, rows and
+// columns. A picture without choices has no legend.
+std::vector<FreeEdges> commonEdges(const std::vector<FreeEdges>& a, const std::vector<FreeEdges>& b) {
+  if (a.empty() || b.empty()) return a.empty() ? b : a;
+  const auto areRows = [](const FreeEdges& edges) { return edges.top > 0 || edges.bottom > 0; };
+  std::vector<FreeEdges> out;
+  for (const FreeEdges& of_a : a) {
+    for (const FreeEdges& of_b : b) {
+      if (areRows(of_a) == areRows(of_b)) out.push_back(around(of_a, of_b));
+    }
+  }
+  if (out.empty()) out.push_back(around(a.front(), b.front()));
+  return out;
+}
+
 Clipping withPlanes(Clipping clipping, const std::vector<ClipPlane>& planes) {
   clipping.planes.insert(clipping.planes.end(), planes.begin(), planes.end());
   return clipping;
@@ -295,9 +310,7 @@ std::vector<FreeEdges> SceneOfJob::freeEdges(const FreeEdgesOf& free_edges) cons
     if (job_.series) {
       for (ShownFunction& shown : scene.shown) shown.name.clear();
     }
-    const std::vector<FreeEdges> edges = free_edges(scene);
-    out.resize(std::max(out.size(), edges.size()));
-    for (std::size_t i = 0; i < edges.size(); ++i) out[i] = around(out[i], edges[i]);
+    out = commonEdges(out, free_edges(scene));
   }
   return out;
 }
