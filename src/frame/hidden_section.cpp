@@ -42,11 +42,12 @@ std::string_view sideOf(const glm::dvec4& cut, PatientFrame frame) {
   return kSideNames[static_cast<std::size_t>(out)];
 }
 
-// Returns the plane with the opposite sign, if it is the only one.
-std::string oppositeText(const Clipping& clipping) {
-  if (clipping.region || clipping.planes.size() != 1) return "";
+// Returns the plane with the opposite sign, if it is the only one. A plane of one of several volumes has no option.
+std::string oppositeText(const FrameScene& scene) {
+  const Clipping& clipping = scene.picture.clipping;
+  if (!scene.volumes.empty() || clipping.region || clipping.planes.size() != 1) return "";
   const glm::dvec3 normal = 0.0 - clipping.planes.front().normal;
-  return fmt::format(", or keep the other side (--clip {:g},{:g},{:g},{:g})", normal.x, normal.y, normal.z,
+  return fmt::format(", or keep the other side (--clip {},{},{},{})", normal.x, normal.y, normal.z,
                      0.0 - clipping.planes.front().offset);
 }
 
@@ -66,8 +67,8 @@ std::string hiddenSectionText(const SceneOfJob& scenes, const std::vector<int>& 
         if (!out.empty()) continue;
         out = fmt::format(
             "--section: no cut face looks at the camera, so the picture shows nothing of the section; look from the "
-            "side that is cut away (--view {}){}",
-            sideOf(cut, scene.box.frame), oppositeText(clipping));
+            "side that is cut away (--view {}{}){}",
+            sideOf(cut, scene.box.frame), scene.picture.camera.framed() ? "" : ", without --eye", oppositeText(scene));
       }
     } catch (const Error&) {
       // Drawing the frame reports the error, with the frame's number.

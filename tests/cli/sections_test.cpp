@@ -85,6 +85,14 @@ TEST_F(SectionsCli, SectionWhoseFacesLookAway_isWarnedOfWithAViewThatShowsIt) {
   EXPECT_EQ(warning({"--clip", "0,1,0,-2"}), "");
   const std::string away = warning({"--clip", "0,-1,0,2"});
   EXPECT_NE(away.find("(--view back), or keep the other side (--clip 0,1,0,-2)"), std::string::npos) << away;
+  const std::string exact = warning({"--clip", "0,-1,0,2.12345678", "--eye", "0,-400,1660"});
+  EXPECT_NE(exact.find("(--view back, without --eye), or keep the other side (--clip 0,1,0,-2.12345678)"),
+            std::string::npos)
+      << exact;
+  done({"convert", "phantom:brain:30x30x30", in("b.kiln"), "--brick-size", "16"});
+  const std::string several = warning({"--clip", "0,-1,0,2", "--add", in("b.kiln")});
+  EXPECT_NE(several, "");
+  EXPECT_EQ(several.find("--clip"), std::string::npos) << several;
   EXPECT_EQ(warning({"--clip", "0,-1,0,2", "--view", "back"}), "");
   EXPECT_EQ(warning({"--clip", "0,-1,0,2", "--view", "back", "--projection", "orthographic"}), "");
   EXPECT_NE(warning({"--clip", "0,-1,0,2", "--projection", "orthographic"}), "");
