@@ -57,8 +57,8 @@ bool callsMain(const ToolOptions& options) {
   return hasToolServer() && !options.fresh && !limited && options.ranks == 0;
 }
 
-// Only async-signal-safe calls are allowed between fork and exec of a process with threads.
-// `arguments`: the program's name and arguments, and a null pointer.
+// Executes `arguments`: the program's name and arguments, and a null pointer. Between fork and exec of a process with
+// threads, only async-signal-safe calls are allowed.
 [[noreturn]] void becomeTool(char* const* arguments, const Pipe& out, const Pipe& err, const ToolOptions& options) {
   const int null = ::open("/dev/null", O_RDONLY);
   if (null >= 0) ::dup2(null, STDIN_FILENO);

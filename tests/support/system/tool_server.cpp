@@ -91,7 +91,9 @@ std::string receiveRequest(int socket, Descriptors& descriptors) {
   msghdr message{};
   message.msg_iov = &bytes, message.msg_iovlen = 1;
   message.msg_control = control.data(), message.msg_controllen = control.size();
-  const ssize_t got = ::recvmsg(socket, &message, MSG_CMSG_CLOEXEC);
+  ssize_t got;
+  do got = ::recvmsg(socket, &message, MSG_CMSG_CLOEXEC);
+  while (got < 0 && errno == EINTR);
   const cmsghdr* const header = got > 0 ? CMSG_FIRSTHDR(&message) : nullptr;
   if (header == nullptr || header->cmsg_len != CMSG_LEN(sizeof(Descriptors))) return "";
   std::memcpy(descriptors.data(), CMSG_DATA(header), sizeof(Descriptors));
@@ -166,7 +168,8 @@ std::string receiveRequest(int socket, Descriptors& descriptors) {
   }
 }
 
-// Forks the server before the first test, when all static objects exist and no thread was started.
+// Forks the server before the first test, when all static objects exist. Threads that libraries have started by then
+// are idle (log4cplus, behind OpenVDB), and a child needs none.
 class ToolServer : public ::testing::Environment {
  public:
   void SetUp() override {
@@ -175,6 +178,10 @@ class ToolServer : public ::testing::Environment {
     if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, sockets.data()) != 0) return;
     std::fflush(nullptr);  // the server's children would write buffered text again
     process_ = ::fork();
+    if (process_ < 0) {  // children execute the program
+      ::close(sockets[0]), ::close(sockets[1]);
+      return;
+    }
     if (process_ == 0) {
       ::close(sockets[0]);
       serve(sockets[1]);

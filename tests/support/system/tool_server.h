@@ -1,6 +1,6 @@
-// Runs the program's main function in child processes of a server. The server is forked before the first test, because
-// a process that has started threads cannot fork and go on. Cost: a run begins after some 10 ms, and after 90 ms where
-// a child executes the program, whose loader binds the 60,000 symbols of OpenVDB.
+// Runs the program's main function in child processes of a server. The server is forked before the first test: after a
+// fork, the child of a process with threads may only call async-signal-safe functions. Cost: a run begins after some
+// 10 ms, and after 90 ms where a child executes the program, whose loader binds the 60,000 symbols of OpenVDB.
 #pragma once
 
 #include <sys/resource.h>
