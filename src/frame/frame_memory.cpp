@@ -45,10 +45,7 @@ Shading shadingOf(const RenderJob& job) {
 // `tile`: the size of the largest tile. The lattice of ambient occlusion is drawn by the engine of several volumes.
 EngineMemory engineMemory(const RenderJob& job, const ImageSize& tile, std::int64_t brick_size) {
   const EngineChoice engine = engineOf(job);
-  const Shading shading = shadingOf(job);
-  const bool shadows =
-      std::ranges::any_of(shading.lights, [&](const Light& light) { return castsShadows(shading, light); });
-  const bool layers = job.picture.aovs.any() || drawsDeep(job) || shadows;
+  const bool layers = job.picture.aovs.any() || drawsDeep(job) || castsShadows(shadingOf(job));
   EngineMemory out = passMemory(engine, layers, tile, brick_size);
   if (job.picture.shading.occlusion.strength > 0 && engine.capabilities().composites) {
     EngineChoice of_lattice;

@@ -58,6 +58,8 @@ void makeFirstOfSeveral(RenderJob& job);
 bool drawsDeep(const RenderJob& job);
 /// Returns a name for a kind of frame that cannot be drawn in tiles; null if tiles are possible.
 const char* viewWithoutTiles(const RenderJob& job);
+/// Returns whether the job draws a pair of eyes, or an eye of a pair, without the distance between both.
+bool lacksInterocular(const RenderJob& job);
 /// throws: Error kUsage for a deep image or a stereo pair that the scene does not allow, or that could not be written.
 void requireViews(const RenderJob& job);
 /// Returns whether the outline of the volume is hidden by the depth of what is drawn.

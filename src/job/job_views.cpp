@@ -55,6 +55,11 @@ void requirePanorama(const RenderJob& job) {
 
 }  // namespace
 
+bool lacksInterocular(const RenderJob& job) {
+  const std::optional<Stereo>& stereo = job.picture.stereo;
+  return stereo && !(stereo->interocular > 0) && job.animation.stereo.empty();
+}
+
 bool drawsDeep(const RenderJob& job) {
   const std::vector<OutputFile>& files = job.output.files;
   return (job.output.deep && !job.output.path.empty()) ||

@@ -93,11 +93,15 @@ inline bool castsShadows(const Shading& shading, const Light& light) {
   return shading.phong && (shading.shadows || light.shadow.casts) && light.kind != LightKind::kHeadlight;
 }
 
-/// Returns whether a sample's light depends on the volume around it: on shadows or ambient occlusion.
-inline bool isShaded(const Shading& shading) {
-  if (shading.phong && shading.occlusion.strength > 0) return true;
+/// Returns whether the volumes cast shadows in some light.
+inline bool castsShadows(const Shading& shading) {
   return std::any_of(shading.lights.begin(), shading.lights.end(),
                      [&](const Light& light) { return castsShadows(shading, light); });
+}
+
+/// Returns whether a sample's light depends on the volume around it: on shadows or ambient occlusion.
+inline bool isShaded(const Shading& shading) {
+  return (shading.phong && shading.occlusion.strength > 0) || castsShadows(shading);
 }
 
 }  // namespace kiln

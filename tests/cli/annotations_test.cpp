@@ -41,6 +41,15 @@ class AnnotationsCli : public ToolTest {
   Image read(const std::string& name, const std::vector<std::string>& planes = {}) const {
     return readImage(in(name), planes);
   }
+  // l.kiln: labels in the box of the head, 1 in its lower half and 2 in its upper half.
+  void makeLabels() const {
+    writeText(in("l.nrrd"),
+              "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspace: left-posterior-superior\n"
+              "space directions: (72,0,0) (0,72,0) (0,0,63)\nspace origin: (-108,-108,1639)\n"
+              "space units: \"mm\" \"mm\" \"mm\"\nencoding: raw\n\n" +
+                  std::string(32, 1) + std::string(32, 2));
+    done({"convert", in("l.nrrd"), in("l.kiln"), "--labels"});
+  }
   void refused(std::vector<std::string> options, const std::string& mention) const {
     options.insert(options.begin(), {"render", in("h.kiln")});
     ToolTest::refused(options, 2, mention);
@@ -95,12 +104,7 @@ std::pair<std::size_t, std::size_t> pixelsUnderInk(const Image& layer) {
 
 // Known: a camera that fits the object leaves the rectangle of the legend free, in each frame of a turn.
 TEST_F(AnnotationsCli, NothingIsDrawnUnderALegend) {
-  writeText(in("l.nrrd"),
-            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspace: left-posterior-superior\n"
-            "space directions: (72,0,0) (0,72,0) (0,0,63)\nspace origin: (-108,-108,1639)\n"
-            "space units: \"mm\" \"mm\" \"mm\"\nencoding: raw\n\n" +
-                std::string(32, 1) + std::string(32, 2));
-  done({"convert", in("l.nrrd"), in("l.kiln"), "--labels"});
+  makeLabels();
   writeText(in("names.txt"), "1 255 0 0 1 1 1 \"lower half\"\n2 0 0 255 1 1 1 \"upper half\"\n");
   const std::vector<std::string> ct = {in("h.kiln"), "--tf", "ct-skin"},
                                  labels = {in("l.kiln"), "--tf", in("names.txt")};
@@ -277,12 +281,7 @@ TEST_F(AnnotationsCli, SheetsProjectionsAndPanoramasAreAnnotated) {
 
 // Known: the colours of two labels that the volume has; a third label of the table has no voxel and no swatch.
 TEST_F(AnnotationsCli, LegendsShowTheColoursOfAnotherVolume) {
-  writeText(in("l.nrrd"),
-            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 4 4 4\nspace: left-posterior-superior\n"
-            "space directions: (72,0,0) (0,72,0) (0,0,63)\nspace origin: (-108,-108,1639)\n"
-            "space units: \"mm\" \"mm\" \"mm\"\nencoding: raw\n\n" +
-                std::string(32, 1) + std::string(32, 2));
-  done({"convert", in("l.nrrd"), in("l.kiln"), "--labels"});
+  makeLabels();
   writeText(in("names.txt"), "1 255 0 0 1 1 1 \"low\"\n2 0 0 255 1 1 1 \"high\"\n5 0 255 0 1 1 1 \"absent\"\n");
   const auto swatches = [&](const std::vector<std::string>& options) {
     std::vector<std::string> all = {"--legend", "--tf", "ct-bone"};

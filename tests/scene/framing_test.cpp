@@ -115,16 +115,22 @@ TEST(Framing, Outlines_areFittedInsteadOfCorners) {
   }
 }
 
+// Six points in a volume of 100 x 80 x 60 voxels.
+std::vector<glm::dvec3> randomOutline(std::mt19937& random) {
+  std::uniform_real_distribution<double> share(0, 1);
+  std::vector<glm::dvec3> out;
+  for (int i = 0; i < 6; ++i) out.push_back(glm::dvec3(100 * share(random), 80 * share(random), 60 * share(random)));
+  return out;
+}
+
 // Opposite margins are equal, and two of them are the margin of the fit: a picture cannot be larger.
 TEST(Framing, Outlines_areInTheMiddleOfThePicture) {
   const VolumeGeometry volume = boxOfSize(100, 80, 60);
   const ImageSize size{300, 200};
   std::mt19937 random(3);
-  std::uniform_real_distribution<double> share(0, 1), turn(-90, 90);
+  std::uniform_real_distribution<double> turn(-90, 90);
   for (int n = 0; n < 100; ++n) {
-    std::vector<glm::dvec3> outline;
-    for (int i = 0; i < 6; ++i)
-      outline.push_back(glm::dvec3(100 * share(random), 80 * share(random), 60 * share(random)));
+    const std::vector<glm::dvec3> outline = randomOutline(random);
     Framing framing;
     framing.azimuth_deg = turn(random), framing.elevation_deg = turn(random), framing.roll_deg = turn(random);
     framing.projection = n % 2 == 0 ? Projection::kPerspective : Projection::kOrthographic;
@@ -175,9 +181,7 @@ TEST(FreeEdges, HoldNothingOfTheOutline) {
   std::uniform_real_distribution<double> share(0, 1), turn(-90, 90);
   for (int n = 0; n < 200; ++n) {
     FramedBox box(volume, n % 4 < 2 ? Fit::kVisible : Fit::kBox);
-    if (box.fit == Fit::kVisible) box.outline.clear();
-    for (int i = 0; i < 6 && box.fit == Fit::kVisible; ++i)
-      box.outline.push_back(glm::dvec3(100 * share(random), 80 * share(random), 60 * share(random)));
+    if (box.fit == Fit::kVisible) box.outline = randomOutline(random);
     const FreeEdges edges{100 * share(random), 40 * share(random), 30 * share(random), 80 * share(random)};
     box.free_edges = {edges};
     CameraSpec spec;
@@ -231,7 +235,7 @@ TEST(FreeEdges, OfTurntables_areFreeInAllFrames) {
   }
 }
 
-// Who gives a place or a target has this camera.
+// A given eye or target keeps its camera.
 TEST(FreeEdges, LeaveGivenCameras) {
   FramedBox plain(boxOfSize(30, 40, 50), Fit::kVisible), edged = plain;
   edged.free_edges = {{.left = 30}};

@@ -22,11 +22,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Refuses a pair of eyes without a distance before a file is converted. The refusal for stores knows a usual distance.
+// Refuses a pair of eyes without a distance before a file is converted. The refusal for stores states a usual distance.
 void requireInterocularOfFiles(const RenderJob& job) {
-  const auto& stereo = job.picture.stereo;
-  if (!stereo || stereo->interocular > 0 || !job.animation.stereo.empty()) return;
-  if (!std::ranges::all_of(volumesOf(job), [](const fs::path& volume) { return isStore(volume); }))
+  if (lacksInterocular(job) &&
+      !std::ranges::all_of(volumesOf(job), [](const fs::path& volume) { return isStore(volume); }))
     throw Error(ErrorCode::kUsage,
                 "--stereo: needs --interocular, the distance between both eyes; one thirtieth of the distance to the "
                 "volume is usual");

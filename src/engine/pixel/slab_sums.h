@@ -61,6 +61,7 @@ class SlabSums {
     to[std::clamp(static_cast<int>(*place * kParts), 0, kParts - 1)] += depth;
     to[kParts] += depth;
   }
+
   /// Returns true if a row of a slab has samples. Row 0 is the rectangle's first row.
   bool has(int slab, int row) const { return (rows_[static_cast<std::size_t>(slab)] >> row & 1) != 0; }
   /// Sums of a row that has samples. shape: 4 floats per pixel, kSquareEdge pixels, zero beyond the rectangle.

@@ -192,8 +192,8 @@ std::vector<const Manifest*> looksOf(const RenderJob& job, const std::vector<con
 }  // namespace
 
 void SceneOfJob::requireInterocular() const {
+  if (!lacksInterocular(job_)) return;
   const std::optional<Stereo>& stereo = job_.picture.stereo;
-  if (!stereo || stereo->interocular > 0 || !job_.animation.stereo.empty()) return;
   const Camera camera = cameraOf(framesOf(job_).front());
   resolve(camera, stereo, job_.picture.size);  // refuses cameras without a pair
   const double depth = stereo->convergence.value_or(glm::distance(camera.eye, camera.target));
@@ -284,8 +284,8 @@ FramedBox SceneOfJob::framedBox(const ShownBoxOf& shown_box) const {
   return boxes.empty() ? FramedBox(geometry_) : FramedBox(boxAround(boxes), std::move(outline), fit);
 }
 
-// Frames and volumes of a film have equal edges, so that nothing jumps: edges are free for the legends of all keys, and
-// for those half way between two keys, where both fade.
+// All frames of a film have equal edges, so that nothing jumps. The edges hold the legends of all keys, and the legends
+// half way between two keys, where the functions of both show.
 std::vector<FreeEdges> SceneOfJob::freeEdges(const FreeEdgesOf& free_edges) const {
   const CameraSpec& still = job_.picture.camera;
   if (!job_.picture.annotations.legend || !still.leavesEdges() || !isFramed(job_.animation.camera, still)) return {};

@@ -62,7 +62,7 @@ using ShownBoxOf = std::function<FramedBox(std::size_t volume, const std::vector
 /// functions of the legend. The scene has no camera yet, and no text in place of placeholders.
 using FreeEdgesOf = std::function<std::vector<FreeEdges>(const FrameScene& scene)>;
 
-/// What scenes take from the open volumes of a job, and from the annotations of its pictures.
+/// Inputs of scenes, from the open volumes of a job and from the annotations of its pictures.
 struct SceneInputs {
   ShownBoxOf shown_box = {};                              // without it, Fit::kVisible is Fit::kRegion
   FreeEdgesOf free_edges = {};                            // without it, a legend lies over the picture
