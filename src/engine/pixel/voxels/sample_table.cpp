@@ -48,6 +48,7 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
   last_ = static_cast<float>(std::max(0.0, std::round((hi - lo) / step)));
   const auto count = static_cast<std::size_t>(last_) + 2;
   if (function.usesGradient()) plane_ = PlaneTable(function);
+  entries_.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double value = lo + static_cast<double>(i) * step;
     Classified c = function.at(std::min(hi, value));
@@ -56,6 +57,7 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
     entries_.push_back({static_cast<float>(c.color.r), static_cast<float>(c.color.g), static_cast<float>(c.color.b),
                         c.opacity > 0 ? static_cast<float>(extinctionOf(c.opacity, unit)) : 0.0f});
   }
+  extinctions_.reserve(count);
   for (const Material& m : entries_) extinctions_.push_back(m.tau);
   const auto visible = [](float tau) { return tau > 0; };
   const auto first = std::find_if(extinctions_.begin(), extinctions_.end(), visible);
@@ -65,6 +67,7 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
     visible_before_ = static_cast<float>(extinctions_.rend() - last);
   }
   double sum = 0;
+  integral_.reserve(count);
   integral_.assign(1, 0.0f);
   for (std::size_t i = 1; i < count; ++i) {
     sum += 0.5 * (static_cast<double>(entries_[i - 1].tau) + static_cast<double>(entries_[i].tau));
@@ -74,6 +77,7 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
   least_interval_ = std::max(1.0f, static_cast<float>(count) / (1 << 12));
   before_.assign(count + 1, 0);
   for (std::size_t i = 0; i < count; ++i) before_[i + 1] = before_[i] + (entries_[i].tau > 0 ? 1 : 0);
+  changes_.reserve(count);
   changes_.assign(1, 0.0);
   for (std::size_t i = 1; i < count; ++i)
     changes_.push_back(changes_.back() + changeBetween(entries_[i - 1], entries_[i]));
