@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -39,7 +40,7 @@ constexpr std::size_t kTextBytes = 1 << 16;
 struct Shared {
   CallFailure failure;
   std::uint64_t after_calls;
-  std::atomic<std::uint64_t> calls;
+  std::array<std::atomic<std::uint64_t>, kCallFailures> calls;  // of each failure
   char failed_call[1024];
   char watched[1024];
   /// The arguments, each terminated by a zero.
@@ -90,9 +91,16 @@ bool failsAs(CallFailure failure, unsigned kinds) {
   return false;
 }
 
-// Returns true if this call must fail, and sets errno.
+// Counts this call for each failure. Returns true if the call must fail, and sets errno.
 bool fails(const char* name, const char* path, unsigned kinds) {
-  if (!failsAs(shared->failure, kinds) || shared->calls++ != shared->after_calls) return false;
+  bool fails_now = false;
+  for (std::size_t i = 0; i < kCallFailures; ++i) {
+    const auto failure = static_cast<CallFailure>(i);
+    if (!failsAs(failure, kinds)) continue;
+    const std::uint64_t before = shared->calls[i]++;
+    fails_now = fails_now || (failure == shared->failure && before == shared->after_calls);
+  }
+  if (!fails_now) return false;
   std::snprintf(shared->failed_call, sizeof shared->failed_call, "%s %s", name, path);
   const CallFailure failure = shared->failure;
   errno = failure == CallFailure::kInterrupted ? EINTR : failure == CallFailure::kNoSpace ? ENOSPC : EIO;
@@ -201,7 +209,7 @@ ToolUnderFault runUnderFault(const std::vector<std::string>& arguments, const st
                              const CallFault& fault) {
   shared->failure = fault.failure;
   shared->after_calls = fault.after_calls;
-  shared->calls = 0;
+  for (auto& calls : shared->calls) calls = 0;
   shared->failed_call[0] = '\0';
   std::snprintf(shared->watched, sizeof shared->watched, "%s", watched.c_str());
   shared->argument_count = 1;
@@ -221,7 +229,7 @@ ToolUnderFault runUnderFault(const std::vector<std::string>& arguments, const st
   ToolUnderFault out;
   out.exit_code = WIFEXITED(shared->status) ? WEXITSTATUS(shared->status) : -WTERMSIG(shared->status);
   out.failed_call = shared->failed_call;
-  out.calls = shared->calls;
+  std::copy(shared->calls.begin(), shared->calls.end(), out.calls.begin());
   out.out = textOf(out_file);
   out.err = textOf(err_file);
   return out;

@@ -4,6 +4,8 @@
 // opendir and readdir are replaced as a whole.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -21,6 +23,7 @@ enum class CallFailure {
   kEnd,          // reads return no byte: another program has truncated the file
   kNoSpace,      // ENOSPC, for calls that write
 };
+constexpr std::size_t kCallFailures = 6;
 
 struct CallFault {
   CallFailure failure = CallFailure::kNone;
@@ -33,8 +36,9 @@ struct ToolUnderFault {
   int exit_code = 0;
   /// The failed call and its file, "pread /tmp/a.nrrd"; empty if none failed.
   std::string failed_call;
-  /// Number of calls that could have failed in this way.
-  std::uint64_t calls = 0;
+  /// Number of calls that could have failed in each way. shape: by CallFailure.
+  std::array<std::uint64_t, kCallFailures> calls{};
+  std::uint64_t callsOf(CallFailure failure) const { return calls[static_cast<std::size_t>(failure)]; }
   std::string out, err;
 };
 

@@ -236,8 +236,7 @@ Arguments render(const std::string& out, const Arguments& more = {}) {
 // Stops a command by a failed write, so that it can be resumed.
 void interrupt(const fs::path& folder, const Arguments& arguments, double share) {
   const Folder before = filesOf(folder);
-  CallFault counting{CallFailure::kNoSpace, UINT64_MAX};
-  const std::uint64_t calls = runUnderFault(in(folder, arguments), folder, counting).calls;
+  const std::uint64_t calls = runUnderFault(in(folder, arguments), folder).callsOf(CallFailure::kNoSpace);
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (entry.is_regular_file() && !before.contains(fs::relative(entry.path(), folder).string()))
       fs::remove(entry.path());
@@ -245,9 +244,8 @@ void interrupt(const fs::path& folder, const Arguments& arguments, double share)
   for (const auto& entry : std::vector<fs::directory_entry>(fs::directory_iterator(folder), {})) {
     if (entry.is_directory() && filesOf(entry.path()).empty()) fs::remove_all(entry.path());
   }
-  counting.after_calls = static_cast<std::uint64_t>(share * static_cast<double>(calls));
-  if (runUnderFault(in(folder, arguments), folder, counting).exit_code != 1)
-    throw std::runtime_error("not interrupted");
+  const CallFault full{CallFailure::kNoSpace, static_cast<std::uint64_t>(share * static_cast<double>(calls))};
+  if (runUnderFault(in(folder, arguments), folder, full).exit_code != 1) throw std::runtime_error("not interrupted");
 }
 
 std::vector<Scenario> writers() {
@@ -440,11 +438,9 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
     fs::create_directories(folder_);
     GetParam().prepare(folder_);
     before_ = filesOf(folder_);
-    const ToolUnderFault whole = runUnderFault(in(folder_, GetParam().arguments), folder_);
-    ASSERT_EQ(whole.exit_code, GetParam().exit_code) << whole.err;
+    faultless_ = runUnderFault(in(folder_, GetParam().arguments), folder_);
+    ASSERT_EQ(faultless_.exit_code, GetParam().exit_code) << faultless_.err;
     whole_ = filesOf(folder_);
-    out_ = whole.out;
-    lines_ = errorLines(whole.err).size();
     ASSERT_EQ(whole_ != before_, GetParam().writes);
     restore(whole_);
   }
@@ -530,13 +526,13 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
       EXPECT_TRUE(now == before_) << "a refused command changed the folder";
     } else if (result.exit_code == 0) {
       expectWhole(now, result.failed_call);
-      EXPECT_TRUE(GetParam().writes || result.out == out_) << result.out;
+      EXPECT_TRUE(GetParam().writes || result.out == faultless_.out) << result.out;
     } else {
       EXPECT_EQ(result.exit_code, 1);
       EXPECT_FALSE(harmless || result.failed_call.empty());
       const std::vector<std::string> lines = errorLines(result.err);
       // The last line is the error; a note on the kept bricks or frames may precede.
-      EXPECT_TRUE(!lines.empty() && lines.size() <= lines_ + 2 + failedFrames(lines) &&
+      EXPECT_TRUE(!lines.empty() && lines.size() <= errorLines(faultless_.err).size() + 2 + failedFrames(lines) &&
                   lines.back().starts_with("kiln: "));
       EXPECT_EQ(lines.empty() ? 0u : lines.back().find("defect"), lines.empty() ? 0u : std::string::npos);
       expectNothingHalf(now, result.failed_call);
@@ -551,12 +547,11 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
     for (const CallFailure failure :
          {CallFailure::kIo, CallFailure::kInterrupted, CallFailure::kShort, CallFailure::kEnd, CallFailure::kNoSpace}) {
       if (failure == CallFailure::kNoSpace && !GetParam().writes) continue;
-      const ToolUnderFault counted = runUnderFault(in(folder_, GetParam().arguments), folder_, {failure, UINT64_MAX});
-      restore(filesOf(folder_));
-      const std::uint64_t step = std::max<std::uint64_t>(counted.calls / runs, 1);
+      const std::uint64_t calls = faultless_.callsOf(failure);
+      const std::uint64_t step = std::max<std::uint64_t>(calls / runs, 1);
       // The first failing call differs between scenarios.
       const std::uint64_t first = std::hash<std::string>()(GetParam().name + nameOf(failure)) % step;
-      for (std::uint64_t n = first; n < counted.calls; n += step) {
+      for (std::uint64_t n = first; n < calls; n += step) {
         failed_calls += meet({failure, n}) ? 1 : 0;
         if (HasFatalFailure()) return;
       }
@@ -566,8 +561,7 @@ class CallFaults : public ::testing::TestWithParam<Scenario> {
 
   fs::path folder_;
   Folder before_, whole_;
-  std::string out_;
-  std::size_t lines_ = 0;
+  ToolUnderFault faultless_;
 };
 
 // Fails a few calls of each kind; the nightly test fails all.
