@@ -27,6 +27,7 @@
 #include <string_view>
 
 #include "support/system/sanitized.h"
+#include "support/system/tool_server.h"
 
 /// The program's main.
 int kilnToolMain(int argc, char** argv);
@@ -183,6 +184,7 @@ class FaultServer : public ::testing::Environment {
         ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, channel) != 0)
       throw std::runtime_error("no process can be started that meets faults");
     shared = new (memory) Shared();
+    loadForChildren();
     const pid_t server = ::fork();
     if (server < 0) throw std::runtime_error("fork failed");
     if (server == 0) {

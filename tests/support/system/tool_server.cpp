@@ -6,6 +6,7 @@
 #include <sys/signalfd.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
+#include <tbb/cache_aligned_allocator.h>
 #include <unistd.h>
 
 #include <array>
@@ -176,6 +177,7 @@ class ToolServer : public ::testing::Environment {
     std::array<int, 2> sockets{};
     if (kilnToolMain == nullptr || serverSocket() >= 0) return;
     if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, sockets.data()) != 0) return;
+    loadForChildren();
     std::fflush(nullptr);  // the server's children would write buffered text again
     process_ = ::fork();
     if (process_ < 0) {  // children execute the program
@@ -223,6 +225,12 @@ ToolEnd CalledTool::wait() const {
 }
 
 bool hasToolServer() { return serverSocket() >= 0; }
+
+void loadForChildren() {
+  // TBB loads its allocator at the first allocation.
+  tbb::cache_aligned_allocator<char> allocator;
+  allocator.deallocate(allocator.allocate(1), 1);
+}
 
 CalledTool callTool(const ToolCall& call) {
   std::array<int, 2> answers{};

@@ -43,6 +43,9 @@ class CalledTool {
 /// Returns true in tests that link the program's main function and run under GoogleTest.
 bool hasToolServer();
 
+/// Loads what each child would load at its first use. requires: called before a server is forked.
+void loadForChildren();
+
 /// Starts a call. threads: any. requires: hasToolServer(). throws: std::runtime_error if the server is gone.
 CalledTool callTool(const ToolCall& call);
 
