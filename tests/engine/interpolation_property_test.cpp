@@ -23,13 +23,6 @@ namespace {
 constexpr std::int64_t kEveryBrick[] = {64, 32, 16};  // 64 gives a single brick
 constexpr std::span kBricks(kEveryBrick, casesOf(3, 2));
 
-DenseVolume specks() {
-  return fill({{44, 39, 41}, VoxelType::u8}, [](auto i, auto j, auto k) {
-    const double chance = hashUnit(5, static_cast<std::uint64_t>((k * 39 + j) * 44 + i));
-    return chance < 0.002 ? 0 : chance > 0.998 ? 255 : 128;
-  });
-}
-
 // Makes values visible on one side of the constant.
 TransferFunction beside(double lo, double hi) {
   const glm::dvec3 color(0.9, 0.8, 0.7);

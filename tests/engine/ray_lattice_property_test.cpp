@@ -184,13 +184,31 @@ TEST(RayLattice, Shading_ofEveryInterpolation_hasItsGradient) {
   }
 }
 
-// A constant volume except for single voxels: a cubic filter shows values two voxels away, often in cells without such
-// a voxel.
+TEST(RayLattice, SamplesThatOnlyDistantVoxelsShow_areDrawn) {
+  const DenseVolume steep = specks();
+  const DenseVolume volume = fill({steep.geometry.dims, VoxelType::f32},
+                                  [&](auto i, auto j, auto k) { return (steep.valueAt(i, j, k) - 128) / 64; });
+  const auto path = makeStore(volume, "soft_specks", 16);
+  const StoreReader store(path);
+  for (const Interpolation interpolation :
+       {Interpolation::kLinear, Interpolation::kCubic, Interpolation::kCatmullRom}) {
+    FrameRequest request = rayRequest(volume, Projection::kPerspective);
+    request.interpolation = interpolation;
+    request.shading.phong = false;
+    request.opacity_threshold = 1;
+    request.sample_distance = 0.75;
+    for (const auto& [lo, hi] : {std::array{-0.2, -0.02}, std::array{0.02, 0.2}}) {
+      const glm::dvec3 color(0.9, 0.8, 0.7);
+      request.transfer_function = {1, {{lo, color, 0}, {(lo + hi) / 2, color, 0.6}, {hi, color, 0}}};
+      const Difference found = differenceFrom(SamplesAlone(volume, request, store), draw(path, request));
+      EXPECT_LT(found.largest, 0.005) << static_cast<int>(interpolation) << ", values from " << lo << " to " << hi;
+      EXPECT_GT(found.brightest, 0.3);
+    }
+  }
+}
+
 TEST(RayLattice, Picture_ofEveryInterpolation_isTheSameForEveryBrickSize) {
-  const DenseVolume volume = fill({{44, 39, 41}, VoxelType::u8}, [](auto i, auto j, auto k) {
-    const double chance = hashUnit(5, static_cast<std::uint64_t>((k * 39 + j) * 44 + i));
-    return chance < 0.002 ? 0 : chance > 0.998 ? 255 : 128;
-  });
+  const DenseVolume volume = specks();
   FrameRequest request = rayRequest(volume, Projection::kPerspective);
   for (const Interpolation interpolation : {Interpolation::kCubic, Interpolation::kCatmullRom}) {
     request.interpolation = interpolation;

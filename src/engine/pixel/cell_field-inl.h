@@ -21,10 +21,10 @@
 #include <optional>
 
 #include "engine/pixel/cast_rays_in_cell.h"
+#include "engine/pixel/cubic_sums-inl.h"
 #include "engine/pixel/visible_spaces-inl.h"
 #include "engine/pixel/voxels/label_voxels.h"
 #include "engine/pixel/voxels/load_patch.h"
-#include "engine/shared/cubic_weights.h"
 #include "engine/shared/sample_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -45,7 +45,7 @@ class LinearCellField {
   // Unknown with intervals, which reach beyond the eight voxels around a sample.
   HWY_INLINE std::optional<Spaces> shown() const {
     if (kGaps || l_.integral != nullptr) return std::nullopt;
-    return l_.surfaces > 0 ? crossedSpaces(l_, in_.values) : visibleSpaces(l_, in_.values);
+    return l_.surfaces > 0 ? crossedSpaces<0>(l_, in_.values) : visibleSpaces<0>(l_, in_.values);
   }
 
   // Stores the values before and after each sample along x, for two samples at a time if a vector holds both.
@@ -162,46 +162,81 @@ class LinearCellField {
 // Cubic B-spline or Catmull-Rom spline over 4³ voxels; gradients are always the B-spline's. Values are clamped to the
 // range of the 4³ voxels, so that the range of a cell bounds all samples. Source: Catmull and Rom 1974.
 class CubicCellField {
-  using Weights = CubicWeights<float>;
+  using Rows = CubicSums::Rows;
+  using Columns = CubicSums::Columns;
 
  public:
   CubicCellField(const SampleLattice& lattice, const CellInput& in, CellSamples& samples)
       : CubicCellField(lattice, in.values, samples) {}
   CubicCellField(const SampleLattice& lattice, const float* values, CellSamples& samples)
-      : values_(values), s_(samples), interpolation_(lattice.interpolation) {}
+      : l_(lattice), values_(values), s_(samples) {}
 
-  static std::optional<Spaces> shown() { return std::nullopt; }
+  // Unknown with intervals, which reach beyond the 64 voxels around a sample. NaN counts for nothing: a sample of it is
+  // invisible.
+  HWY_INLINE std::optional<Spaces> shown() const {
+    if (l_.integral != nullptr) return std::nullopt;
+    return l_.surfaces > 0 ? crossedSpaces<1>(l_, values_) : visibleSpaces<1>(l_, values_);
+  }
 
   void interpolate(std::size_t count) {
-    const D4 d;
-    for (std::size_t n = 0; n < count; ++n) {
-      Weights w[3];
-      for (std::size_t a = 0; a < 3; ++a) w[a] = valueWeights(s_.fraction[a][n]);
-      const Taps y(w[1]), z(w[2]);
-      alignas(16) float sum[4], least[4], most[4];
-      for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
-        auto total = hn::Zero(d), lo = hn::Set(d, 3e38f), hi = hn::Set(d, -3e38f);
-        forEachRow(n, y, z, i, [&](auto row, float weight) {
-          total = hn::Add(total, hn::Mul(hn::Set(d, weight), row));
-          lo = hn::Min(lo, row), hi = hn::Max(hi, row);
+    const D d;
+    for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
+      const auto weights = [&](int axis) { return valueWeights(hn::Load(d, s_.fraction[axis] + n)); };
+      const Columns x(weights(0));
+      const Rows rows(weights(1), weights(2));
+      alignas(64) float sums[kVoxels], least[kVoxels], most[kVoxels];
+      CubicSums(values_, s_.offset + n).forEachVector([&](std::size_t e, const auto& forEachRow) {
+        const V above = hn::Set(d, 3e38f), below = hn::Set(d, -3e38f), none = hn::Zero(d);
+        V total = none, lo = above, hi = below;
+        forEachRow([&](std::size_t row, V voxels) {
+          const V weight = CubicSums::weightsOf(rows, row, e);
+          const M counts = hn::Ne(weight, none);
+          total = hn::Add(total, CubicSums::weighted(weight, voxels));
+          lo = hn::IfThenElse(counts, hn::Min(lo, voxels), lo);
+          hi = hn::IfThenElse(counts, hn::Max(hi, voxels), hi);
         });
-        hn::Store(total, d, sum + i), hn::Store(lo, d, least + i), hn::Store(hi, d, most + i);
-      }
-      s_.pair[n] = clamped(w[0], sum, least, most);
+        const M counts = hn::Ne(hn::Load(d, x.weight + e), none);
+        hn::Store(total, d, sums + e);
+        hn::Store(hn::IfThenElse(counts, lo, above), d, least + e);
+        hn::Store(hn::IfThenElse(counts, hi, below), d, most + e);
+      });
+      const V value = CubicSums::along(x, sums);
+      V lo[4], hi[4];
+      hn::LoadInterleaved4(d, least, lo[0], lo[1], lo[2], lo[3]);
+      hn::LoadInterleaved4(d, most, hi[0], hi[1], hi[2], hi[3]);
+      const V lower = hn::Min(hn::Min(lo[0], lo[1]), hn::Min(lo[2], lo[3]));
+      const V upper = hn::Max(hn::Max(hi[0], hi[1]), hn::Max(hi[2], hi[3]));
+      const M number = hn::Eq(value, value);
+      hn::Store(hn::IfThenElse(number, hn::Min(hn::Max(value, lower), upper), value), d, s_.pair + n);
     }
   }
 
   HWY_INLINE V values(std::size_t n) const { return hn::LoadU(D(), s_.pair + n); }
 
   void findSlopes(std::size_t n, std::size_t count) {
-    for (std::size_t lane = 0; lane < count; ++lane) {
-      const auto index = static_cast<std::size_t>(s_.index[n + lane]);
-      Weights smooth[3], slope[3];
-      for (std::size_t a = 0; a < 3; ++a)
-        smooth[a] = bSplineWeights(s_.fraction[a][index]), slope[a] = bSplineSlopeWeights(s_.fraction[a][index]);
-      s_.rows[1][lane] = sumOf(index, slope[0], smooth[1], smooth[2]);
-      s_.rows[2][lane] = sumOf(index, smooth[0], slope[1], smooth[2]);
-      s_.rows[3][lane] = sumOf(index, smooth[0], smooth[1], slope[2]);
+    const D d;
+    const DI di;
+    for (std::size_t lane = 0; lane < count; lane += hn::Lanes(d)) {
+      const M within = lanesBefore(lane, count);
+      const VI index = hn::IfThenElseZero(hn::RebindMask(di, within), hn::LoadU(di, s_.index + n + lane));
+      alignas(64) std::int32_t offset[kLanes];
+      hn::Store(hn::GatherIndex(di, s_.offset, index), di, offset);
+      const auto fraction = [&](int axis) { return Lanes(hn::GatherIndex(d, s_.fraction[axis], index)); };
+      const auto smooth = [&](int axis) { return bSplineWeights(fraction(axis)); };
+      const auto slope = [&](int axis) { return bSplineSlopeWeights(fraction(axis)); };
+      const Columns columns[] = {Columns(slope(0)), Columns(smooth(0))};
+      const Rows rows[] = {Rows(smooth(1), smooth(2)), Rows(slope(1), smooth(2)), Rows(smooth(1), slope(2))};
+      alignas(64) float sums[3][kVoxels];
+      CubicSums(values_, offset).forEachVector([&](std::size_t e, const auto& forEachRow) {
+        V total[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+        forEachRow([&](std::size_t row, V voxels) {
+          for (int a = 0; a < 3; ++a)
+            total[a] = hn::Add(total[a], CubicSums::weighted(CubicSums::weightsOf(rows[a], row, e), voxels));
+        });
+        for (int a = 0; a < 3; ++a) hn::Store(total[a], d, sums[a] + e);
+      });
+      for (int a = 0; a < 3; ++a)
+        hn::Store(CubicSums::along(columns[a == 0 ? 0 : 1], sums[a]), d, s_.rows[1 + a] + lane);
     }
   }
 
@@ -211,66 +246,15 @@ class CubicCellField {
   }
 
  private:
-  static constexpr int kPlane = CellInput::kPlane;
+  static constexpr std::size_t kLanes = CellSamples::kLanes, kVoxels = 4 * kLanes;
 
-  Weights valueWeights(float t) const {
-    return interpolation_ == Interpolation::kCubic ? bSplineWeights(t) : catmullRomWeights(t);
+  CubicWeights<Lanes> valueWeights(Lanes t) const {
+    return l_.interpolation == Interpolation::kCubic ? bSplineWeights(t) : catmullRomWeights(t);
   }
 
-  // Taps of an axis with nonzero weight: a voxel without weight may be NaN.
-  struct Taps {
-    explicit Taps(const Weights& weights) {
-      for (int tap = 0; tap < 4; ++tap) {
-        const float own = weights[static_cast<std::size_t>(tap)];
-        if (own == 0) continue;
-        at[count] = tap - 1, weight[count++] = own;
-      }
-    }
-    int count = 0;
-    int at[4];
-    float weight[4];
-  };
-
-  // Calls f(row, weight) for the rows around the n-th sample; `row` holds the row's voxels from lane i of four on.
-  template <class F>
-  HWY_INLINE void forEachRow(std::size_t n, const Taps& y, const Taps& z, std::size_t i, F f) const {
-    const float* const at = values_ + s_.offset[n] - 1 + i;
-    for (int k = 0; k < z.count; ++k) {
-      for (int j = 0; j < y.count; ++j)
-        f(hn::LoadU(D4(), at + z.at[k] * kPlane + y.at[j] * kPatchStride), y.weight[j] * z.weight[k]);
-    }
-  }
-
-  // Weighted sum of the rows' sums. Pairs are added first, so that equal voxels give exactly their own value.
-  static float along(const Weights& x, const float* sum) {
-    const auto term = [&](std::size_t i) { return x[i] == 0 ? 0.0f : x[i] * sum[i]; };
-    return (term(0) + term(1)) + (term(2) + term(3));
-  }
-  static float clamped(const Weights& x, const float* sum, const float* least, const float* most) {
-    float lo = 3e38f, hi = -3e38f;
-    for (std::size_t i = 0; i < 4; ++i) {
-      if (x[i] != 0) lo = std::min(lo, least[i]), hi = std::max(hi, most[i]);
-    }
-    const float value = along(x, sum);
-    return value != value ? value : std::min(std::max(value, lo), hi);
-  }
-
-  float sumOf(std::size_t n, const Weights& x, const Weights& y, const Weights& z) const {
-    const D4 d;
-    const Taps along_y(y), along_z(z);
-    alignas(16) float sum[4];
-    for (std::size_t i = 0; i < 4; i += hn::Lanes(d)) {
-      auto total = hn::Zero(d);
-      forEachRow(n, along_y, along_z, i,
-                 [&](auto row, float weight) { total = hn::Add(total, hn::Mul(hn::Set(d, weight), row)); });
-      hn::Store(total, d, sum + i);
-    }
-    return along(x, sum);
-  }
-
+  const SampleLattice& l_;
   const float* values_;
   CellSamples& s_;
-  const Interpolation interpolation_;
 };
 
 // Table positions of labels (engine/pixel/voxels/label_voxels.h), each interpolated by itself. Gradients are the
@@ -283,10 +267,9 @@ class LabelCellField {
         opacities_(lattice, in, samples),
         cubic_(lattice.interpolation == Interpolation::kCubic) {}
 
-  // Unknown with the B-spline, which reaches beyond the eight voxels around a sample.
   HWY_INLINE std::optional<Spaces> shown() const {
-    if (in_.one_label || cubic_) return std::nullopt;
-    return labelledSpaces(in_.labels);
+    if (in_.one_label) return std::nullopt;
+    return cubic_ ? labelledSpaces<1>(in_.labels) : labelledSpaces<0>(in_.labels);
   }
 
   void interpolate(std::size_t count) {

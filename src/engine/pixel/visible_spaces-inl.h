@@ -1,6 +1,8 @@
-// Finds the spaces between voxels of a cell in which samples may be visible. A sample is interpolated from the eight
-// voxels around it. The sample is invisible if no such voxel is above the least visible value, or no such voxel is
-// below the greatest. Compiled once for each instruction set; hence no #pragma once.
+// Finds the spaces between voxels of a cell in which samples may be visible. A sample lies between the least and the
+// greatest of the voxels from which it is interpolated: the eight around it, or 64 for a cubic. The sample is invisible
+// if no such voxel is above the least visible value, or no such voxel is below the greatest. kReach: voxels beyond the
+// nearest from which a sample is interpolated along each axis; 0 linear, 1 cubic. Compiled once for each instruction
+// set; hence no #pragma once.
 #if defined(KILN_SPLAT_SHOWN_SPACES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_SHOWN_SPACES_INL_H
 #undef KILN_SPLAT_SHOWN_SPACES_INL_H
@@ -43,39 +45,72 @@ HWY_INLINE void addBits(M mask, std::size_t x, std::uint8_t* to) {
   }
 }
 
-// One bit per voxel around the spaces: bit x of row y of plane z.
-constexpr int kSpaceRows = kSpaces + 2;
+// One bit per voxel from which the spaces are interpolated: bit x of row y of plane z.
+template <int kReach>
 struct VoxelBits {
+  static constexpr int kRows = kSpaces + 2 + 2 * kReach;
   static constexpr std::size_t kBytes = 16;  // rows of a plane, padded
-  std::uint16_t rows[kSpaceRows][kBytes] = {};
+  static_assert(kReach < kPatchMargin && kRows <= kPatchStride);
+  std::uint16_t rows[kRows][kBytes] = {};
+
+  // Offset of a row of voxels. shape: as loadPatch's `values`.
+  static constexpr std::ptrdiff_t offsetOf(int y, int z) {
+    constexpr int kFirst = kPatchMargin - 1 - kReach;
+    return ((z + kFirst) * kPatchEdge + y + kFirst) * kPatchStride + kFirst;
+  }
 };
-// Offset of a row of voxels. shape: as loadPatch's `values`.
-constexpr std::ptrdiff_t rowOfVoxels(int y, int z) {
-  constexpr int kFirst = kPatchMargin - 1, kEdge = kPatchEdge;
-  return ((z + kFirst) * kEdge + y + kFirst) * kPatchStride + kFirst;
+
+// Calls f(y, z, row) for the rows of the voxels from which the spaces are interpolated.
+template <int kReach, class T, class F>
+HWY_INLINE void forEachRow(const T* voxels, F f) {
+  using Bits = VoxelBits<kReach>;
+  for (int z = 0; z < Bits::kRows; ++z) {
+    for (int y = 0; y < Bits::kRows; ++y) f(y, z, voxels + Bits::offsetOf(y, z));
+  }
 }
 
-// Returns the spaces with a set voxel at a corner: combines neighbours along x, then y, then z.
-HWY_INLINE Spaces spacesAround(const VoxelBits& voxels) {
-  std::uint64_t planes[kSpaceRows];
-  for (int z = 0; z < kSpaceRows; ++z) {
-    std::uint8_t rows[VoxelBits::kBytes];
-    for (std::size_t y = 0; y < VoxelBits::kBytes; ++y) {
-      const unsigned row = voxels.rows[z][y];
-      rows[y] = static_cast<std::uint8_t>((row | row >> 1) | (row >> 2 & 0x80));
+// Stores the masks of a row's vectors: mask(x) for the voxels from the x-th on.
+template <class F>
+HWY_INLINE std::uint16_t bitsOf(F mask) {
+  std::uint8_t bits[8] = {};
+  for (std::size_t x = 0; x < kPatchStride; x += hn::Lanes(D())) addBits(mask(x), x, bits);
+  std::uint16_t out;
+  std::memcpy(&out, bits, sizeof out);
+  return out;
+}
+
+// Returns the spaces that a set voxel takes part in: combines neighbours along x, then y, then z.
+template <int kReach>
+HWY_INLINE Spaces spacesAround(const VoxelBits<kReach>& voxels) {
+  using Bits = VoxelBits<kReach>;
+  constexpr int kWidth = 2 + 2 * kReach;
+  std::uint64_t planes[Bits::kRows];
+  for (int z = 0; z < Bits::kRows; ++z) {
+    std::uint8_t rows[Bits::kBytes];
+    for (std::size_t y = 0; y < Bits::kBytes; ++y) {
+      unsigned row = voxels.rows[z][y];
+      row |= row >> 1;
+      if constexpr (kReach > 0) row |= row >> 2;
+      rows[y] = static_cast<std::uint8_t>(row | (row >> 1 & 0x80));
     }
-    std::uint64_t before, after;
-    std::memcpy(&before, rows, sizeof before);
-    std::memcpy(&after, rows + 1, sizeof after);
-    planes[z] = before | after | std::uint64_t{rows[kSpaceRows - 1]} << 56;
+    planes[z] = 0;
+    for (int i = 0; i <= kWidth; ++i) {
+      std::uint64_t plane;
+      std::memcpy(&plane, rows + i, sizeof plane);
+      planes[z] |= i < kWidth ? plane : plane & std::uint64_t{0xff} << 56;
+    }
   }
   Spaces out;
-  for (std::size_t z = 0; z < kSpaces; ++z)
-    out[z] = planes[z] | planes[z + 1] | planes[z + 1 < kSpaces ? z + 1 : kSpaceRows - 1];
+  for (std::size_t z = 0; z < kSpaces; ++z) {
+    out[z] = 0;
+    for (std::size_t i = 0; i < kWidth; ++i) out[z] |= planes[z + i];
+    if (z + 1 == kSpaces) out[z] |= planes[z + kWidth];
+  }
   return out;
 }
 
 // Returns the spaces in which samples may be visible. shape: `values` as loadPatch's.
+template <int kReach>
 HWY_INLINE Spaces visibleSpaces(const SampleLattice& l, const float* values) {
   const D d;
   constexpr float kFar = std::numeric_limits<float>::infinity();
@@ -84,50 +119,46 @@ HWY_INLINE Spaces visibleSpaces(const SampleLattice& l, const float* values) {
   const V scale = hn::Set(d, l.table_scale);
   const V begin = hn::Set(d, l.visible_after < 0 ? -kFar : l.visible_after);
   const V end = hn::Set(d, l.visible_before > l.table_last ? kFar : l.visible_before);
-  VoxelBits above, below;
-  for (int z = 0; z < kSpaceRows; ++z) {
-    for (int y = 0; y < kSpaceRows; ++y) {
-      const float* const row = values + rowOfVoxels(y, z);
-      std::uint8_t bits[2][8] = {};
-      for (std::size_t x = 0; x < kPatchStride; x += hn::Lanes(d)) {
-        const V place = hn::Mul(hn::LoadU(d, row + x), scale);
-        addBits(hn::Gt(place, begin), x, bits[0]);
-        addBits(hn::Lt(place, end), x, bits[1]);
-      }
-      std::memcpy(&above.rows[z][y], bits[0], 2);
-      std::memcpy(&below.rows[z][y], bits[1], 2);
-    }
-  }
+  VoxelBits<kReach> above, below;
+  forEachRow<kReach>(values, [&](int y, int z, const float* row) {
+    const auto place = [&](std::size_t x) { return hn::Mul(hn::LoadU(d, row + x), scale); };
+    above.rows[z][y] = bitsOf([&](std::size_t x) { return hn::Gt(place(x), begin); });
+    below.rows[z][y] = bitsOf([&](std::size_t x) { return hn::Lt(place(x), end); });
+  });
   Spaces out = spacesAround(above);
   const Spaces also = spacesAround(below);
   for (std::size_t z = 0; z < kSpaces; ++z) out[z] &= also[z];
   return out;
 }
 
-// Returns the spaces with voxels on both sides of a surface at their corners. shape: `values` as loadPatch's.
+// Returns the spaces that are interpolated from voxels on both sides of a surface. shape: `values` as loadPatch's.
+template <int kReach>
 HWY_INLINE Spaces crossedSpaces(const SampleLattice& l, const float* values) {
   const D d;
   Spaces out{};
   for (int surface = 0; surface < l.surfaces; ++surface) {
     const V least = hn::Set(d, l.surface_values[surface]);
-    VoxelBits inside, outside;
-    for (int z = 0; z < kSpaceRows; ++z) {
-      for (int y = 0; y < kSpaceRows; ++y) {
-        const float* const row = values + rowOfVoxels(y, z);
-        std::uint8_t bits[2][8] = {};
-        for (std::size_t x = 0; x < kPatchStride; x += hn::Lanes(d)) {
-          const V value = hn::LoadU(d, row + x);
-          addBits(hn::Ge(value, least), x, bits[0]);
-          addBits(hn::Lt(value, least), x, bits[1]);
-        }
-        std::memcpy(&inside.rows[z][y], bits[0], 2);
-        std::memcpy(&outside.rows[z][y], bits[1], 2);
-      }
-    }
+    VoxelBits<kReach> inside, outside;
+    forEachRow<kReach>(values, [&](int y, int z, const float* row) {
+      inside.rows[z][y] = bitsOf([&](std::size_t x) { return hn::Ge(hn::LoadU(d, row + x), least); });
+      outside.rows[z][y] = bitsOf([&](std::size_t x) { return hn::Lt(hn::LoadU(d, row + x), least); });
+    });
     const Spaces of_inside = spacesAround(inside), of_outside = spacesAround(outside);
     for (std::size_t z = 0; z < kSpaces; ++z) out[z] |= of_inside[z] & of_outside[z];
   }
   return out;
+}
+
+// Returns the spaces that are interpolated from a voxel of a visible label (LabelVoxels::ranks).
+template <int kReach>
+HWY_INLINE Spaces labelledSpaces(const std::int32_t* ranks) {
+  const DI di;
+  VoxelBits<kReach> shown;
+  forEachRow<kReach>(ranks, [&](int y, int z, const std::int32_t* row) {
+    shown.rows[z][y] =
+        bitsOf([&](std::size_t x) { return hn::RebindMask(D(), hn::Gt(hn::LoadU(di, row + x), hn::Set(di, -1))); });
+  });
+  return spacesAround(shown);
 }
 
 // Returns the spaces of which a set space is among the eight from the space itself to the next along each axis.
@@ -138,22 +169,6 @@ inline Spaces spacesBefore(const Spaces& spaces) {
     out[z] = rows | (rows >> 1 & 0x7f7f7f7f7f7f7f7f);
   }
   return out;
-}
-
-// Returns the spaces next to a voxel of a visible label (LabelVoxels::ranks).
-HWY_INLINE Spaces labelledSpaces(const std::int32_t* ranks) {
-  const DI di;
-  VoxelBits shown;
-  for (int z = 0; z < kSpaceRows; ++z) {
-    for (int y = 0; y < kSpaceRows; ++y) {
-      const std::int32_t* const row = ranks + rowOfVoxels(y, z);
-      std::uint8_t bits[8] = {};
-      for (std::size_t x = 0; x < kPatchStride; x += hn::Lanes(di))
-        addBits(hn::RebindMask(D(), hn::Gt(hn::LoadU(di, row + x), hn::Set(di, -1))), x, bits);
-      std::memcpy(&shown.rows[z][y], bits, 2);
-    }
-  }
-  return spacesAround(shown);
 }
 
 // Bounding box of the set spaces; boxOf returns false if there are none.

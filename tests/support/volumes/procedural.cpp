@@ -167,6 +167,13 @@ DenseVolume noise(const VolumeShape& shape, std::uint64_t seed, const ValueRange
   });
 }
 
+DenseVolume specks() {
+  return fill({{44, 39, 41}, VoxelType::u8}, [](auto i, auto j, auto k) {
+    const double chance = hashUnit(5, static_cast<std::uint64_t>((k * 39 + j) * 44 + i));
+    return chance < 0.002 ? 0 : chance > 0.998 ? 255 : 128;
+  });
+}
+
 DenseVolume cheese(const VolumeShape& shape, std::uint64_t seed, const ValueRange& range) {
   const glm::dvec3 phase = 6.283185307179586 * glm::dvec3(hashUnit(seed, 0), hashUnit(seed, 1), hashUnit(seed, 2));
   const std::uint64_t noise_seed = hashBits(seed, 3);

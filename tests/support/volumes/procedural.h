@@ -84,6 +84,8 @@ DenseVolume ball(const VolumeShape& shape, const glm::dvec3& centre, double radi
 DenseVolume ramp(const VolumeShape& shape, double first, double slope);
 /// Every voxel independent and uniform in `range`: the hardest case for a hierarchy.
 DenseVolume noise(const VolumeShape& shape, std::uint64_t seed, const ValueRange& range);
+/// 44 × 39 × 41 voxels of 128 but for single voxels of 0 and 255: a cubic filter adds values two voxels away.
+DenseVolume specks();
 /// Curved walls, tunnels and islands at every level of value, a little noise, and less towards the corners.
 DenseVolume cheese(const VolumeShape& shape, std::uint64_t seed, const ValueRange& range);
 /// Nested ellipsoids: air, skin, skull, brain, ventricles, and two eye sockets on the side of -y.
