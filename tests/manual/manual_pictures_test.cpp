@@ -39,7 +39,7 @@ TEST(ManualPictures, Commands_drawThePicturesOfThePage) {
   fs::create_directories(directory / "work");
   const fs::path head = fs::path(KILN_SOURCE_DIR) / "out/head/matrix.dat";
   if (fs::exists(head)) fs::copy(head, directory / "work/matrix.dat");
-  runScript(directory, fmt::format("{}/scripts/pictures.sh {} . {}x{}", KILN_SOURCE_DIR, KILN_TOOL, kWidth, kHeight));
+  runScript(directory, fmt::format("{}/scripts/pictures.sh ../bin/kiln . {}x{}", KILN_SOURCE_DIR, kWidth, kHeight));
   const std::vector<std::string> names = picturesOfPage();
   EXPECT_EQ(names.size(), 10u);
   for (const std::string& name : names) {

@@ -50,11 +50,15 @@ struct Pipe {
   int ends[2] = {-1, -1};
 };
 
-// A child with limits, or under mpirun, executes the program.
+// A child whose addresses are limited from its start, or under mpirun, executes the program.
 bool callsMain(const ToolOptions& options) {
-  constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
-  const bool limited = options.file_bytes != kNone || options.address_bytes != kNone || options.open_files != kNone;
-  return hasToolServer() && !options.fresh && !limited && options.ranks == 0;
+  return toolServer() >= 0 && !options.fresh && options.address_bytes == ToolCall::kNoLimit && options.ranks == 0;
+}
+
+// An input without bytes.
+int nullInput() {
+  static const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  return null;
 }
 
 // Executes `arguments`: the program's name and arguments, and a null pointer. Between fork and exec of a process with
@@ -180,8 +184,13 @@ ToolResult runTool(const std::vector<std::string>& arguments, const ToolOptions&
     result.exit_code = WIFEXITED(end.status) ? WEXITSTATUS(end.status) : -WTERMSIG(end.status);
     return result;
   };
-  if (!callsMain(options)) return resultOf(ExecutedTool(words, out, err, options));
-  return resultOf(callTool({words, options.environment, options.directory, out.ends[1], err.ends[1]}));
+  if (!callsMain(options)) {
+    if (options.more_address_bytes != ToolCall::kNoLimit) throw std::runtime_error("the limit needs a server");
+    return resultOf(ExecutedTool(words, out, err, options));
+  }
+  return resultOf(
+      callTool(toolServer(), {words, options.environment, options.directory, nullInput(), out.ends[1], err.ends[1],
+                              options.file_bytes, options.open_files, options.more_address_bytes}));
 }
 
 }  // namespace kiln::test

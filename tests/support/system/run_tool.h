@@ -22,6 +22,8 @@ struct ToolOptions {
   /// Limits of the child, as set by `ulimit -v` and `ulimit -n`. unit: bytes; files.
   std::uint64_t address_bytes = std::numeric_limits<std::uint64_t>::max();
   std::uint64_t open_files = std::numeric_limits<std::uint64_t>::max();
+  /// What the child may add to its addresses, counted from its main function on. requires: a server. unit: bytes.
+  std::uint64_t more_address_bytes = std::numeric_limits<std::uint64_t>::max();
   /// Working directory of the child; empty keeps the current directory.
   std::filesystem::path directory{};
   /// Variables of the environment to set for the child. shape: NAME=VALUE.

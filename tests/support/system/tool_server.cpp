@@ -14,10 +14,10 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
+#include <fstream>
 #include <map>
-#include <sstream>
-#include <stdexcept>
+#include <string>
+#include <vector>
 
 // The program's main function, in tests that link the program.
 __attribute__((weak)) int kilnToolMain(int argc, char** argv);
@@ -25,88 +25,29 @@ __attribute__((weak)) int kilnToolMain(int argc, char** argv);
 namespace kiln::test {
 namespace {
 
-constexpr std::size_t kMostRequestBytes = 128 << 10;  // below what a socket accepts
-using Descriptors = std::array<int, 3>;               // standard output, standard error, the socket for the answers
-
 // The socket for requests; -1 without a server.
 int& serverSocket() {
   static int socket = -1;
   return socket;
 }
 
-// Variables of this process and, after them, those of the call.
-std::vector<std::string> environmentOf(const ToolCall& call) {
-  std::vector<std::string> out;
-  for (char** variable = environ; *variable != nullptr; ++variable) out.emplace_back(*variable);
-  out.insert(out.end(), call.environment.begin(), call.environment.end());
-  return out;
+// What the call may add to the process's addresses becomes a limit of all.
+std::uint64_t addressLimit(std::uint64_t more_bytes) {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)) + more_bytes;
 }
 
-// A request: numbers of arguments and variables, the directory, then all arguments and variables, each ended by NUL.
-std::string requestOf(const ToolCall& call) {
-  std::ostringstream out;
-  const auto put = [&](const std::string& text) { out << text << '\0'; };
-  const std::vector<std::string> environment = environmentOf(call);
-  put(std::to_string(call.arguments.size()));
-  put(std::to_string(environment.size()));
-  put((call.directory.empty() ? std::filesystem::current_path() : call.directory).string());
-  for (const std::string& argument : call.arguments) put(argument);
-  for (const std::string& variable : environment) put(variable);
-  return std::move(out).str();
+void limitTo(__rlimit_resource resource, std::uint64_t most) {
+  const rlimit limit{static_cast<rlim_t>(most), static_cast<rlim_t>(most)};
+  ::setrlimit(resource, &limit);
 }
 
-ToolCall callOf(const std::string& request) {
-  std::istringstream in(request);
-  const auto next = [&] {
-    std::string text;
-    std::getline(in, text, '\0');
-    return text;
-  };
-  ToolCall out{};
-  out.arguments.resize(std::stoul(next()));
-  out.environment.resize(std::stoul(next()));
-  out.directory = next();
-  for (std::string& argument : out.arguments) argument = next();
-  for (std::string& variable : out.environment) variable = next();
-  return out;
-}
-
-void sendRequest(int socket, const std::string& request, const Descriptors& descriptors) {
-  iovec bytes{const_cast<char*>(request.data()), request.size()};
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(Descriptors))> control{};
-  msghdr message{};
-  message.msg_iov = &bytes, message.msg_iovlen = 1;
-  message.msg_control = control.data(), message.msg_controllen = control.size();
-  cmsghdr* const header = CMSG_FIRSTHDR(&message);
-  header->cmsg_level = SOL_SOCKET, header->cmsg_type = SCM_RIGHTS, header->cmsg_len = CMSG_LEN(sizeof(Descriptors));
-  std::memcpy(CMSG_DATA(header), descriptors.data(), sizeof(Descriptors));
-  if (request.size() > kMostRequestBytes || ::sendmsg(socket, &message, MSG_NOSIGNAL) < 0)
-    throw std::runtime_error("the server of the program takes no request");
-}
-
-// Returns an empty text once the test's process has ended.
-std::string receiveRequest(int socket, Descriptors& descriptors) {
-  std::string request(kMostRequestBytes, '\0');
-  iovec bytes{request.data(), request.size()};
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(Descriptors))> control{};
-  msghdr message{};
-  message.msg_iov = &bytes, message.msg_iovlen = 1;
-  message.msg_control = control.data(), message.msg_controllen = control.size();
-  ssize_t got;
-  do got = ::recvmsg(socket, &message, MSG_CMSG_CLOEXEC);
-  while (got < 0 && errno == EINTR);
-  const cmsghdr* const header = got > 0 ? CMSG_FIRSTHDR(&message) : nullptr;
-  if (header == nullptr || header->cmsg_len != CMSG_LEN(sizeof(Descriptors))) return "";
-  std::memcpy(descriptors.data(), CMSG_DATA(header), sizeof(Descriptors));
-  request.resize(static_cast<std::size_t>(got));
-  return request;
-}
-
-// Runs the program in this process, which has no other descriptor than `descriptors`.
-[[noreturn]] void runMain(const ToolCall& call, const Descriptors& descriptors) {
-  ::dup2(descriptors[0], STDOUT_FILENO);
-  ::dup2(descriptors[1], STDERR_FILENO);
-  for (const int descriptor : descriptors) ::close(descriptor);
+// Runs the program in this process, which has no other descriptor than those of `call`.
+[[noreturn]] void runMain(const ToolCall& call) {
+  const std::array<int, 3> streams = {call.in, call.out, call.err};
+  for (int i = 0; i < 3; ++i) ::dup2(streams[static_cast<std::size_t>(i)], i);
+  for (const int stream : streams) ::close(stream);
   if (::chdir(call.directory.c_str()) != 0) ::_exit(127);
   ::clearenv();
   for (const std::string& variable : call.environment) {
@@ -117,6 +58,9 @@ std::string receiveRequest(int socket, Descriptors& descriptors) {
   std::vector<char*> raw;
   for (std::string& word : words) raw.push_back(word.data());
   raw.push_back(nullptr);
+  if (call.file_bytes != ToolCall::kNoLimit) limitTo(RLIMIT_FSIZE, call.file_bytes);
+  if (call.open_files != ToolCall::kNoLimit) limitTo(RLIMIT_NOFILE, call.open_files);
+  if (call.more_address_bytes != ToolCall::kNoLimit) limitTo(RLIMIT_AS, addressLimit(call.more_address_bytes));
   const int exit_code = kilnToolMain(static_cast<int>(words.size()), raw.data());
   std::fflush(nullptr);
   ::_exit(exit_code);
@@ -150,22 +94,22 @@ std::string receiveRequest(int socket, Descriptors& descriptors) {
       }
     }
     if (events[0].revents == 0) continue;
-    Descriptors descriptors{};
-    const std::string request = receiveRequest(requests, descriptors);
-    if (request.empty()) ::_exit(0);
+    ReceivedCall received{};
+    if (!receiveCall(requests, received)) ::_exit(0);
     const pid_t child = ::fork();
     if (child == 0) {
       sigprocmask(SIG_SETMASK, &before, nullptr);
       for (const auto& [process, answer] : answers) ::close(answer);
       ::close(requests), ::close(ends);
-      runMain(callOf(request), descriptors);
+      ::close(received.answers);
+      runMain(received.call);
     }
-    ::send(descriptors[2], &child, sizeof child, MSG_NOSIGNAL);
-    ::close(descriptors[0]), ::close(descriptors[1]);
+    ::send(received.answers, &child, sizeof child, MSG_NOSIGNAL);
+    for (const int stream : {received.call.in, received.call.out, received.call.err}) ::close(stream);
     if (child > 0)
-      answers[child] = descriptors[2];
+      answers[child] = received.answers;
     else
-      ::close(descriptors[2]);
+      ::close(received.answers);
   }
 }
 
@@ -193,6 +137,7 @@ class ToolServer : public ::testing::Environment {
   }
   void TearDown() override {
     if (serverSocket() < 0) return;
+    ::shutdown(serverSocket(), SHUT_RDWR);  // a program that a script left behind may have the socket, too
     ::close(serverSocket());
     serverSocket() = -1;
     ::waitpid(process_, nullptr, 0);
@@ -206,44 +151,12 @@ class ToolServer : public ::testing::Environment {
 
 }  // namespace
 
-CalledTool::CalledTool(int socket) : socket_(socket), process_(-1) {
-  if (::recv(socket_, &process_, sizeof process_, 0) != sizeof process_ || process_ < 0) {
-    ::close(socket_);
-    throw std::runtime_error("the server of the program starts no process");
-  }
-}
-
-CalledTool::~CalledTool() { ::close(socket_); }
-
-ToolEnd CalledTool::wait() const {
-  ToolEnd end{};
-  ssize_t got;
-  do got = ::recv(socket_, &end, sizeof end, 0);
-  while (got < 0 && errno == EINTR);
-  if (got != sizeof end) throw std::runtime_error("the server of the program has ended");
-  return end;
-}
-
-bool hasToolServer() { return serverSocket() >= 0; }
+int toolServer() { return serverSocket(); }
 
 void loadForChildren() {
   // TBB loads its allocator at the first allocation.
   tbb::cache_aligned_allocator<char> allocator;
   allocator.deallocate(allocator.allocate(1), 1);
-}
-
-CalledTool callTool(const ToolCall& call) {
-  std::array<int, 2> answers{};
-  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, answers.data()) != 0)
-    throw std::runtime_error("socketpair failed");
-  try {
-    sendRequest(serverSocket(), requestOf(call), {call.out, call.err, answers[1]});
-  } catch (...) {
-    for (const int end : answers) ::close(end);
-    throw;
-  }
-  ::close(answers[1]);
-  return CalledTool(answers[0]);
 }
 
 }  // namespace kiln::test
