@@ -35,13 +35,6 @@ EngineMemory largestOf(const EngineMemory& a, const EngineMemory& b) {
   return out;
 }
 
-// The lights of all frames are those of the first key, up to places and colours.
-Shading shadingOf(const RenderJob& job) {
-  Shading out = job.picture.shading;
-  if (!job.animation.lights.empty()) out.lights = job.animation.lights.front().value;
-  return out;
-}
-
 // `tile`: the size of the largest tile. The lattice of ambient occlusion is drawn by the engine of several volumes.
 EngineMemory engineMemory(const RenderJob& job, const ImageSize& tile, std::int64_t brick_size) {
   const EngineChoice engine = engineOf(job);

@@ -32,6 +32,12 @@ std::vector<fs::path> namesOf(const OutputOptions& output) {
   return out;
 }
 
+Shading shadingOf(const RenderJob& job) {
+  Shading out = job.picture.shading;
+  if (!job.animation.lights.empty()) out.lights = job.animation.lights.front().value;
+  return out;
+}
+
 bool isVideo(const fs::path& path) {
   const std::string ending = extensionOf(path);
   return ending == ".mp4" || ending == ".mov" || ending == ".mkv" || ending == ".webm";

@@ -193,6 +193,9 @@ struct RenderJob {
   std::shared_ptr<const SeriesLook> series;
 };
 
+/// The shading of all frames, up to places and colours of lights: keys have lights of equal kinds and shadows.
+Shading shadingOf(const RenderJob& job);
+
 /// Reads a job. Paths are relative to the job's folder; comments are allowed. `volume` is required; without `output`
 /// the path is empty. A `transferFunction` text with a dot or a slash is a file, otherwise a preset.
 /// throws: Error naming file, line or key, found and expected value: kFormat for a text that is not JSON or has a key

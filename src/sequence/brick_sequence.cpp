@@ -88,7 +88,7 @@ struct Plan {
 Plan planFor(const RenderJob& job, const SequenceOptions& options) {
   requireParts(job);
   if (!options.store_local.empty()) {
-    if (isShaded(job.picture.shading))
+    if (isShaded(shadingOf(job)))
       throw Error(
           ErrorCode::kUsage,
           "--store-local: shadows and ambient occlusion fall from parts that other ranks hold (found a part for each "

@@ -94,7 +94,7 @@ std::vector<Doubt> doubtsOf(const RenderJob& job, const OpenedVolumes& volumes, 
     add(v, hiddenSectionText(scenes, framesOf(job), v, manifest.geometry()));
   }
   for (const std::string& assumption : volumes.assumptions()) out.push_back({assumption, assumption});
-  const Shading& shading = job.picture.shading;
+  const Shading shading = shadingOf(job);
   const bool lit = engineOf(job).capabilities().composites;
   if (lit && shading.shadows && std::none_of(shading.lights.begin(), shading.lights.end(), [&](const Light& light) {
         return castsShadows(shading, light);

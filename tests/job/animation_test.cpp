@@ -180,6 +180,16 @@ TEST(Animation, LightsAndPlanesAreMixed) {
   EXPECT_EQ(mixed(low, high, 0.5), (std::vector<ClipPlane>{{{0, 0, 1}, -4}}));
 }
 
+TEST(Animation, LightsOfKeys_areThoseOfTheShadingOfAllFrames) {
+  const std::string key = R"({"frame": %, "lights": [{"type": "directional", "direction": [1, 0, 1]}]})";
+  const auto at = [&](const char* frame) { return std::string(key).replace(key.find('%'), 1, frame); };
+  const RenderJob job =
+      jobOf(R"("shading": {"shadows": true}, "lights": {"keyframes": [)" + at("1") + ", " + at("5") + "]}");
+  EXPECT_FALSE(castsShadows(job.picture.shading));
+  EXPECT_TRUE(castsShadows(shadingOf(job)));
+  EXPECT_FALSE(castsShadows(shadingOf(jobOf(R"("shading": {"shadows": true})"))));
+}
+
 TEST(Animation, EyesAreMixed) {
   const RenderJob job = jobOf(R"("stereo": {"eye": "right", "keyframes": [
       {"frame": 3, "interocular": 4, "convergence": 100}, {"frame": 7, "interocular": 8, "convergence": 300}]})");
