@@ -125,6 +125,44 @@ TEST_P(Shadows, HaveAStrength) {
 INSTANTIATE_TEST_SUITE_P(OfLattices, Shadows, ::testing::ValuesIn(kLattices),
                          [](const auto& tested) { return std::string(nameOf(tested.param)); });
 
+// A convex body casts no shadow on its lit side. Slices are thicker than pixels, as in a scan: interpolation makes
+// steps of them, whose normals differ from the body's. Each step shadowed the next in grazing light, as dark lines.
+TEST(Shadows, OfABallDoNotFallOnItsLitSide) {
+  constexpr double kRadius = 40;
+  const glm::dvec3 middle(47.6, 47.3, 47.8);
+  DenseVolume slices = fill({{96, 96, 48}, VoxelType::u8, spacingAffine({1, 1, 2})}, [&](auto x, auto y, auto z) {
+    return 100 * (1 - std::erf((glm::distance(glm::dvec3(x, y, 2 * z), middle) - kRadius) / std::sqrt(2.0)));
+  });
+  const auto store = makeStore(slices, "slices");
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.target = middle, camera.eye = middle - glm::dvec3(0, 200, 0), camera.up = {0, 0, 1};
+  camera.height = 2 * kRadius;
+  FrameRequest request;
+  request.view = resolve(camera, {320, 320});
+  request.transfer_function = {1, {{60, glm::dvec3(1), 0}, {140, glm::dvec3(1), 0.95}}};
+  request.shading.ambient = request.shading.specular = 0, request.shading.diffuse = 1;
+  double squares = 0, darkest = 0;
+  int pixels = 0;
+  for (const glm::dvec3& light : {glm::dvec3(1, 0, 0.2), glm::dvec3(0.4, 0.2, 1), glm::dvec3(-0.6, -0.3, 0.7)}) {
+    request.shading.lights = {directional(light)};
+    request.shading.shadows = false;
+    const Image lit = draw(store, request);
+    request.shading.shadows = true;
+    const Image shadowed = draw(store, request);
+    for (int y = 0; y < lit.height; ++y) {
+      for (int x = 0; x < lit.width; ++x) {
+        if (glm::length(glm::dvec2(x - 159.5, y - 159.5)) > 0.9 * 160) continue;
+        const double lost = lit.pixel(x, y)[0] - shadowed.pixel(x, y)[0];
+        squares += lost * lost, darkest = std::max(darkest, lost), ++pixels;
+      }
+    }
+  }
+  std::printf("  light lost: %.4f rms, %.3f at most\n", std::sqrt(squares / pixels), darkest);
+  EXPECT_LT(std::sqrt(squares / pixels), 0.001);
+  EXPECT_LT(darkest, 0.01);
+}
+
 // A bar of width 8 at height h above the floor casts a penumbra of width 2 h tan(angle / 2).
 TEST(Shadows, OfASoftLightHaveAPenumbra) {
   const DenseVolume bar = fill({{kEdge, kEdge, kEdge}, VoxelType::u8},

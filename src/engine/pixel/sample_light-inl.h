@@ -100,8 +100,7 @@ class SampleLight {
       const M needed = s_.shadowed ? hn::And(alive, hn::Or(hn::Not(directed), hn::Gt(lit, zero)))
                                    : hn::And(alive, hn::Gt(lit, zero));
       if (hn::AllFalse(d, needed)) continue;
-      const V share =
-          light.shadow.none() ? one : shareOf(light.shadow, at, towards, hn::IfThenElse(directed, lit, one), needed);
+      const V share = light.shadow.none() ? one : shareOf(light.shadow, at, normal, towards, lit, needed);
       const V of_matte = hn::Mul(hn::Mul(diffuse, lit), share);
       V of_gloss = zero;
       if (s_.specular > 0) {
@@ -195,12 +194,15 @@ class SampleLight {
                    hn::Set(d, 1 / (s_.ambient + s_.diffuse)));
   }
 
-  HWY_NOINLINE V shareOf(const ShadowLookup& shadow, const Vector& at, const Vector& towards, V cosine,
-                         M needed) const {
+  // The vector form of ShadowLookup's operator. `cosine`: of the angle between the normal and the light.
+  HWY_NOINLINE V shareOf(const ShadowLookup& shadow, const Vector& at, const Vector& normal, const Vector& towards,
+                         V cosine, M needed) const {
     const D d;
-    const V start = hn::Div(hn::Set(d, shadow.start()), hn::Max(cosine, hn::Set(d, ShadowLookup::kLeastCosine)));
+    const V start = hn::Set(d, shadow.start()), missing = fusedLess(start, cosine, start);
+    const auto moved = [&](V from, V across, V along) { return fused(missing, across, fused(start, along, from)); };
     return shareAt(
-        shadow, {fused(start, towards.x, at.x), fused(start, towards.y, at.y), fused(start, towards.z, at.z)}, needed);
+        shadow, {moved(at.x, normal.x, towards.x), moved(at.y, normal.y, towards.y), moved(at.z, normal.z, towards.z)},
+        needed);
   }
 
   HWY_NOINLINE V shareAt(const ShadowLookup& shadow, const Vector& at, M needed) const {

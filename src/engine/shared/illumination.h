@@ -1,11 +1,13 @@
 // Shadows of a frame's lights, and their look-up by samples.
-// Method. A sample looks up the transmittance between a light and a point `start` from the sample towards the light.
-// The layers of the sample's own surface lie nearer than `start`, and do not shadow it.
+// Method. A sample looks up the transmittance between a light and a point at the height `start` above the sample's
+// surface, towards the light. The layers of the sample's own surface lie lower, and do not shadow it.
+// Source: Holbert 2011 (a step along the normal). Differs: light along the normal needs no such step.
 // Invariant. The maps depend on the volumes, their functions, clipping and the light, never on the picture's crop.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -27,7 +29,7 @@ struct ShadowedLight {
   Light light;
   glm::dvec3 place{0};  // of the light in the world: a camera light's direction depends on the eye
   int edge_px = 0;      // longest edge of a map
-  double start = 0;     // unit: world
+  double start = 0;     // height over a surface of the layers that shadow it. unit: world
   std::vector<std::vector<std::shared_ptr<const DeepShadowMap>>> points;  // none: the light casts no shadows
 };
 
@@ -53,10 +55,6 @@ struct Illumination {
 /// The shadow of a light on samples given in view space.
 class ShadowLookup {
  public:
-  /// In grazing light a pixel of the map covers a long part of a surface: samples look up a point farther away, up to
-  /// four times. Without, rounded bone in grazing light has bright and dark lines.
-  static constexpr float kLeastCosine = 0.25f;
-
   /// No shadow.
   ShadowLookup() = default;
   /// requires: `light` outlives the object.
@@ -71,13 +69,16 @@ class ShadowLookup {
   /// The maps of each point of the light.
   const std::vector<std::vector<Map>>& points() const { return points_; }
   float strength() const { return strength_; }
-  /// Distance from a sample to the nearest layer that shadows the sample. unit: world.
+  /// Height over a sample's surface of the nearest layer that shadows the sample. unit: world.
   float start() const { return start_; }
-  /// Returns the share of the light that reaches a sample. `to_light`: unit vector in view space; `cosine`: of the
-  /// angle between the sample's normal and the light, 1 without a normal.
-  float operator()(const glm::vec3& view_point, const glm::vec3& to_light, float cosine) const {
+  /// Returns the share of the light that reaches a sample. A step of length `start` towards the light rises above the
+  /// surface by the cosine's part of its length; a step along the normal adds the rest. Figures:
+  /// frame/decisions/shadow-start.md. `normal`, `to_light`: unit vectors in view space; `normal` is 0 if there is none.
+  /// requires: an angle between them of at most 90 degrees.
+  float operator()(const glm::vec3& view_point, const glm::vec3& normal, const glm::vec3& to_light) const {
     if (points_.empty()) return 1;
-    return share(view_point + start_ / std::max(cosine, kLeastCosine) * to_light);
+    const float missing = 1 - glm::dot(normal, to_light);
+    return share(view_point + start_ * (to_light + missing * normal));
   }
   /// Returns the share at a point itself. requires: maps.
   float share(const glm::vec3& view_point) const {

@@ -162,7 +162,7 @@ class Shader {
     glm::vec3 all = m_.headlight, reaching = m_.headlight;
     for (const PlacedLight& light : m_.lights) {
       all += light.color;
-      reaching += light.shadow(at, light.towards(at), 1) * light.color;
+      reaching += light.shadow(at, glm::vec3(0), light.towards(at)) * light.color;
     }
     const auto share = [&](int c) {
       const float lost = all[c] > 0 ? 1 - reaching[c] / all[c] : 0;
@@ -193,7 +193,7 @@ class Shader {
       const glm::vec3 to_light = light.towards(glm::vec3(view_point));
       const float lit = glm::dot(normal, to_light);
       if (!(lit > 0)) continue;
-      const glm::vec3 reaching = light.shadow(glm::vec3(view_point), to_light, lit) * light.color;
+      const glm::vec3 reaching = light.shadow(glm::vec3(view_point), normal, to_light) * light.color;
       matte += diffuse * lit * reaching;
       if (!(m_.specular > 0)) continue;
       const float halfway = std::clamp(glm::dot(normal, glm::normalize(to_light + to_eye)), 0.0f, 1.0f);

@@ -23,8 +23,8 @@ namespace {
 constexpr int kLeastMapEdge = 512;
 // Pixels of a shadow map along a voxel's edge, at most. With one, borders of shadows on smooth surfaces are combs.
 constexpr int kMapPixelsOfVoxel = 2;
-// Distance from a sample to the nearest layer that shadows the sample. Shorter distances darken surfaces by their own
-// layers: a surface's opacity rises over some two voxels. unit: voxels or pixels of the map, the longer.
+// Height over a surface of the layers that shadow it. Smaller heights darken surfaces by their own layers: a surface's
+// opacity rises over some two voxels. unit: voxels or pixels of the map, the longer.
 constexpr double kShadowStart = 1.5;
 // Rays along the longest edge of the lattice for ambient occlusion.
 constexpr int kLatticeEdge = 256 * kRaysOfCell;

@@ -253,24 +253,25 @@ Classified faceAt(const Scene& scene, const Ray& ray, const Segment& segment) {
 /// The scenes of a picture: one for each volume.
 using Scenes = std::span<const std::unique_ptr<Scene>>;
 
-/// Returns the share of a light that reaches a point through all volumes, by a ray that begins at a distance.
+/// Returns the share of a light that reaches a point through all volumes.
 double shareFrom(Scenes scenes, const Shading& shading, const Light& light, const glm::dvec3& world,
-                 const glm::dvec3& to_light, double start) {
+                 const glm::dvec3& to_light) {
   if (!castsShadows(shading, light)) return 1;
-  Ray ray{world, to_light, start};
+  Ray ray{world, to_light, 0};
   if (light.kind == LightKind::kPoint) ray.end = glm::distance(light.place, world);
   double depth = 0;
   for (const std::unique_ptr<Scene>& scene : scenes) depth += depthAlong(*scene, ray);
   return 1 - light.shadow.strength * (1 - std::exp(-depth));
 }
 
-/// Returns the share of a light that reaches a surface. `cosine`: of the angle
-/// between the normal and the light; in grazing light the ray begins farther away.
+/// Returns the share of a light that reaches a surface, by a ray that begins at a height over the surface: towards the
+/// light, and along the normal for the height that is missing. A `normal` of 0: none.
 double reachingShare(Scenes scenes, const Shading& shading, const Light& light, const glm::dvec3& world,
-                     const glm::dvec3& to_light, double cosine) {
-  constexpr double kLeastCosine = 0.25;
-  return shareFrom(scenes, shading, light, world, to_light,
-                   scenes.front()->settings.shadow_start / std::max(cosine, kLeastCosine));
+                     const glm::dvec3& to_light, const glm::dvec3& normal) {
+  const double missing = 1 - glm::dot(normal, to_light);
+  const glm::dvec3 at = world + scenes.front()->settings.shadow_start * (to_light + missing * normal);
+  const bool near = light.kind == LightKind::kPoint;
+  return shareFrom(scenes, shading, light, at, near ? glm::normalize(light.place - at) : to_light);
 }
 
 /// Returns the share of ambient light that reaches a point with a normal: the mean of the visibility over directions
@@ -325,7 +326,7 @@ glm::dvec3 shaded(Scenes scenes, const Scene& scene, const Shading& shading, con
     for (const Light& light : shading.lights) {
       const glm::dvec3 towards = directionOf(light);
       sum += shading.diffuse * scattering->phase(-glm::dot(towards, to_eye)) *
-             shareFrom(scenes, shading, light, world, towards, 0) * light.intensity * light.color;
+             shareFrom(scenes, shading, light, world, towards) * light.intensity * light.color;
     }
     return scattering->albedo * color * sum;
   }
@@ -335,7 +336,7 @@ glm::dvec3 shaded(Scenes scenes, const Scene& scene, const Shading& shading, con
     glm::dvec3 all(0), reaching(0);
     for (const Light& light : shading.lights) {
       const glm::dvec3 sent = light.intensity * light.color;
-      all += sent, reaching += reachingShare(scenes, shading, light, world, directionOf(light), 1) * sent;
+      all += sent, reaching += reachingShare(scenes, shading, light, world, directionOf(light), glm::dvec3(0)) * sent;
     }
     if (all == reaching) return color;
     return color * (shading.ambient * all + shading.diffuse * reaching) / ((shading.ambient + shading.diffuse) * all);
@@ -350,8 +351,8 @@ glm::dvec3 shaded(Scenes scenes, const Scene& scene, const Shading& shading, con
                                                                              : seen;
     if (!(glm::dot(normal, to_light) > 0)) continue;
     const glm::dvec3 halfway = glm::normalize(to_light + to_eye);
-    const glm::dvec3 reaching = reachingShare(scenes, shading, light, world, to_light, glm::dot(normal, to_light)) *
-                                light.intensity * light.color;
+    const glm::dvec3 reaching =
+        reachingShare(scenes, shading, light, world, to_light, normal) * light.intensity * light.color;
     matte += shading.diffuse * glm::dot(normal, to_light) * reaching;
     gloss += shading.specular * std::pow(std::max(0.0, glm::dot(normal, halfway)), shading.power) * reaching;
   }

@@ -37,7 +37,7 @@ struct ReferenceSettings {
   /// volume's border, the normal of the face is used.
   Clipping clipping = {};
   Interpolation interpolation = Interpolation::kLinear;
-  /// Distance from a sample at which layers begin to shadow the sample, in light along its normal. unit: world.
+  /// Height over a sample's surface at which layers begin to shadow the sample. unit: world.
   double shadow_start = 0;
   /// Random directions for each sample's ambient light; 0: no ambient occlusion.
   int occlusion_rays = 0;
