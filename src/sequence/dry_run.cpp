@@ -94,6 +94,7 @@ DryRun dryRun(const RenderJob& given, const OpenedVolumes& opened, const MemoryB
   out.file_bytes_of_lights = by_lights.file_bytes;
   out.empty = emptinessOf(out.bricks_in_view > 0, whole, requestOf(whole, job.speed), opened.manifests());
   out.one_colour = isOfOneColour(whole, opened.manifests());
+  out.doubts = doubtsOf(job, opened, scenes);
   out.bricks_interesting = counts.interesting;
   out.bricks_total = counts.bricks;
   return out;

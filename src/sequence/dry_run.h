@@ -2,10 +2,12 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "frame/frame_memory.h"
 #include "frame/statistics.h"
 #include "job/render_job.h"
+#include "sequence/opened_job.h"
 #include "sequence/opened_volumes.h"
 
 namespace kiln {
@@ -25,6 +27,7 @@ struct DryRun {
   std::uint64_t bricks_of_lights = 0, files_of_lights = 0, file_bytes_of_lights = 0;
   EmptyFrame empty = EmptyFrame::kShows;  // the reason for an empty picture
   bool one_colour = false;                // FrameStatistics::one_colour
+  std::vector<Doubt> doubts;              // reasons to doubt the picture, as the render would warn of
   FrameMemory memory;
   std::uint64_t budget_bytes = 0;
 };

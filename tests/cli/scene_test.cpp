@@ -152,6 +152,20 @@ TEST_F(SceneCli, LightClippingAndBackground) {
   expectRefused({"--region", "20,0,0,30,9,9"}, "the region from 20,0,0 to 30,9,9 (half-open) holds none");
 }
 
+TEST_F(SceneCli, ADryRun_printsTheWarningsOfTheRender) {
+  const auto warnings = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"render", store_, "--shadows", "--light", "headlight"});
+    const ToolResult result = runTool(options);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    std::vector<std::string> out = result.errorLines();
+    std::erase_if(out, [](const std::string& line) { return line.find("warning") == std::string::npos; });
+    return out;
+  };
+  const std::vector<std::string> of_render = warnings({"-o", in("a.exr"), "--size", "24x20"});
+  EXPECT_FALSE(of_render.empty());
+  EXPECT_EQ(warnings({"--size", "24x20", "--dry-run"}), of_render);
+}
+
 TEST_F(SceneCli, OpacityByGradientIsInTheFunction) {
   std::ofstream(in("plain.json")) << R"({"points": [{"value": 0, "color": [1, 1, 1], "opacity": 0.5}]})";
   std::ofstream(in("steep.json")) << R"({"points": [{"value": 0, "color": [1, 1, 1], "opacity": 0.5}],

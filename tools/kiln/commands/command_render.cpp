@@ -273,6 +273,10 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
   say("             --memory {} leaves {} for bricks; all in view take {} once they are read\n",
       a.job.given().text("--memory").value_or(roundedUpBytes(cost.budget_bytes)), formatBytes(left),
       formatBytes(cost.decoded_bytes_in_view));
+  std::set<std::string> doubted;
+  for (const Doubt& doubt : cost.doubts) {
+    if (doubted.insert(doubt.kind).second) progress.warn(doubt.sentence);
+  }
   if (cost.empty != EmptyFrame::kShows)
     progress.warn(fmt::format("the picture is empty: {}", emptyText(cost.empty)));
   else if (cost.one_colour)
