@@ -133,5 +133,39 @@ TEST(ColorBy, LabelsColourByTheNearestVoxel) {
   EXPECT_EQ(red, 20);
 }
 
+// A ball of the label 2 in the label 5, which has a colour, and no label, which has none. All that the mask shows is
+// inside of the ball. Values are NaN outside of the ball.
+TEST(ColorBy, HiddenVoxelsColourNoSurfaceOfAMask) {
+  const VolumeShape shape{{40, 40, 40}, VoxelType::u8};
+  const auto inside = [](auto x, auto y, auto z) {
+    return glm::distance(glm::dvec3(x, y, z), glm::dvec3(19.3, 19.6, 19.8)) < 13.4;
+  };
+  const DenseVolume volume = fill(shape, [](auto...) { return 9; });
+  const DenseVolume labels = fill(shape, [&](auto x, auto y, auto z) { return inside(x, y, z) ? 2 : x < 20 ? 5 : 0; });
+  const DenseVolume values = fill({shape.dims, VoxelType::f32}, [&](auto x, auto y, auto z) {
+    return inside(x, y, z) ? 2 + 0.01 * static_cast<double>(x) : std::nan("");
+  });
+  const Path store = makeStore(volume, "volume", 16), large = makeStore(volume, "large", 64);
+  const Path of_labels = makeStore(labels, "labels", 16, true), of_values = makeStore(values, "values", 16);
+  FrameRequest request;
+  request.view = resolve(cameraFrom(volume.geometry, {-0.3, -1, 0.4}, Projection::kPerspective), kColorSize);
+  request.transfer_function = {1, {{0, glm::dvec3(1, 0, 0), 0.9}}};
+  request.shading.phong = false;
+  TransferFunction by_label;
+  by_label.labels = {{2, "", glm::dvec3(0, 0, 1), 1}, {5, "", glm::dvec3(0, 1, 0), 1}};
+  const TransferFunction by_value{1, {{2, glm::dvec3(0, 0, 1), 1}, {3, glm::dvec3(0, 0, 1), 1}}};
+  for (const bool named : {true, false}) {
+    const Path& colors = named ? of_labels : of_values;
+    request.colors = named ? colorsByFunction(by_label, labels) : colorsByFunction(by_value, values);
+    const Image image = draw(*maskedWithValues(store, of_labels, {2}, colors), request);
+    EXPECT_TRUE(equalBits(image, draw(*maskedWithValues(large, of_labels, {2}, colors), request)));
+    double other = 0, blue = 0;
+    for (std::size_t at = 0; at < image.rgba.size(); at += 4)
+      other += image.rgba[at] + image.rgba[at + 1], blue += image.rgba[at + 2];
+    EXPECT_GT(blue, 500) << named;
+    EXPECT_EQ(other, 0) << named;
+  }
+}
+
 }  // namespace
 }  // namespace kiln::test

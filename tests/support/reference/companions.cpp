@@ -16,10 +16,11 @@ std::unique_ptr<BrickedVolume> openedBeside(const std::filesystem::path& store, 
   return out;
 }
 
+template <class... Companions>
 std::unique_ptr<BrickedVolume> accompanied(std::unique_ptr<BrickedVolume> volume,
-                                           std::unique_ptr<Companion> companion) {
+                                           std::unique_ptr<Companions>... companion) {
   std::vector<std::unique_ptr<Companion>> companions;
-  companions.push_back(std::move(companion));
+  (companions.push_back(std::move(companion)), ...);
   return std::make_unique<AccompaniedVolume>(std::move(volume), std::move(companions));
 }
 
@@ -30,6 +31,14 @@ std::unique_ptr<BrickedVolume> masked(const std::filesystem::path& store, const 
   auto volume = std::make_unique<StoreReader>(store);
   auto companion = std::make_unique<LabelMask>(openedBeside(mask, *volume), std::move(labels), volume->manifest());
   return accompanied(std::move(volume), std::move(companion));
+}
+
+std::unique_ptr<BrickedVolume> maskedWithValues(const std::filesystem::path& store, const std::filesystem::path& mask,
+                                                std::vector<std::int64_t> labels, const std::filesystem::path& values) {
+  auto volume = std::make_unique<StoreReader>(store);
+  auto shown = std::make_unique<LabelMask>(openedBeside(mask, *volume), std::move(labels), volume->manifest());
+  auto colors = std::make_unique<ColorValues>(openedBeside(values, *volume), volume->manifest());
+  return accompanied(std::move(volume), std::move(shown), std::move(colors));
 }
 
 std::unique_ptr<BrickedVolume> withValues(const std::filesystem::path& store, const std::filesystem::path& values) {
