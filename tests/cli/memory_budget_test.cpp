@@ -294,6 +294,11 @@ class BudgetTable : public ::testing::Test {
   void SetUp() override {
     if (kSanitized) GTEST_SKIP() << "a sanitizer shadows every byte, and its resident memory says nothing";
     directory_ = freshDirectory("budget_table");
+  }
+  void TearDown() override { fs::remove_all(directory_); }
+
+  // What pictureRows(), manyBricksRows() and conversionRows() read.
+  void makeUsualFiles() const {
     made({"convert", "phantom:head:160x160x160", in("head.kiln"), "--brick-size", "64"});
     made({"export", in("head.kiln"), in("head.vdb")});
     // A file written to a pipe differs in one byte: the file has no offsets of its grids.
@@ -306,8 +311,15 @@ class BudgetTable : public ::testing::Test {
       points += fmt::format(R"({}{{"value": {}, "color": [0.1, 0.2, 0.3], "opacity": 0.5}})", i > 0 ? "," : "", i);
     writeText(in("points.json"), "{\"points\": [" + points + "]}");
     makeForeignFiles();
+    writeThin();
+    made({"convert", in("thin.raw"), in("thin.kiln"), "--dims", "2097152,1,1", "--type", "u8"});
   }
-  void TearDown() override { fs::remove_all(directory_); }
+
+  // A sparse file of a single value.
+  void writeThin() const {
+    writeText(in("thin.raw"), "");
+    fs::resize_file(in("thin.raw"), 2 << 20);
+  }
 
   void check(const std::vector<BudgetRow>& rows, const std::vector<int>& budgets_mib) const {
     for (const BudgetRow& row : rows) {
@@ -391,7 +403,7 @@ class BudgetTable : public ::testing::Test {
 
  private:
   static void made(const std::vector<std::string>& arguments) {
-    const ToolResult result = runTool(arguments, {.fresh = true});
+    const ToolResult result = runTool(arguments);
     ASSERT_EQ(result.exit_code, 0) << result.err;
   }
 
@@ -416,10 +428,6 @@ class BudgetTable : public ::testing::Test {
     writeText(in("noise.raw"), voxels);
     writeText(in("packed.nrrd"), nrrdHeader("gzip") + gzipped(voxels));
     writeText(in("small.raw"), voxels.substr(0, std::size_t{2} * 64 * 64 * 64));
-    // Sparse files of a single value.
-    writeText(in("thin.raw"), "");
-    fs::resize_file(in("thin.raw"), 2 << 20);
-    made({"convert", in("thin.raw"), in("thin.kiln"), "--dims", "2097152,1,1", "--type", "u8"});
   }
 
   void makeSlices(const ForeignVolume& volume, const std::string& voxels) const {
@@ -456,6 +464,7 @@ class BudgetTable : public ::testing::Test {
 
 // Tables of 16 million bricks are refused before any read or write, with the memory that suffices.
 TEST_F(BudgetTable, ATableOfTooManyBricksIsRefused) {
+  writeThin();
   fs::resize_file(in("thin.raw"), 1ull << 30);
   const std::vector<std::string> input = {"convert",        in("thin.raw"), in("c.kiln"), "--dims",
                                           "1073741824,1,1", "--type",       "u8"};
@@ -481,20 +490,18 @@ TEST_F(BudgetTable, BricksOfThreeSizesInOnePictureStayWithinIt) {
   check({threeSizes("bricks of three sizes", 80, view)}, {64, 80, 90, 100, 157});
 }
 
-// Each row succeeds at its least budget, so that refusals cannot hide failures.
-TEST_F(BudgetTable, UsualPicturesAndConversions_succeedWithinTheLeastBudget) {
+// Each row succeeds at its least budget, so that refusals cannot hide failures, and refuses a megabyte in one line.
+TEST_F(BudgetTable, UsualPicturesAndConversions_succeedWithinTheLeastBudgetAndRefuseAMegabyte) {
+  makeUsualFiles();
   for (const std::vector<BudgetRow>& rows : {pictureRows(), manyBricksRows(), conversionRows()}) {
-    for (const BudgetRow& row : rows) check(row, row.least_mib);
+    for (const BudgetRow& row : rows) {
+      for (const int budget_mib : {kTooLittleMib, row.least_mib}) check(row, budget_mib);
+    }
   }
 }
 
-TEST_F(BudgetTable, UsualPicturesAndConversions_refuseAMegabyteInOneLine) {
-  check(pictureRows(), {kTooLittleMib});
-  check(manyBricksRows(), {kTooLittleMib});
-  check(conversionRows(), {kTooLittleMib});
-}
-
 TEST_F(BudgetTable, NightlyEveryPictureAndConversionStaysWithinIt) {
+  makeUsualFiles();
   makeLargeStores();
   makeStoresOfThreeSizes("512x512x512");
   makeMoreForeignFiles();
