@@ -133,9 +133,9 @@ TEST(ColorBy, LabelsColourByTheNearestVoxel) {
   EXPECT_EQ(red, 20);
 }
 
-// A ball of the label 2 in the label 5, which has a colour, and no label, which has none. All that the mask shows is
-// inside of the ball. Values are NaN outside of the ball.
-TEST(ColorBy, HiddenVoxelsColourNoSurfaceOfAMask) {
+// A ball of the label 2 in the label 5, which has a colour, and no label, which has none. All that a mask or a volume
+// of labels shows is inside of the ball. Values are NaN outside of the ball.
+TEST(ColorBy, HiddenVoxelsColourNoSurfaceOfAMaskOrLabel) {
   const VolumeShape shape{{40, 40, 40}, VoxelType::u8};
   const auto inside = [](auto x, auto y, auto z) {
     return glm::distance(glm::dvec3(x, y, z), glm::dvec3(19.3, 19.6, 19.8)) < 13.4;
@@ -154,16 +154,25 @@ TEST(ColorBy, HiddenVoxelsColourNoSurfaceOfAMask) {
   TransferFunction by_label;
   by_label.labels = {{2, "", glm::dvec3(0, 0, 1), 1}, {5, "", glm::dvec3(0, 1, 0), 1}};
   const TransferFunction by_value{1, {{2, glm::dvec3(0, 0, 1), 1}, {3, glm::dvec3(0, 0, 1), 1}}};
+  TransferFunction balls;
+  balls.labels = {{2, "", glm::dvec3(1, 0, 0), 1}};
+  const Path ball = makeStore(labels, "ball", 16, true), large_ball = makeStore(labels, "large_ball", 64, true);
   for (const bool named : {true, false}) {
     const Path& colors = named ? of_labels : of_values;
     request.colors = named ? colorsByFunction(by_label, labels) : colorsByFunction(by_value, values);
     const Image image = draw(*maskedWithValues(store, of_labels, {2}, colors), request);
     EXPECT_TRUE(equalBits(image, draw(*maskedWithValues(large, of_labels, {2}, colors), request)));
-    double other = 0, blue = 0;
-    for (std::size_t at = 0; at < image.rgba.size(); at += 4)
-      other += image.rgba[at] + image.rgba[at + 1], blue += image.rgba[at + 2];
-    EXPECT_GT(blue, 500) << named;
-    EXPECT_EQ(other, 0) << named;
+    FrameRequest of_ball = request;
+    of_ball.transfer_function = balls;
+    const Image labelled = drawColored(ball, colors, of_ball);
+    EXPECT_TRUE(equalBits(labelled, drawColored(large_ball, colors, of_ball)));
+    for (const Image* picture : {&image, &labelled}) {
+      double other = 0, blue = 0;
+      for (std::size_t at = 0; at < picture->rgba.size(); at += 4)
+        other += picture->rgba[at] + picture->rgba[at + 1], blue += picture->rgba[at + 2];
+      EXPECT_GT(blue, 500) << named;
+      EXPECT_EQ(other, 0) << named;
+    }
   }
 }
 

@@ -682,25 +682,29 @@ class CellCaster {
     const float place = l_.color_nearest ? nearestOf(in_.color_places, sample)
                                          : trilinear(in_.color_places + s_.offset[sample], s_.fraction[0][sample],
                                                      s_.fraction[1][sample], s_.fraction[2][sample]);
-    if (in_.mask == nullptr || (l_.color_nearest ? nearestOf(in_.mask, sample) > 0 : place == place)) return place;
+    if ((in_.mask == nullptr && in_.labels == nullptr) || (!l_.color_nearest && place == place)) return place;
     return shownPlaceAt(sample, place);
   }
 
-  // A mask's surface lies between shown and hidden voxels, and hidden voxels have other labels or no values. Returns
-  // the place of the nearest shown voxel if one of the eight around the sample is hidden, else `place`.
+  // The surface of a mask or a label lies between shown and hidden voxels, and hidden voxels have other labels or no
+  // values. Returns the place of the nearest shown voxel if one of the eight around the sample is hidden, else `place`.
   HWY_NOINLINE float shownPlaceAt(std::size_t sample, float place) const {
-    const float* const shown = in_.mask + s_.offset[sample];
-    const float* const places = in_.color_places + s_.offset[sample];
+    const std::int32_t offset = s_.offset[sample];
+    const auto shows = [&](int at) {
+      return in_.labels != nullptr ? in_.labels[offset + at] >= 0 : in_.mask[offset + at] > 0;
+    };
+    const float* const places = in_.color_places + offset;
     const auto away = [&](int axis, bool next) {
       const float f = s_.fraction[axis][sample], distance = next ? 1 - f : f;
       return distance * distance;
     };
     float nearest = place, least = 4;  // above all squared distances
     bool hides = false;
-    for (int corner = 0; corner < 8; ++corner) {
+    // From the last on: of equally near voxels the later, as nearestOf.
+    for (int corner = 7; corner >= 0; --corner) {
       const bool x = (corner & 1) != 0, y = (corner & 2) != 0, z = (corner & 4) != 0;
       const int at = (z ? kPlane : 0) + (y ? kPatchStride : 0) + (x ? 1 : 0);
-      if (!(shown[at] > 0)) {
+      if (!shows(at)) {
         hides = true;
         continue;
       }
