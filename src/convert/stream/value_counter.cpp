@@ -102,16 +102,22 @@ std::uint32_t ValueCounter::FloatCounts::newBlock(std::uint32_t upper) {
 void ValueCounter::FloatCounts::coarsenTo(unsigned bits) {
   if (bits >= fine_bits) return;
   const unsigned shift = fine_bits - bits;
-  std::vector<std::uint64_t> coarse(counts.size() >> shift);
-  for (std::size_t i = 0; i < counts.size(); ++i) coarse[i >> shift] += counts[i];
-  counts = std::move(coarse);
+  for (std::size_t i = 0; i < counts.size(); ++i) counts[i >> shift] += std::exchange(counts[i], 0);
+  counts.resize(counts.size() >> shift);
   fine_bits = bits;
+}
+
+void ValueCounter::FloatCounts::clear() {
+  for (const std::uint32_t upper : uppers) blocks[upper] = 0;
+  uppers.clear();
+  counts.clear();
+  fine_bits = kMostFineBits;
 }
 
 ValueCounter::ValueCounter(VoxelType type, bool labels)
     : type_(type), labels_(labels), exact_(labels || sizeOf(type) <= 2) {
   if (exact_)
-    counts_.resize(kKeys);
+    counts_.resize(sizeOf(type) == 1 ? 256 : kKeys);
   else
     floats_.blocks.resize(kKeys);
 }
@@ -143,7 +149,7 @@ void ValueCounter::count(std::span<const std::byte> voxels, const VoxelBox& box,
 void ValueCounter::add(const ValueCounts& counts) {
   for (const auto& [key, count] : counts.keys) {
     if (exact_) {
-      counts_[key % kKeys] += count;
+      counts_[key % counts_.size()] += count;
     } else {
       floats_.coarsenTo(fineBitsOf(key));
       floats_.add(key, count);
@@ -162,10 +168,7 @@ ValueCounts ValueCounter::take() {
     const auto bin = static_cast<std::uint32_t>(i & ((std::size_t{1} << floats_.fine_bits) - 1));
     if (floats_.counts[i] > 0) out.keys.emplace_back(keyOf(upper, bin, floats_.fine_bits), floats_.counts[i]);
   }
-  if (!exact_) {
-    floats_ = {};
-    floats_.blocks.resize(kKeys);
-  }
+  floats_.clear();
   out.nan_count = std::exchange(nan_count_, 0);
   return out;
 }

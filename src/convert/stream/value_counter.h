@@ -58,14 +58,18 @@ class ValueCounter {
 
   // Counts of floats: each block of 2^16 ordered floats has 2^fine_bits bins.
   struct FloatCounts {
+    static constexpr unsigned kMostFineBits = 15;
+
     std::vector<std::uint32_t> blocks;  // by the upper 16 bits: 1 + the block's place, or 0
     std::vector<std::uint32_t> uppers;  // a block's upper 16 bits
     std::vector<std::uint64_t> counts;  // by block and lower bits
-    unsigned fine_bits = 15;
+    unsigned fine_bits = kMostFineBits;
 
     void add(std::uint32_t ordered, std::uint64_t count);
     void coarsenTo(unsigned bits);
     std::uint32_t newBlock(std::uint32_t upper);
+    /// Keeps the memory. cost: that of the occupied blocks.
+    void clear();
   };
 
   VoxelType type_;
