@@ -19,9 +19,9 @@ void PackedStream::failForMemory() const {
 bool PackedStream::refill() {
   if (!unread_.empty()) return true;
   if (next_offset_bytes_ >= file_.size()) return false;
-  const std::size_t got = file_.readSomeAt(next_offset_bytes_, input_);
+  const std::size_t got = file_.readSomeAt(next_offset_bytes_, std::span(input_.get(), input_bytes_));
   next_offset_bytes_ += got;
-  unread_ = std::span(input_).first(got);
+  unread_ = std::span(input_.get(), got);
   return got > 0;
 }
 
