@@ -20,6 +20,23 @@ char32_t takeCharacter(std::string_view& text) {
   return out;
 }
 
+// Calls place(letter, x) for each letter of the text, x from the beginning. Returns the text's width.
+template <class Place>
+double forLetters(std::string_view utf8, double size, const Place& place) {
+  const Font& letters = font();
+  double width = 0;
+  char32_t before = 0;
+  while (!utf8.empty()) {
+    const char32_t character = takeCharacter(utf8);
+    if (before != 0) width += size * letters.kerning(before, character);
+    const Font::Letter letter = letters.letter(character);
+    place(letter, width);
+    width += size * letter.advance;
+    before = character;
+  }
+  return width;
+}
+
 }  // namespace
 
 Outline moved(Outline outline, const glm::dvec2& by) {
@@ -31,19 +48,17 @@ Outline moved(Outline outline, const glm::dvec2& by) {
 
 TextLine lineOf(std::string_view utf8, double size) {
   TextLine out;
-  char32_t before = 0;
-  while (!utf8.empty()) {
-    const char32_t character = takeCharacter(utf8);
-    if (before != 0) out.width += size * font().kerning(before, character);
-    const Font::Letter letter = font().letter(character);
+  out.width = forLetters(utf8, size, [&](const Font::Letter& letter, double x) {
     for (const Contour& contour : letter.outline) {
       Contour& placed = out.outline.emplace_back(contour);
-      for (glm::dvec2& corner : placed) corner = size * corner + glm::dvec2(out.width, 0);
+      for (glm::dvec2& corner : placed) corner = size * corner + glm::dvec2(x, 0);
     }
-    out.width += size * letter.advance;
-    before = character;
-  }
+  });
   return out;
+}
+
+double widthOf(std::string_view utf8, double size) {
+  return forLetters(utf8, size, [](const Font::Letter&, double) {});
 }
 
 }  // namespace kiln

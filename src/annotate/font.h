@@ -37,6 +37,8 @@ struct TextLine {
 };
 /// `size`: of the font. unit: pixels.
 TextLine lineOf(std::string_view utf8, double size);
+/// Returns the width of such a line. cost: no outline.
+double widthOf(std::string_view utf8, double size);
 
 /// Returns the outline, moved.
 Outline moved(Outline outline, const glm::dvec2& by);

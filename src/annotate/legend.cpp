@@ -72,7 +72,7 @@ double divide(LegendPart& part, std::size_t rows, double em) {
     part.columns.push_back(first == 0 ? 0 : end + kColumnGap * em);
     double widest = 0;
     for (std::size_t i = first; i < std::min(first + rows, part.entries.size()); ++i)
-      widest = std::max(widest, lineOf(part.entries[i].text, em).width);
+      widest = std::max(widest, widthOf(part.entries[i].text, em));
     end = part.columns.back() + squareWidth(em) + widest;
   }
   return end;
@@ -107,7 +107,7 @@ void fitBar(LegendPart& part, double height, bool projected, double em) {
   part.bar.ticks = roundTicks(values.lo, values.hi, std::clamp(ticks, 2, kMostTicks));
   double numbers = 0;
   for (const double tick : part.bar.ticks)
-    numbers = std::max(numbers, lineOf(tickText(part.bar, tick), kNumbers * em).width);
+    numbers = std::max(numbers, widthOf(tickText(part.bar, tick), kNumbers * em));
   part.width = static_cast<double>(std::max(1L, std::lround(kBarWidth * em))) + (kTick + kGap) * em + numbers;
 }
 
@@ -187,7 +187,7 @@ struct Title {
 Title titleOf(const AnnotatedPicture& picture, const LegendPart& part, const Style& style) {
   const double left = firstOf(part).x0, right = picture.view.size.width - style.margin;
   Title out{cutToWidth(part.title, style.em, right - style.margin), left, 0};
-  out.width = lineOf(out.text, style.em).width;
+  out.width = widthOf(out.text, style.em);
   if (left + out.width > right) out.left = right - out.width;
   return out;
 }
@@ -262,7 +262,7 @@ std::vector<LegendPart> legendParts(const AnnotatedPicture& picture, const Style
   if (all.empty()) return all;
   // The room depends on the width, which depends on the room: columns are chosen for the room of a first choice.
   double width = 0, wide = 0;
-  for (const LegendPart& part : all) wide = std::max(wide, lineOf(part.title, em).width);
+  for (const LegendPart& part : all) wide = std::max(wide, widthOf(part.title, em));
   std::vector<LegendPart> out;
   Room room;
   for (int attempt = 0; attempt < 2; ++attempt) {

@@ -28,7 +28,7 @@ bool meet(const Room& a, double x0, double x1) { return !a.empty() && a.x0 < x1 
 }  // namespace
 
 std::string cutToWidth(std::string_view utf8, double size, double width) {
-  if (lineOf(utf8, size).width <= width) return std::string(utf8);
+  if (widthOf(utf8, size) <= width) return std::string(utf8);
   // The beginnings of characters.
   std::vector<std::size_t> ends = {0};
   while (ends.back() < utf8.size())
@@ -36,7 +36,7 @@ std::string cutToWidth(std::string_view utf8, double size, double width) {
   const auto beginning = [&](std::size_t characters) {
     return std::string(utf8.substr(0, std::min(ends[characters], utf8.size()))) + "…";
   };
-  const auto fits = [&](std::size_t characters) { return lineOf(beginning(characters), size).width <= width; };
+  const auto fits = [&](std::size_t characters) { return widthOf(beginning(characters), size) <= width; };
   std::size_t most = 0, beyond = ends.size();
   while (beyond - most > 1) {
     const std::size_t middle = most + (beyond - most) / 2;
@@ -51,7 +51,7 @@ CornerText cornerText(const AnnotatedPicture& picture, const Style& style) {
   out.lines = linesOf(withSingleBraces(picture.annotations.text));
   const double width = picture.view.size.width - 2 * style.margin;
   double widest = 0;
-  for (const std::string& line : out.lines) widest = std::max(widest, lineOf(line, style.em).width);
+  for (const std::string& line : out.lines) widest = std::max(widest, widthOf(line, style.em));
   const double least = std::min(style.em, std::max(kSmallestText * style.em, kLeastText));
   out.size = widest > width ? std::max(style.em * width / widest, least) : style.em;
   const Room below = directionsRoom(picture, style);
@@ -65,7 +65,7 @@ CornerText cornerText(const AnnotatedPicture& picture, const Style& style) {
               style.margin + kTextPitch * out.size * static_cast<double>(out.lines.size())};
   for (std::string& line : out.lines) {
     line = cutToWidth(line, out.size, width);
-    out.room.x1 = std::max(out.room.x1, style.margin + lineOf(line, out.size).width);
+    out.room.x1 = std::max(out.room.x1, style.margin + widthOf(line, out.size));
   }
   return out;
 }
@@ -75,7 +75,7 @@ Room scaleBarRoom(const AnnotatedPicture& picture, const Style& style) {
   const ScaleBar bar = scaleBarOf(picture);
   const double right = picture.view.size.width - style.margin, bottom = picture.view.size.height - style.margin;
   if (right - bar.length_px < style.margin) return {};
-  return {right - std::max(bar.length_px, lineOf(bar.label, style.em).width), bottom - 1.5 * style.em, right, bottom};
+  return {right - std::max(bar.length_px, widthOf(bar.label, style.em)), bottom - 1.5 * style.em, right, bottom};
 }
 
 Room directionsRoom(const AnnotatedPicture& picture, const Style& style) {

@@ -48,7 +48,7 @@ void addScaleBar(const AnnotatedPicture& picture, Drawing& drawing) {
   const double bottom = std::round(size.height - style.margin);
   drawing.ink({rectangle({left, bottom - thickness}, {right, bottom})});
   const double base = bottom - thickness - 0.45 * style.em;
-  const double half = lineOf(bar.label, style.em).width / 2;
+  const double half = widthOf(bar.label, style.em) / 2;
   drawing.text(bar.label, {std::min((left + right) / 2, right - half), base}, style.em, Drawing::Align::kCentre);
 }
 
