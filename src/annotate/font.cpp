@@ -29,7 +29,7 @@ double forLetters(std::string_view utf8, double size, const Place& place) {
   while (!utf8.empty()) {
     const char32_t character = takeCharacter(utf8);
     if (before != 0) width += size * letters.kerning(before, character);
-    const Font::Letter letter = letters.letter(character);
+    const Font::Letter& letter = letters.letter(character);
     place(letter, width);
     width += size * letter.advance;
     before = character;

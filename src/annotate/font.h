@@ -19,8 +19,9 @@ class Font {
     Outline outline;     // from the letter's origin, y down. unit: the font's size
     double advance = 0;  // to the next letter's origin. unit: the font's size
   };
-  /// Returns the letter of a Unicode character, or the font's box for an unknown one. throws: Error kUnsupported.
-  virtual Letter letter(char32_t character) const = 0;
+  /// Returns the letter of a Unicode character, or the font's box for an unknown one, which stays as long as the font.
+  /// throws: Error kUnsupported.
+  virtual const Letter& letter(char32_t character) const = 0;
   /// Returns the change of the advance between two neighbours. unit: the font's size.
   virtual double kerning(char32_t left, char32_t right) const = 0;
 };

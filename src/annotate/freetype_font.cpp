@@ -79,7 +79,7 @@ class FreeTypeFont : public Font {
         "opening the font");
   }
 
-  Letter letter(char32_t character) const override {
+  const Letter& letter(char32_t character) const override {
     const std::lock_guard lock(mutex_);
     const auto known = letters_.find(character);
     if (known != letters_.end()) return known->second;
