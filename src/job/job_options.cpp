@@ -477,7 +477,7 @@ Options<RenderJob> rootOptions() {
           {KILN_MEMBER(picture.interpolation), Word{kInterpolationNames},
            [](const RenderJob& job) { return job.picture.lattice == Lattice::kPixel; }},
           "Interpolation between voxels. cubic (B-spline) is smooth and blurs a little; catmull-rom is smooth and "
-          "keeps the values of voxels. Both take 2 to 3 times as long as linear, with surfaces (iso:) 2.5 to 5 times."));
+          "keeps the values of voxels. Both take 2 to 3 times as long as linear; surfaces (iso:) 2.5 to 5 times."));
   OptionValue<RenderJob> quality = OptionValue<RenderJob>::custom(Word{kQualityNames}.form(), readQuality);
   add(Row(
       "quality", "--quality", kQuality, std::move(quality),

@@ -10,6 +10,7 @@
 #include "frame/pass/frame_progress.h"
 #include "job/frame/frame_scene.h"
 #include "job/job_facts.h"
+#include "sequence/frame_annotations.h"
 #include "sequence/frame_requests.h"
 #include "sequence/opened_job.h"
 #include "sequence/sequence.h"
@@ -41,6 +42,16 @@ BrickSums sumsOf(std::vector<StoredBrick> seen, const std::vector<const BrickedV
   return out;
 }
 
+// Keeps warnings and leaves out all other reports.
+class KeptWarnings : public SilentProgress {
+ public:
+  KeptWarnings(const Progress& progress, std::vector<Doubt>& doubts) : SilentProgress(progress), doubts_(doubts) {}
+  void warn(const std::string& sentence) override { doubts_.push_back({sentence, sentence}); }
+
+ private:
+  std::vector<Doubt>& doubts_;
+};
+
 }  // namespace
 
 DryRun dryRun(const RenderJob& given, const MemoryBeside& beside) {
@@ -61,9 +72,9 @@ DryRun dryRun(const RenderJob& given, const OpenedVolumes& opened, const MemoryB
   const ThreadLimit threads(job.speed.threads);
   const std::vector<const BrickedVolume*>& volumes = opened.all();
   FitReads fit;
-  SilentProgress silent(progress);
-  const SceneOfJob scenes(job, opened.manifests(), sceneInputsOf(job, opened, fit, silent), progress);
   DryRun out;
+  KeptWarnings warnings(progress, out.doubts);
+  const SceneOfJob scenes(job, opened.manifests(), sceneInputsOf(job, opened, fit, warnings), progress);
   out.memory = memoryOf(job, volumes, scenes, beside, progress);
   out.budget_bytes = job.speed.memory_bytes;
   BrickWalkCounts counts;
@@ -94,7 +105,9 @@ DryRun dryRun(const RenderJob& given, const OpenedVolumes& opened, const MemoryB
   out.file_bytes_of_lights = by_lights.file_bytes;
   out.empty = emptinessOf(out.bricks_in_view > 0, whole, requestOf(whole, job.speed), opened.manifests());
   out.one_colour = isOfOneColour(whole, opened.manifests());
-  out.doubts = doubtsOf(job, opened, scenes);
+  warnOfLostAnnotations(whole, warnings);
+  const std::vector<Doubt> doubts = doubtsOf(job, opened, scenes);
+  out.doubts.insert(out.doubts.end(), doubts.begin(), doubts.end());
   out.bricks_interesting = counts.interesting;
   out.bricks_total = counts.bricks;
   return out;

@@ -153,17 +153,27 @@ TEST_F(SceneCli, LightClippingAndBackground) {
 }
 
 TEST_F(SceneCli, ADryRun_printsTheWarningsOfTheRender) {
-  const auto warnings = [&](std::vector<std::string> options) {
-    options.insert(options.begin(), {"render", store_, "--shadows", "--light", "headlight"});
+  const auto warnings = [&](std::vector<std::string> options, const std::string& input) {
+    options.insert(options.begin(), {"render", input, "--shadows", "--scale-bar", "--scale-bar-length", "1000"});
     const ToolResult result = runTool(options);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     std::vector<std::string> out = result.errorLines();
     std::erase_if(out, [](const std::string& line) { return line.find("warning") == std::string::npos; });
     return out;
   };
-  const std::vector<std::string> of_render = warnings({"-o", in("a.exr"), "--size", "24x20"});
-  EXPECT_FALSE(of_render.empty());
-  EXPECT_EQ(warnings({"--size", "24x20", "--dry-run"}), of_render);
+  const auto expectAlike = [&](const std::string& input, std::size_t count) {
+    const std::vector<std::string> of_render =
+        warnings({"-o", in("a_#.exr"), "--frames", "1", "--size", "24x20"}, input);
+    EXPECT_EQ(of_render.size(), count);
+    EXPECT_EQ(warnings({"--size", "24x20", "--frames", "1", "--dry-run"}, input), of_render);
+  };
+  expectAlike(store_, 2);
+  // Lights of keyframes cast shadows, so that one warning is left.
+  const std::string light = R"([{"type": "directional", "direction": [1, 0, 1]}])";
+  std::ofstream(in("lit.json")) << R"({"kiln": 2, "volume": ")" << store_ << R"(", "lights": {"keyframes": [)"
+                                << R"({"frame": 1, "lights": )" << light << R"(}, {"frame": 2, "lights": )" << light
+                                << "}]}}";
+  expectAlike(in("lit.json"), 1);
 }
 
 TEST_F(SceneCli, OpacityByGradientIsInTheFunction) {

@@ -207,6 +207,34 @@ TEST(RayLattice, SamplesThatOnlyDistantVoxelsShow_areDrawn) {
   }
 }
 
+// The table ends at 2, and its last opacity is that of all greater values, also of 8³ voxels of the greatest float.
+TEST(RayLattice, ValuesFarBeyondTheTable_areDrawnInsideABlock) {
+  for (const double far : {3.4e38, -3.4e38}) {
+    const double sign = far > 0 ? 1 : -1;
+    const DenseVolume volume = fill({{28, 27, 29}, VoxelType::f32}, [&](auto i, auto j, auto k) {
+      const auto inside = [](auto at) { return at >= 6 && at < 22; };
+      return inside(i) && inside(j) && inside(k) ? far
+                                                 : sign * hashUnit(3, static_cast<std::uint64_t>(i + 30 * j + 900 * k));
+    });
+    const auto path = makeStore(volume, "far_values", 16);
+    const StoreReader store(path);
+    for (const Interpolation interpolation :
+         {Interpolation::kLinear, Interpolation::kCubic, Interpolation::kCatmullRom}) {
+      FrameRequest request = rayRequest(volume, Projection::kOrthographic);
+      request.interpolation = interpolation;
+      request.shading.phong = false;
+      request.opacity_threshold = 1;
+      request.sample_distance = 0.75;
+      const glm::dvec3 color(0.9, 0.8, 0.7);
+      request.transfer_function = {1, {{1.5, color, 0}, {2, color, 0.05}}};
+      if (sign < 0) request.transfer_function.points = {{-2, color, 0.05}, {-1.5, color, 0}};
+      const Difference found = differenceFrom(SamplesAlone(volume, request, store), draw(path, request));
+      EXPECT_LT(found.largest, 1e-3) << far << ", interpolation " << static_cast<int>(interpolation);
+      EXPECT_GT(found.brightest, 0.3);
+    }
+  }
+}
+
 TEST(RayLattice, Picture_ofEveryInterpolation_isTheSameForEveryBrickSize) {
   const DenseVolume volume = specks();
   FrameRequest request = rayRequest(volume, Projection::kPerspective);

@@ -171,7 +171,7 @@ class CubicCellField {
   CubicCellField(const SampleLattice& lattice, const float* values, CellSamples& samples)
       : l_(lattice), values_(values), s_(samples) {}
 
-  // Unknown with intervals, which reach beyond the 64 voxels around a sample. NaN counts for nothing: a sample of it is
+  // Unknown with intervals, whose ends another interpolation rounds. NaN counts for nothing: a sample of it is
   // invisible.
   HWY_INLINE std::optional<Spaces> shown() const {
     if (l_.integral != nullptr) return std::nullopt;

@@ -56,8 +56,8 @@ struct Lanes {
   friend HWY_INLINE Lanes operator-(Lanes a) { return hn::Neg(a.v); }
 };
 
-// Sums over the 4³ voxels around each sample of a vector of samples. A vector of voxels has the four voxels along x of
-// each of a quarter as many samples. Voxels without weight are left out: they may be NaN.
+// Sums over the 4³ voxels around each sample of a vector of samples. A vector of voxels holds four neighbours along x
+// for each of its samples, so that four vectors cover all samples. Voxels without weight are left out: they may be NaN.
 class CubicSums {
  public:
   using Weights = CubicWeights<Lanes>;

@@ -1,8 +1,8 @@
-// Finds the spaces between voxels of a cell in which samples may be visible. A sample lies between the least and the
-// greatest of the voxels from which it is interpolated: the eight around it, or 64 for a cubic. The sample is invisible
-// if no such voxel is above the least visible value, or no such voxel is below the greatest. kReach: voxels beyond the
-// nearest from which a sample is interpolated along each axis; 0 linear, 1 cubic. Compiled once for each instruction
-// set; hence no #pragma once.
+// Finds the spaces between voxels of a cell in which samples may be visible. A sample is interpolated from the eight
+// voxels around it, a cubic from 64, and lies between the least and the greatest. The sample is invisible if no such
+// voxel is above the least visible value, or no such voxel is below the greatest. kReach: voxels beyond the nearest
+// that a sample is interpolated from along each axis; 0 linear, 1 cubic. Compiled once for each instruction set; hence
+// no #pragma once.
 #if defined(KILN_SPLAT_SHOWN_SPACES_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef KILN_SPLAT_SHOWN_SPACES_INL_H
 #undef KILN_SPLAT_SHOWN_SPACES_INL_H
@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -69,7 +70,7 @@ HWY_INLINE void forEachRow(const T* voxels, F f) {
   }
 }
 
-// Stores the masks of a row's vectors: mask(x) for the voxels from the x-th on.
+// Returns the masks of a row's vectors: mask(x) for the voxels from the x-th on.
 template <class F>
 HWY_INLINE std::uint16_t bitsOf(F mask) {
   std::uint8_t bits[8] = {};
@@ -115,15 +116,15 @@ HWY_INLINE Spaces visibleSpaces(const SampleLattice& l, const float* values) {
   const D d;
   constexpr float kFar = std::numeric_limits<float>::infinity();
   // For each row of voxels: masks of the voxels above the least visible position and below the greatest. Values beyond
-  // the table's ends are clamped to it.
+  // the table's ends are clamped to it, infinite values, too.
   const V scale = hn::Set(d, l.table_scale);
-  const V begin = hn::Set(d, l.visible_after < 0 ? -kFar : l.visible_after);
-  const V end = hn::Set(d, l.visible_before > l.table_last ? kFar : l.visible_before);
+  const V first = hn::Set(d, l.visible_after < 0 ? -kFar : std::nextafter(l.visible_after, kFar));
+  const V last = hn::Set(d, l.visible_before > l.table_last ? kFar : std::nextafter(l.visible_before, -kFar));
   VoxelBits<kReach> above, below;
   forEachRow<kReach>(values, [&](int y, int z, const float* row) {
     const auto place = [&](std::size_t x) { return hn::Mul(hn::LoadU(d, row + x), scale); };
-    above.rows[z][y] = bitsOf([&](std::size_t x) { return hn::Gt(place(x), begin); });
-    below.rows[z][y] = bitsOf([&](std::size_t x) { return hn::Lt(place(x), end); });
+    above.rows[z][y] = bitsOf([&](std::size_t x) { return hn::Ge(place(x), first); });
+    below.rows[z][y] = bitsOf([&](std::size_t x) { return hn::Le(place(x), last); });
   });
   Spaces out = spacesAround(above);
   const Spaces also = spacesAround(below);

@@ -5,7 +5,6 @@
 // Invariant. The maps depend on the volumes, their functions, clipping and the light, never on the picture's crop.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
@@ -71,8 +70,8 @@ class ShadowLookup {
   float strength() const { return strength_; }
   /// Height over a sample's surface of the nearest layer that shadows the sample. unit: world.
   float start() const { return start_; }
-  /// Returns the share of the light that reaches a sample. A step of length `start` towards the light rises above the
-  /// surface by the cosine's part of its length; a step along the normal adds the rest. Figures:
+  /// Returns the share of the light that reaches a sample. A step of length `start` towards the light rises by `start`
+  /// times the cosine; a step along the normal adds the rest. Figures:
   /// frame/decisions/shadow-start.md. `normal`, `to_light`: unit vectors in view space; `normal` is 0 if there is none.
   /// requires: an angle between them of at most 90 degrees.
   float operator()(const glm::vec3& view_point, const glm::vec3& normal, const glm::vec3& to_light) const {

@@ -6,9 +6,9 @@
 
 namespace kiln::test {
 
-/// Runs `script` with bash in `directory`/work; `kiln` is the built program, which the test's server
-/// calls (tool_client/main.cpp). The first line that fails ends the script
-/// and fails the test, which prints the output.
+/// Runs `script` with bash in `directory`/work; `kiln` calls the program's main function in a child of the test's
+/// server (tool_client/main.cpp). The first line that fails ends the script and fails the test, which prints the
+/// output.
 void runScript(const std::filesystem::path& directory, const std::string& script);
 
 }  // namespace kiln::test

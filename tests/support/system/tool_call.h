@@ -21,8 +21,8 @@ struct ToolCall {
   std::vector<std::string> environment;  // variables besides the caller's; shape: NAME=VALUE
   std::filesystem::path directory;       // empty: the caller's
   int in, out, err;                      // descriptors of the standard streams
-  /// Limits that the child sets before its main function: the largest file, the number of open files, and what the
-  /// child may add to the addresses of its start. unit: bytes; files; bytes.
+  /// Limits that the child sets before its main function: size of a file, number of open files, and addresses beyond
+  /// those of its start. unit: bytes; files; bytes.
   std::uint64_t file_bytes = kNoLimit, open_files = kNoLimit, more_address_bytes = kNoLimit;
 };
 

@@ -59,8 +59,8 @@ void limitTo(__rlimit_resource resource, std::uint64_t most) {
   for (std::string& word : words) raw.push_back(word.data());
   raw.push_back(nullptr);
   if (call.file_bytes != ToolCall::kNoLimit) limitTo(RLIMIT_FSIZE, call.file_bytes);
-  if (call.open_files != ToolCall::kNoLimit) limitTo(RLIMIT_NOFILE, call.open_files);
   if (call.more_address_bytes != ToolCall::kNoLimit) limitTo(RLIMIT_AS, addressLimit(call.more_address_bytes));
+  if (call.open_files != ToolCall::kNoLimit) limitTo(RLIMIT_NOFILE, call.open_files);
   const int exit_code = kilnToolMain(static_cast<int>(words.size()), raw.data());
   std::fflush(nullptr);
   ::_exit(exit_code);

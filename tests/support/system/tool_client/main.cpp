@@ -1,6 +1,6 @@
 // Stands for the program in a script: calls the program's main function in a child of the test's server, and ends as
-// the child does. Executed instead are the viewer, which scripts end by signals, and every command if the server's
-// socket is not there, as in a rank: mpirun closes descriptors.
+// the child does. Executes the viewer, which scripts end by signals, and every command if the server's socket is
+// closed, as in a rank of mpirun.
 #include <fcntl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
