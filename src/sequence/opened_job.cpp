@@ -105,6 +105,12 @@ std::vector<Doubt> doubtsOf(const RenderJob& job, const OpenedVolumes& volumes, 
   return out;
 }
 
+void warnOf(const std::vector<Doubt>& doubts, std::set<std::string>& doubted, Progress& progress) {
+  for (const Doubt& doubt : doubts) {
+    if (doubted.insert(doubt.kind).second) progress.warn(doubt.sentence);
+  }
+}
+
 BrickCache::SkipHandler skipperOf(const RenderJob& job, Progress& progress) {
   if (!job.picture.skip_damaged) return {};
   return [&progress](const Error& damage) { progress.warn(std::string("drawn without ") + damage.what()); };

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,8 @@ struct Doubt {
 /// Finds labels without an entry, unknown frames of reference and units, amounts that look like labels, sections that
 /// no frame shows.
 std::vector<Doubt> doubtsOf(const RenderJob& job, const OpenedVolumes& volumes, const SceneOfJob& scenes);
+/// Warns of the doubts whose kinds are not among `doubted`, and adds these kinds.
+void warnOf(const std::vector<Doubt>& doubts, std::set<std::string>& doubted, Progress& progress);
 
 struct DrawnFrame {
   std::vector<DrawnView> views;  // one view, or the left and the right eye's

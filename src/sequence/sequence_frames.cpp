@@ -120,9 +120,7 @@ OpenedJob& SequenceFrames::openedFor(int frame) {
   opened_ = std::make_unique<OpenedJob>(job, progress_, beside_, role_.shared_reads, role_.writes_behind);
   if (!role_.warns) return *opened_;
   if (frame == numbers_.front()) opened_->noteLook(progress_);
-  for (const Doubt& doubt : opened_->doubts()) {
-    if (doubted_.insert(doubt.kind).second) progress_.warn(doubt.sentence);
-  }
+  warnOf(opened_->doubts(), doubted_, progress_);
   return *opened_;
 }
 

@@ -219,7 +219,7 @@ class CubicCellField {
     for (std::size_t lane = 0; lane < count; lane += hn::Lanes(d)) {
       const M within = lanesBefore(lane, count);
       const VI index = hn::IfThenElseZero(hn::RebindMask(di, within), hn::LoadU(di, s_.index + n + lane));
-      alignas(64) std::int32_t offset[kLanes];
+      alignas(64) std::int32_t offset[CellSamples::kLanes];
       hn::Store(hn::GatherIndex(di, s_.offset, index), di, offset);
       const auto fraction = [&](int axis) { return Lanes(hn::GatherIndex(d, s_.fraction[axis], index)); };
       const auto smooth = [&](int axis) { return bSplineWeights(fraction(axis)); };
@@ -246,7 +246,7 @@ class CubicCellField {
   }
 
  private:
-  static constexpr std::size_t kLanes = CellSamples::kLanes, kVoxels = 4 * kLanes;
+  static constexpr std::size_t kVoxels = CubicSums::kVoxels;
 
   CubicWeights<Lanes> valueWeights(Lanes t) const {
     return l_.interpolation == Interpolation::kCubic ? bSplineWeights(t) : catmullRomWeights(t);

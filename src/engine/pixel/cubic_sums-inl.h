@@ -61,7 +61,8 @@ struct Lanes {
 class CubicSums {
  public:
   using Weights = CubicWeights<Lanes>;
-  static constexpr std::size_t kMost = CellSamples::kLanes, kTaps = 4;
+  // Voxels along an axis, and most voxels of a row of a vector of samples.
+  static constexpr std::size_t kTaps = 4, kVoxels = kTaps * CellSamples::kLanes;
 
   // Products of the weights along y and z.
   struct Rows {
@@ -70,12 +71,12 @@ class CubicSums {
         for (std::size_t j = 0; j < kTaps; ++j) hn::Store(hn::Mul(y[j].v, z[k].v), D(), weight[k * kTaps + j]);
       }
     }
-    alignas(64) float weight[kTaps * kTaps][kMost];
+    alignas(64) float weight[kTaps * kTaps][CellSamples::kLanes];
   };
   // Weights along x, in the order of the voxels.
   struct Columns {
     explicit Columns(const Weights& x) { hn::StoreInterleaved4(x[0].v, x[1].v, x[2].v, x[3].v, D(), weight); }
-    alignas(64) float weight[kTaps * kMost];
+    alignas(64) float weight[kVoxels];
   };
 
   // `offsets`: voxels before the samples.
@@ -87,9 +88,9 @@ class CubicSums {
     const D d;
     for (std::size_t e = 0; e < kTaps * hn::Lanes(d); e += hn::Lanes(d)) {
       f(e, [&](auto g) {
-        for (int k = 0; k < 4; ++k) {
-          for (int j = 0; j < 4; ++j)
-            g(static_cast<std::size_t>(4 * k + j), voxelsFrom(e, (k - 1) * kPlane + (j - 1) * kPatchStride - 1));
+        for (std::size_t row = 0; row < kTaps * kTaps; ++row) {
+          const int y = static_cast<int>(row % kTaps) - 1, z = static_cast<int>(row / kTaps) - 1;
+          g(row, voxelsFrom(e, z * kPlane + y * kPatchStride - 1));
         }
       });
     }

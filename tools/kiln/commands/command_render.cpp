@@ -274,9 +274,7 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
       a.job.given().text("--memory").value_or(roundedUpBytes(cost.budget_bytes)), formatBytes(left),
       formatBytes(cost.decoded_bytes_in_view));
   std::set<std::string> doubted;
-  for (const Doubt& doubt : cost.doubts) {
-    if (doubted.insert(doubt.kind).second) progress.warn(doubt.sentence);
-  }
+  warnOf(cost.doubts, doubted, progress);
   if (cost.empty != EmptyFrame::kShows)
     progress.warn(fmt::format("the picture is empty: {}", emptyText(cost.empty)));
   else if (cost.one_colour)
