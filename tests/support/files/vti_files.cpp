@@ -4,9 +4,6 @@
 #include <lzma.h>
 
 #include <cstdint>
-#include <cstdlib>
-#include <map>
-#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -42,38 +39,10 @@ std::string lengthsOf(const std::vector<std::size_t>& numbers, const VtiLayout& 
   return out;
 }
 
-// Keeps the buffers of LZMA's encoder, some MiB, for the next block: a file of a test has hundreds of small blocks.
-class KeptBuffers {
- public:
-  const lzma_allocator* allocator() const { return &allocator_; }
-
- private:
-  struct Deleter {
-    void operator()(void* buffer) const { std::free(buffer); }
-  };
-
-  static void* allocate(void* self, std::size_t count, std::size_t bytes) {
-    auto& free = static_cast<KeptBuffers*>(self)->free_;
-    auto& bytes_of = static_cast<KeptBuffers*>(self)->bytes_of_;
-    const auto found = free.find(count * bytes);
-    if (found == free.end()) {
-      void* const buffer = std::malloc(count * bytes);
-      bytes_of[buffer] = count * bytes;
-      return buffer;
-    }
-    void* const buffer = found->second.release();
-    free.erase(found);
-    return buffer;
-  }
-  static void release(void* self, void* buffer) {
-    if (buffer == nullptr) return;
-    auto& buffers = *static_cast<KeptBuffers*>(self);
-    buffers.free_.emplace(buffers.bytes_of_.at(buffer), buffer);
-  }
-
-  lzma_allocator allocator_{allocate, release, this};
-  std::map<void*, std::size_t> bytes_of_;
-  std::multimap<std::size_t, std::unique_ptr<void, Deleter>> free_;
+// An encoder of LZMA. The library keeps its buffers, some MiB, for the next block: a test's file has hundreds.
+struct LzmaEncoder {
+  ~LzmaEncoder() { lzma_end(&stream); }
+  lzma_stream stream = LZMA_STREAM_INIT;
 };
 
 // The bytes of an array as they stand in the file.
@@ -99,13 +68,13 @@ std::string vtiBlock(std::string_view bytes, int codec) {
   if (codec == 1) return zlibbed(bytes);
   if (codec == 2) return lz4Block(bytes);
   std::string out(bytes.size() + 4096, '\0');
-  std::size_t size = 0;
-  static thread_local KeptBuffers buffers;
-  if (lzma_easy_buffer_encode(0, LZMA_CHECK_CRC32, buffers.allocator(),
-                              reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(),
-                              reinterpret_cast<std::uint8_t*>(out.data()), &size, out.size()) != LZMA_OK)
-    throw std::runtime_error("LZMA");
-  out.resize(size);
+  static thread_local LzmaEncoder encoder;
+  lzma_stream& stream = encoder.stream;
+  const lzma_ret begun = lzma_easy_encoder(&stream, 0, LZMA_CHECK_CRC32);
+  stream.next_in = reinterpret_cast<const std::uint8_t*>(bytes.data()), stream.avail_in = bytes.size();
+  stream.next_out = reinterpret_cast<std::uint8_t*>(out.data()), stream.avail_out = out.size();
+  if (begun != LZMA_OK || lzma_code(&stream, LZMA_FINISH) != LZMA_STREAM_END) throw std::runtime_error("LZMA");
+  out.resize(static_cast<std::size_t>(stream.total_out));
   return out;
 }
 
