@@ -297,7 +297,7 @@ class BudgetTable : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(directory_); }
 
-  // What pictureRows(), manyBricksRows() and conversionRows() read.
+  // Makes the files of pictureRows(), manyBricksRows() and conversionRows().
   void makeUsualFiles() const {
     made({"convert", "phantom:head:160x160x160", in("head.kiln"), "--brick-size", "64"});
     made({"export", in("head.kiln"), in("head.vdb")});

@@ -1,6 +1,7 @@
 // Samples on rays. Known from plain loops over sample positions, without cells, bricks or vectors.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -142,6 +143,18 @@ Difference differenceFrom(const SamplesAlone& samples, const Image& image) {
   return out;
 }
 
+// Requests samples that are neither lit nor merged.
+FrameRequest samplesRequest(const DenseVolume& volume, Projection projection, Interpolation interpolation) {
+  FrameRequest out = rayRequest(volume, projection);
+  out.interpolation = interpolation;
+  out.shading.phong = false;
+  out.opacity_threshold = 1;
+  out.sample_distance = 0.75;  // so far apart that no two samples are merged
+  return out;
+}
+
+constexpr std::array kInterpolations = {Interpolation::kLinear, Interpolation::kCubic, Interpolation::kCatmullRom};
+
 TEST(RayLattice, EachSampleOfAPixelIsCompositedOnceAndInItsOrder) {
   for (const VoxelType type : {VoxelType::u8, VoxelType::f32}) {
     const DenseVolume volume = smallHead(type);
@@ -151,11 +164,7 @@ TEST(RayLattice, EachSampleOfAPixelIsCompositedOnceAndInItsOrder) {
                                                     {Projection::kPerspective, Interpolation::kLinear},
                                                     {Projection::kOrthographic, Interpolation::kCubic},
                                                     {Projection::kPerspective, Interpolation::kCatmullRom}}) {
-      FrameRequest request = rayRequest(volume, projection);
-      request.interpolation = interpolation;
-      request.shading.phong = false;
-      request.opacity_threshold = 1;
-      request.sample_distance = 0.75;  // so far apart that no two samples are merged
+      const FrameRequest request = samplesRequest(volume, projection, interpolation);
       const Difference found = differenceFrom(SamplesAlone(volume, request, store), draw(path, request));
       EXPECT_LT(found.largest, 1e-3) << nameOf(type);
       EXPECT_GT(found.brightest, 0.9);
@@ -170,13 +179,10 @@ TEST(RayLattice, Shading_ofEveryInterpolation_hasItsGradient) {
   });
   const auto path = makeStore(volume, "waves", 16);
   const StoreReader store(path);
-  for (const Interpolation interpolation :
-       {Interpolation::kLinear, Interpolation::kCubic, Interpolation::kCatmullRom}) {
+  for (const Interpolation interpolation : kInterpolations) {
     for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
-      FrameRequest request = rayRequest(volume, projection);
-      request.interpolation = interpolation;
-      request.opacity_threshold = 1;
-      request.sample_distance = 0.75;
+      FrameRequest request = samplesRequest(volume, projection, interpolation);
+      request.shading.phong = true;
       const Difference found = differenceFrom(SamplesAlone(volume, request, store), draw(path, request));
       EXPECT_LT(found.largest, 1e-3) << static_cast<int>(interpolation);
       EXPECT_GT(found.brightest, 0.9);
@@ -190,13 +196,8 @@ TEST(RayLattice, SamplesThatOnlyDistantVoxelsShow_areDrawn) {
                                   [&](auto i, auto j, auto k) { return (steep.valueAt(i, j, k) - 128) / 64; });
   const auto path = makeStore(volume, "soft_specks", 16);
   const StoreReader store(path);
-  for (const Interpolation interpolation :
-       {Interpolation::kLinear, Interpolation::kCubic, Interpolation::kCatmullRom}) {
-    FrameRequest request = rayRequest(volume, Projection::kPerspective);
-    request.interpolation = interpolation;
-    request.shading.phong = false;
-    request.opacity_threshold = 1;
-    request.sample_distance = 0.75;
+  for (const Interpolation interpolation : kInterpolations) {
+    FrameRequest request = samplesRequest(volume, Projection::kPerspective, interpolation);
     for (const auto& [lo, hi] : {std::array{-0.2, -0.02}, std::array{0.02, 0.2}}) {
       const glm::dvec3 color(0.9, 0.8, 0.7);
       request.transfer_function = {1, {{lo, color, 0}, {(lo + hi) / 2, color, 0.6}, {hi, color, 0}}};
@@ -218,13 +219,8 @@ TEST(RayLattice, ValuesFarBeyondTheTable_areDrawnInsideABlock) {
     });
     const auto path = makeStore(volume, "far_values", 16);
     const StoreReader store(path);
-    for (const Interpolation interpolation :
-         {Interpolation::kLinear, Interpolation::kCubic, Interpolation::kCatmullRom}) {
-      FrameRequest request = rayRequest(volume, Projection::kOrthographic);
-      request.interpolation = interpolation;
-      request.shading.phong = false;
-      request.opacity_threshold = 1;
-      request.sample_distance = 0.75;
+    for (const Interpolation interpolation : kInterpolations) {
+      FrameRequest request = samplesRequest(volume, Projection::kOrthographic, interpolation);
       const glm::dvec3 color(0.9, 0.8, 0.7);
       request.transfer_function = {1, {{1.5, color, 0}, {2, color, 0.05}}};
       if (sign < 0) request.transfer_function.points = {{-2, color, 0.05}, {-1.5, color, 0}};
@@ -255,10 +251,7 @@ TEST(RayLattice, Picture_ofEveryInterpolation_isTheSameForEveryBrickSize) {
 // every brick size.
 TEST(RayLattice, RaysInAFaceAreOnOneSideOfIt) {
   const DenseVolume volume = head({{48, 48, 48}, VoxelType::u8}, usualRange(VoxelType::u8));
-  FrameRequest request = rayRequest(volume, Projection::kPerspective);
-  request.shading.phong = false;
-  request.opacity_threshold = 1;
-  request.sample_distance = 0.75;
+  FrameRequest request = samplesRequest(volume, Projection::kPerspective, Interpolation::kLinear);
   for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
     Camera camera;
     camera.projection = projection;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
@@ -195,6 +196,22 @@ TEST(Surfaces, AreWhereBisectionFindsThem) {
   }
 }
 
+// Crossings of the pixels' rays with a surface: most of a ray, and rays with an odd number.
+struct Crossings {
+  int most = 0, odd = 0;
+};
+Crossings crossingsIn(const Image& image, double opacity) {
+  Crossings out;
+  for (std::size_t at = 3; at < image.rgba.size(); at += 4) {
+    const double crossings = std::log1p(-static_cast<double>(image.rgba[at])) / std::log1p(-opacity);
+    const auto count = static_cast<int>(std::lround(crossings));
+    EXPECT_NEAR(crossings, count, 0.01);
+    out.odd += count % 2;
+    out.most = std::max(out.most, count);
+  }
+  return out;
+}
+
 // The voxels at the faces of the volume are outside the surface, so all rays begin and end outside. A crossing that is
 // lost or found twice, at a border of slabs, cells, bricks or zones, makes the number odd.
 TEST(Surfaces, AreCrossedAnEvenNumberOfTimes) {
@@ -225,16 +242,10 @@ TEST(Surfaces, AreCrossedAnEvenNumberOfTimes) {
           request.interpolation = c.interpolation;
           request.sample_distance = distance;
           request.transfer_function = surfacesAt({{c.value, glm::dvec3(1), kOpacity}});
-          const Image image = draw(store, request);
-          int odd = 0;
-          for (std::size_t at = 3; at < image.rgba.size(); at += 4) {
-            const double crossings = std::log1p(-static_cast<double>(image.rgba[at])) / std::log1p(-kOpacity);
-            const auto count = static_cast<int>(std::lround(crossings));
-            EXPECT_NEAR(crossings, count, 0.01);
-            odd += count % 2;
-            most = std::max(most, count);
-          }
-          EXPECT_EQ(odd, 0) << static_cast<int>(c.interpolation) << ", " << size << " pixels, distance " << distance;
+          const Crossings found = crossingsIn(draw(store, request), kOpacity);
+          most = std::max(most, found.most);
+          EXPECT_EQ(found.odd, 0) << static_cast<int>(c.interpolation) << ", " << size << " pixels, distance "
+                                  << distance;
         }
       }
     }

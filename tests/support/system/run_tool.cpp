@@ -70,7 +70,7 @@ int nullInput() {
   ::dup2(err.ends[1], STDERR_FILENO);
   if (!options.directory.empty() && ::chdir(options.directory.c_str()) != 0) ::_exit(127);
   const auto limitTo = [](auto resource, std::uint64_t most) {
-    if (most == std::numeric_limits<std::uint64_t>::max()) return;
+    if (most == ToolCall::kNoLimit) return;
     const rlimit limit{static_cast<rlim_t>(most), static_cast<rlim_t>(most)};
     ::setrlimit(resource, &limit);
   };

@@ -6,9 +6,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
+
+#include "tool_call.h"
 
 namespace kiln::test {
 
@@ -18,12 +19,12 @@ struct ToolOptions {
   /// Time limit, after which the child is killed and `timed_out` is set. unit: seconds.
   double seconds = 600;
   /// Largest file the child may write: simulates a full disk for a single process. unit: bytes.
-  std::uint64_t file_bytes = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t file_bytes = ToolCall::kNoLimit;
   /// Limits of the child, as set by `ulimit -v` and `ulimit -n`. unit: bytes; files.
-  std::uint64_t address_bytes = std::numeric_limits<std::uint64_t>::max();
-  std::uint64_t open_files = std::numeric_limits<std::uint64_t>::max();
-  /// What the child may add to its addresses, counted from its main function on. requires: a server. unit: bytes.
-  std::uint64_t more_address_bytes = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t address_bytes = ToolCall::kNoLimit;
+  std::uint64_t open_files = ToolCall::kNoLimit;
+  /// Limit of the addresses that the child adds after the start of its main function. requires: a server. unit: bytes.
+  std::uint64_t more_address_bytes = ToolCall::kNoLimit;
   /// Working directory of the child; empty keeps the current directory.
   std::filesystem::path directory{};
   /// Variables of the environment to set for the child. shape: NAME=VALUE.

@@ -31,7 +31,7 @@ int& serverSocket() {
   return socket;
 }
 
-// What the call may add to the process's addresses becomes a limit of all.
+// Returns the limit of all addresses of this process that leaves `more_bytes` beyond its present addresses.
 std::uint64_t addressLimit(std::uint64_t more_bytes) {
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
