@@ -364,9 +364,9 @@ void run(const RenderArguments& a, Context& context) {
   if (a.repeat < 1) throw Error(ErrorCode::kUsage, "--repeat: expected at least 1");
   applyProgress(a.quiet && a.progress == "auto" ? "none" : a.progress, context.progress);
   shareHeaps();
-  returnLargeBuffers();
   StandardOutput standard_output;
   const RenderJob job = jobOf(a, standard_output, context);
+  keepFreedBuffers(job.speed.memory_bytes);
   if (context.ranks->first()) {
     for (const std::string& sentence : idleFlags(a.job.given(), job)) context.progress.warn(sentence);
   }
