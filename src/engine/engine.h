@@ -57,6 +57,8 @@ class VolumeEngine : public Engine {
  public:
   /// requires: this outlives the result.
   virtual BrickSelection selection() const = 0;
+  /// Returns true if neighbouring tiles take less time as one tile, and no more memory.
+  virtual bool joinsTiles() const { return false; }
 };
 
 }  // namespace kiln

@@ -78,8 +78,7 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
     const std::vector<SlabCell> cells = allCells(frame, block);
     skipped += cells.size() - visibleCells(frame, block).size();
     const RaySampling rays(zones, i, projector, levels.dims(0), levels.endVoxels(0));
-    for (const TilePixels& square : squaresOf(tile))
-      castRays(rays, frame, block, cells, square, *visibility, static_cast<float>(request.opacity_threshold), counts);
+    castRays(rays, frame, block, cells, tile, *visibility, static_cast<float>(request.opacity_threshold), counts);
   }
   return image;
 }

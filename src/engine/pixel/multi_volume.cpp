@@ -12,6 +12,20 @@
 #include "traverse/depth_zones.h"
 
 namespace kiln {
+namespace {
+
+// Splits the tile into squares of at most kSquareEdge pixels, as sums have.
+std::vector<TilePixels> squaresOf(const TilePixels& tile) {
+  constexpr int edge = kSquareEdge;
+  std::vector<TilePixels> out;
+  for (int y = tile.rect.y0; y < tile.rect.y1; y += edge) {
+    for (int x = tile.rect.x0; x < tile.rect.x1; x += edge)
+      out.push_back(tile.of(intersection(PixelRect{x, y, x + edge, y + edge}, tile.rect)));
+  }
+  return out;
+}
+
+}  // namespace
 
 // The bricks of all volumes in one zone. In each square, sums are added volume by volume, so that no bit of them
 // depends on the order of bricks.

@@ -75,15 +75,12 @@ EngineMemory PixelEngine::memory(std::int64_t brick_size) {
 }
 
 void PixelEngine::draw(std::span<const PreparedBrick* const> bricks, const TileTarget& target) {
-  const std::vector<TilePixels> squares = squaresOf(target.pixels);
   for (std::size_t i = 0; i < bricks.size(); ++i) {
     const auto& brick = static_cast<const Prepared&>(*bricks[i]);
     const TileScope span(brick.block->key, target.pixels.rect, target.counts[i]);
-    for (const ZoneCells& zone : brick.zones) {
-      for (const TilePixels& square : squares)
-        castRays(*zone.rays, *zone.context, *brick.block, zone.cells, square, target.visibility,
-                 target.opacity_threshold, target.counts[i]);
-    }
+    for (const ZoneCells& zone : brick.zones)
+      castRays(*zone.rays, *zone.context, *brick.block, zone.cells, target.pixels, target.visibility,
+               target.opacity_threshold, target.counts[i]);
   }
 }
 

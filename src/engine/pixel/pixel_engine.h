@@ -24,6 +24,8 @@ class PixelEngine final : public VolumeEngine {
 
   /// Parts are sub-bricks (store/ranges/sub_bricks.h), in each zone of their level.
   BrickSelection selection() const override;
+  /// A cell is loaded once in each tile that it touches.
+  bool joinsTiles() const override { return true; }
   std::unique_ptr<const PreparedBrick> prepare(const BrickToDraw& brick) const override;
   void draw(std::span<const PreparedBrick* const> bricks, const TileTarget& target) override;
 

@@ -81,7 +81,6 @@ class RayCaster {
       in.at_end = in.at_end || last || box.lo[a] == 0;
       in.at_border = in.at_border || box.lo[a] == 0 || in.end[a] > rays_.volume_hi[a] - 1;
     }
-    in.rect = seen.rect;
     in.bounds = seen.cell->rect;
     // A cut of a surface has no face.
     if (context_.table().ofSurfaces()) in.at_border = false;
@@ -90,6 +89,16 @@ class RayCaster {
     in.sums = sums_;
     // Several volumes are composited in single slabs.
     in.in_pairs = in.in_pairs && sums_ == nullptr;
+    const PixelRect& rect = seen.rect;
+    for (int y = rect.y0; y < rect.y1; y += kSquareEdge) {
+      for (int x = rect.x0; x < rect.x1; x += kSquareEdge) {
+        in.rect = intersection(PixelRect{x, y, x + kSquareEdge, y + kSquareEdge}, rect);
+        if (in.rect == rect || !visibility_.hidden(in.rect)) castSquare(in);
+      }
+    }
+  }
+
+  void castSquare(const CellInput& in) {
     CellOutput out;
     castRaysInCell(rays_, context_, in, tile_, opacity_threshold_, samples_, out);
     counts_.visited += out.shown, counts_.splats += out.samples;

@@ -47,14 +47,4 @@ bool anyPartIn(const SlabContext& context, const VoxelBox& core, std::int64_t br
   });
 }
 
-std::vector<TilePixels> squaresOf(const TilePixels& tile) {
-  constexpr int edge = kSquareEdge;
-  std::vector<TilePixels> out;
-  for (int y = tile.rect.y0; y < tile.rect.y1; y += edge) {
-    for (int x = tile.rect.x0; x < tile.rect.x1; x += edge)
-      out.push_back(tile.of(intersection(PixelRect{x, y, x + edge, y + edge}, tile.rect)));
-  }
-  return out;
-}
-
 }  // namespace kiln

@@ -39,7 +39,4 @@ std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels
 bool anyPartIn(const SlabContext& context, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
                const RectTest& test);
 
-/// Splits the tile into squares of at most kSquareEdge pixels. A tile's pixels are closed by one thread at a time.
-std::vector<TilePixels> squaresOf(const TilePixels& tile);
-
 }  // namespace kiln
