@@ -469,7 +469,7 @@ Options<RenderJob> rootOptions() {
   add(objectRow("annotations", optionsIn<RenderJob>(annotationOptions(), KILN_MEMBER(picture.annotations))));
   add(objectRow("visibility", visibilityOptions()));
   add(Row("tile", "--tile", kCost, {KILN_MEMBER(speed.tile_px), Whole{0, kLargestSide_px, "pixels"}, ofQuadtree},
-          "Edge of the tiles that threads draw, a power of two from 64 on; 0 draws the frame as one tile."));
+          "Least edge of the tiles that threads draw, a power of two from 64 on; 0 draws the frame as one tile."));
   add(Row("lattice", "--lattice", kQuality, {KILN_MEMBER(picture.lattice), Word{kLatticeNames, kLatticeCount}, kAlways},
           "Positions of samples: on the rays of pixels (pixel; ray is another name), or the voxels themselves, as by "
           "Lee and Ihm."));

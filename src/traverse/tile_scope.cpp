@@ -9,7 +9,7 @@ namespace kiln {
 TileScope::~TileScope() {
   if (!span_.traced()) return;
   span_.note("brick", brickPath(brick_).native());
-  span_.note("tile", fmt::format("{},{}", tile_.x0, tile_.y0));
+  span_.note("tile", fmt::format("{},{} {}x{}", tile_.x0, tile_.y0, tile_.width(), tile_.height()));
   span_.note("samples", counts_.visited - before_.visited);
   span_.note("splats", counts_.splats - before_.splats);
   span_.note("tests", counts_.nodes_tested - before_.nodes_tested);

@@ -61,6 +61,32 @@ TEST_P(BricksTogether, LeaveRoomToReadAhead) {
   EXPECT_EQ(most, kMostBricksTogether);
 }
 
+// Squares of tiles that lie in several blocks of the mask, and small tiles beside them. Known from single tiles of one
+// thread that hide nothing.
+TEST(JoinedTiles, ChangeNoBit) {
+  const DenseVolume volume = head({{50, 41, 37}, VoxelType::i16, obliqueAffine()}, usualRange(VoxelType::i16));
+  const StoreReader store(makeStore(volume, "joined", 16));
+  BrickCache cache(store, 1u << 30);
+  Progress silent;
+  for (std::uint64_t seed = 70; seed < casesOf(73u, 71u); ++seed) {
+    FrameRequest request = requestOf(randomScene(seed, volume, {700, 600}), Lattice::kPixel, randomThreshold(seed));
+    request.crop = PixelRect{70, 133, 690, 600};
+    request.visibility.method = VisibilityMethod::kNone;
+    request.tile_px = 0;
+    FrameStatistics ignored;
+    const Image truth = renderFrame(cache, request, silent, ignored);
+    for (const unsigned count : {2u, 5u}) {
+      const ThreadLimit threads(count);
+      request.tile_px = count == 2 ? 64 : 128;
+      for (const VisibilityMethod method : {VisibilityMethod::kMask, VisibilityMethod::kRangeTree}) {
+        request.visibility.method = method;
+        EXPECT_TRUE(equalBits(truth, renderFrame(cache, request, silent, ignored)))
+            << seed << ' ' << count << ' ' << static_cast<int>(method);
+      }
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Of, BricksTogether, ::testing::Values(Lattice::kPixel, Lattice::kVoxel));
 
 }  // namespace

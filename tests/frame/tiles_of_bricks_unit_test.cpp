@@ -70,6 +70,7 @@ TEST(TilesOfBricks, JoinOnlyASmallPartOfTheWorkThatIsLeft) {
   for (const TileOfBricks& tile : tilesOfBricks(bricks, drawn, kTileEdge, 4)) {
     const bool joined = tile.rect.width() > kTileEdge || tile.rect.height() > kTileEdge;
     EXPECT_LE(tile.pixels, joined ? left / 4 : left);
+    EXPECT_LE(std::max(tile.rect.width(), tile.rect.height()), kMostJoined_px);
     joins = joins || joined;
     left -= tile.pixels;
   }
@@ -85,9 +86,10 @@ TEST(TilesOfBricks, AreSingleOrAllIfAskedFor) {
     EXPECT_LE(tile.rect.height(), kTileEdge);
   }
   for (const int tile_px : {kTileEdge, 0}) {
-    const std::vector<TileOfBricks> whole = tilesOfBricks(bricks, drawn, tile_px, 1);
+    const PixelRect small = tile_px == 0 ? drawn : PixelRect{70, 5, kMostJoined_px, 500};
+    const std::vector<TileOfBricks> whole = tilesOfBricks(bricks, small, tile_px, 1);
     ASSERT_EQ(whole.size(), 1u);
-    EXPECT_EQ(whole.front().rect, drawn);
+    EXPECT_EQ(whole.front().rect, small);
   }
   EXPECT_TRUE(tilesOfBricks({}, drawn, kTileEdge, 4).empty());
 }

@@ -19,7 +19,7 @@ class PartProgress {
 
   /// Sets the count since the beginning. thread: the part's own.
   void reached(std::uint64_t done);
-  /// Reports that `drawn` of `of` tiles of the next `count` bricks are done. thread: any; one thread reports.
+  /// Reports that `drawn` of `of` equal parts of the next `count` bricks are done. thread: any; one thread reports.
   void within(std::uint64_t count, std::uint64_t drawn, std::uint64_t of);
   void finish();
 

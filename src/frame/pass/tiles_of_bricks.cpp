@@ -43,6 +43,7 @@ PixelRect squareAround(const PixelRect& drawn, int tile_px) {
 
 std::vector<TileOfBricks> tilesOfBricks(std::span<const PixelRect> rects, const PixelRect& drawn, int tile_px,
                                         std::uint64_t parts) {
+  if (tile_px == 0) return {tileOf(rects, drawn)};
   std::vector<TileOfBricks> out;
   std::vector<Square> left;
   const auto leave = [&](int x, int y, int edge) {
@@ -53,10 +54,6 @@ std::vector<TileOfBricks> tilesOfBricks(std::span<const PixelRect> rects, const 
     left.push_back(std::move(square));
     std::push_heap(left.begin(), left.end(), isBehind);
   };
-  if (tile_px == 0) {
-    out.push_back(tileOf(rects, drawn));
-    return out;
-  }
   const PixelRect all = squareAround(drawn, tile_px);
   leave(all.x0, all.y0, all.width());
   std::uint64_t pixels = left.empty() ? 0 : left.front().tile.pixels;
@@ -64,7 +61,8 @@ std::vector<TileOfBricks> tilesOfBricks(std::span<const PixelRect> rects, const 
     std::pop_heap(left.begin(), left.end(), isBehind);
     Square square = std::move(left.back());
     left.pop_back();
-    if (square.edge == tile_px || square.tile.pixels <= pixels / parts) {
+    const bool joins = square.edge <= kMostJoined_px && square.tile.pixels <= pixels / parts;
+    if (joins || square.edge == tile_px) {
       pixels -= square.tile.pixels;
       out.push_back(std::move(square.tile));
       continue;

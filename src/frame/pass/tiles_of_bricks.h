@@ -21,10 +21,14 @@ struct TileOfBricks {
   std::uint64_t pixels = 0;         // pixels that bricks may touch, summed over bricks: an estimate of the work
 };
 
+/// Largest edge of joined tiles: a frame is cancelled and reports its progress between tiles, and larger squares take
+/// no less time. unit: pixels.
+inline constexpr int kMostJoined_px = 512;
+
 /// Returns tiles that together hold the pixels of all bricks in `drawn`, in the order in which threads begin them.
 /// Borders of tiles inside `drawn` are multiples of `tile_px`; with a `tile_px` of 0, `drawn` is the tile. A tile of
-/// more than `tile_px` pixels an edge has at most one of `parts` equal parts of the work not begun before. `rects`: the
-/// pixels that each brick may touch.
+/// more than `tile_px` pixels an edge has at most kMostJoined_px, and at most one of `parts` equal parts of the work
+/// not begun before. `rects`: the pixels that each brick may touch.
 std::vector<TileOfBricks> tilesOfBricks(std::span<const PixelRect> rects, const PixelRect& drawn, int tile_px,
                                         std::uint64_t parts);
 
