@@ -1,5 +1,5 @@
-// Ranges that a table reports as soft. Known because the functions consist of a few straight lines with a readable
-// total change.
+// Ranges that a table reports as soft or as interesting. Known because the functions consist of a few straight lines
+// with a readable total change.
 #include "engine/pixel/voxels/sample_table.h"
 
 #include <gtest/gtest.h>
@@ -78,6 +78,33 @@ TEST(SampleTable, TellsApartWhatItsFunctionDoes) {
   for (const double far : {1e6, -2e6}) {
     const SampleTable table = tableOf(ramp, VoxelType::f32, {far, far + 1e6});
     EXPECT_NEAR(table.at(static_cast<float>(far + 5e5 - table.offset())).tau, far > 0 ? 1 : 0, 1e-6);
+  }
+}
+
+// One interval of visible values, also at an end of all values; two intervals; none. Known from all whole values, which
+// are the entries of a table of bytes.
+TEST(SampleTable, ARangeIsInterestingIfOneOfItsValuesShows) {
+  const auto point = [](double value, double opacity) { return TransferPoint{value, {1, 1, 1}, opacity}; };
+  const std::vector<TransferPoint> functions[] = {
+      {point(0, 0), point(100, 0), point(110, 1), point(130, 1), point(131, 0)},
+      {point(0, 1), point(20, 1), point(21, 0)},
+      {point(200, 0), point(201, 1)},
+      {point(10, 0), point(11, 1), point(12, 0), point(240, 0), point(241, 1)},
+      {point(0, 0), point(255, 0)},
+      {point(0, 1), point(255, 1)},
+  };
+  for (const std::vector<TransferPoint>& points : functions) {
+    const SampleTable table = tableOf(points);
+    for (int lo = 0; lo <= 255; lo += 1) {
+      bool shows = false;
+      for (int hi = lo; hi <= 255; ++hi) {
+        shows = shows || table.at(static_cast<float>(hi - table.offset())).tau > 0;
+        ASSERT_EQ(table.interesting({static_cast<double>(lo), static_cast<double>(hi)}), shows) << lo << ' ' << hi;
+      }
+    }
+    EXPECT_FALSE(table.interesting({}));
+    EXPECT_EQ(table.interesting({-10, -5}), points.front().opacity > 0);
+    EXPECT_EQ(table.interesting({260, 300}), points.back().opacity > 0);
   }
 }
 

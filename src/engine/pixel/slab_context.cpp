@@ -118,7 +118,7 @@ SlabContext::SlabContext(const SlabZone& zone, const Projector& projector, const
 // A sample extends across faces: up to half of a sample may be inside although the middle is outside.
 bool SlabContext::cutOff(const VoxelBox& samples) const {
   return !look_.clip->part().touches(samples) ||
-         look_.clip->classify(dilated(samples, 1)) == ClipRegion::Overlap::kOutside;
+         (detailed_ && look_.clip->classify(dilated(samples, 1)) == ClipRegion::Overlap::kOutside);
 }
 
 bool SlabContext::onFace(const VoxelBox& voxels) const {

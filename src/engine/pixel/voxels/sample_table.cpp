@@ -77,6 +77,7 @@ SampleTable::SampleTable(const TransferFunction& function, double unit, VoxelTyp
   least_interval_ = std::max(1.0f, static_cast<float>(count) / (1 << 12));
   before_.assign(count + 1, 0);
   for (std::size_t i = 0; i < count; ++i) before_[i + 1] = before_[i] + (entries_[i].tau > 0 ? 1 : 0);
+  one_interval_ = static_cast<float>(before_.back()) == visible_before_ - visible_after_ - 1;
   changes_.reserve(count);
   changes_.assign(1, 0.0);
   for (std::size_t i = 1; i < count; ++i)
@@ -133,7 +134,7 @@ void SampleTable::addLabels(const std::vector<LabelStyle>& looks, double unit) {
   integral_.assign(count, 0.0f);
 }
 
-bool SampleTable::interesting(const ValueRange& range) const {
+bool SampleTable::interestingInParts(const ValueRange& range) const {
   if (range.empty()) return false;
   if (of_labels_) {
     const auto first = std::lower_bound(labels_.begin(), labels_.end(), static_cast<float>(range.lo - lo_));
@@ -160,12 +161,10 @@ const float* SampleTable::oneColor(const ValueRange& range) const {
   return same_until_[from] > entryAbove(range.hi) ? &entries_[from].r : nullptr;
 }
 
-std::size_t SampleTable::entryBelow(double value) const {
-  return static_cast<std::size_t>(std::min(std::max(static_cast<float>(value - lo_) * scale_, 0.0f), last_));
-}
+std::size_t SampleTable::entryBelow(double value) const { return static_cast<std::size_t>(entryPlaceOf(value)); }
 
 std::size_t SampleTable::entryAbove(double value) const {
-  const float place = std::min(std::max(static_cast<float>(value - lo_) * scale_, 0.0f), last_);
+  const float place = entryPlaceOf(value);
   const auto whole = static_cast<std::size_t>(place);
   return static_cast<float>(whole) < place ? whole + 1 : whole;
 }

@@ -68,7 +68,11 @@ class SampleTable {
   float leastInterval() const { return least_interval_; }
   /// Returns true if `at` gives an extinction above zero for some value of the range, or if the range contains values
   /// on both sides of a surface. Slightly conservative. cost: O(1), or the number of surfaces.
-  bool interesting(const ValueRange& range) const;
+  bool interesting(const ValueRange& range) const {
+    return one_interval_
+               ? !range.empty() && entryPlaceOf(range.hi) > visible_after_ && entryPlaceOf(range.lo) < visible_before_
+               : interestingInParts(range);
+  }
   /// Returns true if voxels of edge `length` with values in `range` are soft, nearly uniform, so that fewer samples
   /// show as much. `beside_nothing`: visible material may end within the voxels. requires: not labels. cost: O(1).
   bool soft(const ValueRange& range, double length, bool beside_nothing) const;
@@ -82,6 +86,11 @@ class SampleTable {
     constexpr double kMost = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(value - lo_, -kMost, kMost));
   }
+  // Position of a value between the first entry and the last.
+  float entryPlaceOf(double value) const {
+    return std::min(std::max(static_cast<float>(value - lo_) * scale_, 0.0f), last_);
+  }
+  bool interestingInParts(const ValueRange& range) const;
   std::size_t entryBelow(double value) const;
   std::size_t entryAbove(double value) const;
   void addSurfaces(const std::vector<IsoSurface>& surfaces);
@@ -93,6 +102,7 @@ class SampleTable {
   float scale_ = 1, last_ = 0;
   float least_interval_ = 1;
   float visible_after_ = 0, visible_before_ = 0;
+  bool one_interval_ = false;  // all entries in between have an extinction above zero: the usual case
   std::vector<Material> entries_;
   std::vector<float> extinctions_, integral_;
   std::vector<std::uint32_t> before_;      // prefix sums: entries with extinction before the i-th
