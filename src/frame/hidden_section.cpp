@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <optional>
@@ -51,18 +52,35 @@ std::string oppositeText(const FrameScene& scene) {
                      0.0 - clipping.planes.front().offset);
 }
 
+// Returns the warning of planes beside the only volume of a scene.
+std::string besideText(const VolumeGeometry& geometry) {
+  glm::dvec3 lo = geometry.worldOf(glm::dvec3(-0.5)), hi = lo;
+  for (int corner = 1; corner < 8; ++corner) {
+    const glm::dvec3 side(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+    const glm::dvec3 at = geometry.worldOf(side * glm::dvec3(geometry.dims.x, geometry.dims.y, geometry.dims.z) - 0.5);
+    lo = glm::min(lo, at), hi = glm::max(hi, at);
+  }
+  return fmt::format(
+      "--section: no clip plane and no region cuts the volume, so the picture shows no section; move them into the "
+      "volume, which has x from {:.6g} to {:.6g}, y from {:.6g} to {:.6g} and z from {:.6g} to {:.6g}",
+      lo.x, hi.x, lo.y, hi.y, lo.z, hi.z);
+}
+
 }  // namespace
 
 std::string hiddenSectionText(const SceneOfJob& scenes, const std::vector<int>& frames, std::size_t volume,
                               const VolumeGeometry& geometry) {
   std::string out;
+  bool beside = false;  // frames have a section, and nothing cuts the only volume
   for (const int frame : frames) {
     try {
       const FrameScene scene = scenes.at(frame);
       const Clipping& clipping = scene.volumes.empty() ? scene.picture.clipping : scene.volumes[volume].clipping;
       if (!clipping.section) return "";
       const View view = resolve(scene.camera, scene.picture.size);
-      for (const glm::dvec4& cut : cutsOf(clipping, geometry)) {
+      const std::vector<glm::dvec4> found = cutsOf(clipping, geometry);
+      beside = beside || (found.empty() && scene.volumes.empty());
+      for (const glm::dvec4& cut : found) {
         if (looksAtEye(cut, view)) return "";
         if (!out.empty()) continue;
         out = fmt::format(
@@ -74,7 +92,7 @@ std::string hiddenSectionText(const SceneOfJob& scenes, const std::vector<int>& 
       // Drawing the frame reports the error, with the frame's number.
     }
   }
-  return out;
+  return out.empty() && beside ? besideText(geometry) : out;
 }
 
 }  // namespace kiln

@@ -105,6 +105,20 @@ TEST_F(SectionsCli, SectionWhoseFacesLookAway_isWarnedOfWithAViewThatShowsIt) {
   EXPECT_EQ(warning({"--clip", "0,-1,0,2", "--turntable", "4"}), "");
 }
 
+TEST_F(SectionsCli, PlanesBesideTheVolume_areWarnedOfWithThePlaceOfTheVolume) {
+  const auto warns = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"render", in("h.kiln"), "-o", in("w#.png"), "--size", "40x36", "--section", "tf"});
+    const std::string err = done(options).err;
+    const bool found = err.find("--section: no clip plane and no region cuts the volume") != std::string::npos;
+    EXPECT_EQ(found, err.find(", y from ") != std::string::npos) << err;
+    return found;
+  };
+  EXPECT_TRUE(warns({"--clip", "0,1,0,5000"}));
+  EXPECT_TRUE(warns({"--clip", "0,1,0,5000", "--turntable", "2"}));
+  EXPECT_FALSE(warns({"--clip", "0,1,0,5000", "--clip", "0,1,0,-2"}));
+  EXPECT_FALSE(warns({"--clip", "0,-1,0,2"}));
+}
+
 TEST_F(SectionsCli, WrongUsesAreRefused) {
   const auto refusedWith = [&](const std::vector<std::string>& more, const char* text) {
     std::vector<std::string> arguments = {"render", in("h.kiln"), "-o", in("r.png"), "--size", "40x36"};
