@@ -40,13 +40,8 @@ bool showsSomeOf(const TransferFunction& function, const ValueRange& range) {
 }
 
 std::array<glm::dvec3, 8> cornersInView(const VolumeGeometry& volume, const View& view) {
-  std::array<glm::dvec3, 8> out;
-  for (unsigned corner = 0; corner < out.size(); ++corner) {
-    glm::dvec3 index;
-    for (int axis = 0; axis < 3; ++axis)
-      index[axis] = (corner >> axis & 1) != 0 ? static_cast<double>(volume.dims[axis]) - 0.5 : -0.5;
-    out[corner] = glm::dvec3(view.view_from_world * glm::dvec4(volume.worldOf(index), 1));
-  }
+  std::array<glm::dvec3, 8> out = volume.corners();
+  for (glm::dvec3& corner : out) corner = glm::dvec3(view.view_from_world * glm::dvec4(corner, 1));
   return out;
 }
 

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <optional>
 
 #include "base/error.h"
+#include "grid/point_bounds.h"
 #include "job/job_names.h"
 #include "scene/camera/framing.h"
 #include "scene/clip_region.h"
@@ -54,16 +54,12 @@ std::string oppositeText(const FrameScene& scene) {
 
 // Returns the warning of planes beside the only volume of a scene.
 std::string besideText(const VolumeGeometry& geometry) {
-  glm::dvec3 lo = geometry.worldOf(glm::dvec3(-0.5)), hi = lo;
-  for (int corner = 1; corner < 8; ++corner) {
-    const glm::dvec3 side(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
-    const glm::dvec3 at = geometry.worldOf(side * glm::dvec3(geometry.dims.x, geometry.dims.y, geometry.dims.z) - 0.5);
-    lo = glm::min(lo, at), hi = glm::max(hi, at);
-  }
+  PointBounds box;
+  for (const glm::dvec3& corner : geometry.corners()) box.add(corner);
   return fmt::format(
       "--section: no clip plane and no region cuts the volume, so the picture shows no section; move them into the "
       "volume, which has x from {:.6g} to {:.6g}, y from {:.6g} to {:.6g} and z from {:.6g} to {:.6g}",
-      lo.x, hi.x, lo.y, hi.y, lo.z, hi.z);
+      box.lo.x, box.hi.x, box.lo.y, box.hi.y, box.lo.z, box.hi.z);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "grid/point_bounds.h"
 
 namespace kiln {
 namespace {
@@ -44,18 +45,13 @@ std::vector<ClipPlane> facesOf(const glm::dvec3& lo, const glm::dvec3& hi) {
 
 void requireWorldBox(const Clipping& clipping, const VolumeGeometry& volume) {
   const std::span<const ClipPlane> faces = std::span(clipping.planes).first(clipping.box_faces);
-  glm::dvec3 lo(std::numeric_limits<double>::infinity()), hi(-lo);
+  PointBounds box;
   bool outside = false;
   for (const ClipPlane& face : faces) {
     double most = -std::numeric_limits<double>::infinity();
-    for (int corner = 0; corner < 8; ++corner) {
-      glm::dvec3 index;
-      for (int axis = 0; axis < 3; ++axis)
-        index[axis] = (corner >> axis & 1) != 0 ? static_cast<double>(volume.dims[axis]) - 0.5 : -0.5;
-      const glm::dvec3 world = volume.worldOf(index);
-      lo = glm::min(lo, world);
-      hi = glm::max(hi, world);
-      most = std::max(most, glm::dot(face.normal, world) + face.offset);
+    for (const glm::dvec3& corner : volume.corners()) {
+      box.add(corner);
+      most = std::max(most, glm::dot(face.normal, corner) + face.offset);
     }
     outside = outside || most < 0;
   }
@@ -64,7 +60,7 @@ void requireWorldBox(const Clipping& clipping, const VolumeGeometry& volume) {
       ErrorCode::kUsage,
       fmt::format("--world-region (worldRegion of a job): holds nothing of the volume, which is from {:.6g},{:.6g},"
                   "{:.6g} to {:.6g},{:.6g},{:.6g} in world units; --region takes voxels",
-                  lo.x, lo.y, lo.z, hi.x, hi.y, hi.z));
+                  box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z));
 }
 
 ClipRegion::ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, const Extent3& span) {

@@ -37,11 +37,8 @@ constexpr double kLeastVoxel = 0.45;
 // Magnifies the view until no voxel is smaller than `kLeastVoxel`.
 void magnify(View& view, const VolumeGeometry& volume) {
   double depth = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 side(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
-    const glm::dvec3 at = side * glm::dvec3(volume.dims.x, volume.dims.y, volume.dims.z) - 0.5;
-    depth = std::max(depth, (view.view_from_world * glm::dvec4(volume.worldOf(at), 1)).z);
-  }
+  for (const glm::dvec3& corner : volume.corners())
+    depth = std::max(depth, (view.view_from_world * glm::dvec4(corner, 1)).z);
   const double edge = volume.shortestEdge();
   view.focal_px =
       std::max(view.focal_px, kLeastVoxel / edge * (view.projection == Projection::kPerspective ? depth : 1));

@@ -95,11 +95,7 @@ Camera cameraFrom(const VolumeGeometry& volume, const glm::dvec3& from, Projecti
   const Extent3& n = volume.dims;
   const glm::dvec3 centre = volume.worldOf(glm::dvec3(n.x - 1, n.y - 1, n.z - 1) / 2.0);
   double radius = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 index((corner & 1) != 0 ? n.x - 0.5 : -0.5, (corner & 2) != 0 ? n.y - 0.5 : -0.5,
-                           (corner & 4) != 0 ? n.z - 0.5 : -0.5);
-    radius = std::max(radius, glm::length(volume.worldOf(index) - centre));
-  }
+  for (const glm::dvec3& corner : volume.corners()) radius = std::max(radius, glm::length(corner - centre));
   const glm::dvec3 direction = glm::normalize(from);
   Camera camera;
   camera.projection = projection;

@@ -18,10 +18,7 @@ double radiusOf(const VolumeGeometry& volume) {
   const glm::dvec3 size(volume.dims.x, volume.dims.y, volume.dims.z);
   const glm::dvec3 centre = volume.worldOf(0.5 * size - 0.5);
   double radius = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 side(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
-    radius = std::max(radius, glm::length(volume.worldOf(side * size - 0.5) - centre));
-  }
+  for (const glm::dvec3& corner : volume.corners()) radius = std::max(radius, glm::length(corner - centre));
   return radius;
 }
 
