@@ -12,20 +12,6 @@
 #include "traverse/depth_zones.h"
 
 namespace kiln {
-namespace {
-
-// Splits the tile into squares of at most kSquareEdge pixels, as sums have.
-std::vector<TilePixels> squaresOf(const TilePixels& tile) {
-  constexpr int edge = kSquareEdge;
-  std::vector<TilePixels> out;
-  for (int y = tile.rect.y0; y < tile.rect.y1; y += edge) {
-    for (int x = tile.rect.x0; x < tile.rect.x1; x += edge)
-      out.push_back(tile.of(intersection(PixelRect{x, y, x + edge, y + edge}, tile.rect)));
-  }
-  return out;
-}
-
-}  // namespace
 
 // The bricks of all volumes in one zone. In each square, sums are added volume by volume, so that no bit of them
 // depends on the order of bricks.
@@ -45,18 +31,9 @@ class MultiVolume::ZoneEngine final : public Engine {
 
   void draw(std::span<const PreparedBrick* const> bricks, const TileTarget& target) override {
     sums_.lend([&](SlabSums& sums) {
-      for (const TilePixels& square : squaresOf(target.pixels)) {
-        if (target.visibility.hidden(square.rect)) continue;
-        sums.reset(square.rect, slabs_, keepsLayers(square));
-        for (std::size_t volume = 0; volume < zone_.contexts.size(); ++volume)
-          addVolume(volume, bricks, square, target, sums);
-        if (square.extinction != nullptr) {
-          addExtinction(sums, *square.extinction);
-          continue;
-        }
-        compositeSlabs(sums, zone_.slabs.front(), zone_.rays.front(), square, target.opacity_threshold, exact_,
-                       target.visibility);
-      }
+      forEachSquare(target.pixels.rect, [&](const PixelRect& square) {
+        if (!target.visibility.hidden(square)) drawSquare(target.pixels.of(square), bricks, target, sums);
+      });
     });
   }
 
@@ -69,6 +46,18 @@ class MultiVolume::ZoneEngine final : public Engine {
     const BrickToDraw due;
     const std::vector<SlabCell> cells;
   };
+
+  void drawSquare(const TilePixels& square, std::span<const PreparedBrick* const> bricks, const TileTarget& target,
+                  SlabSums& sums) const {
+    sums.reset(square.rect, slabs_, keepsLayers(square));
+    for (std::size_t volume = 0; volume < zone_.contexts.size(); ++volume)
+      addVolume(volume, bricks, square, target, sums);
+    if (square.extinction != nullptr)
+      addExtinction(sums, *square.extinction);
+    else
+      compositeSlabs(sums, zone_.slabs.front(), zone_.rays.front(), square, target.opacity_threshold, exact_,
+                     target.visibility);
+  }
 
   bool keepsLayers(const TilePixels& square) const {
     const bool has_layers = square.aovs.any() || square.shadows != nullptr || square.deep != nullptr;

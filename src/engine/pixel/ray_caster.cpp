@@ -89,13 +89,10 @@ class RayCaster {
     in.sums = sums_;
     // Several volumes are composited in single slabs.
     in.in_pairs = in.in_pairs && sums_ == nullptr;
-    const PixelRect& rect = seen.rect;
-    for (int y = rect.y0; y < rect.y1; y += kSquareEdge) {
-      for (int x = rect.x0; x < rect.x1; x += kSquareEdge) {
-        in.rect = intersection(PixelRect{x, y, x + kSquareEdge, y + kSquareEdge}, rect);
-        if (in.rect == rect || !visibility_.hidden(in.rect)) castSquare(in);
-      }
-    }
+    forEachSquare(seen.rect, [&](const PixelRect& square) {
+      in.rect = square;
+      if (square == seen.rect || !visibility_.hidden(square)) castSquare(in);
+    });
   }
 
   void castSquare(const CellInput& in) {

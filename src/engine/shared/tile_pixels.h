@@ -14,6 +14,15 @@ namespace kiln {
 /// Largest edge of the square that a thread draws at a time: a row of pixels fits a 64-bit word. unit: pixels.
 inline constexpr int kSquareEdge = 64;
 
+/// Calls f(square) for squares that fill `rect`, of at most kSquareEdge pixels an edge.
+template <class F>
+void forEachSquare(const PixelRect& rect, const F& f) {
+  for (int y = rect.y0; y < rect.y1; y += kSquareEdge) {
+    for (int x = rect.x0; x < rect.x1; x += kSquareEdge)
+      f(intersection(PixelRect{x, y, x + kSquareEdge, y + kSquareEdge}, rect));
+  }
+}
+
 /// Pixels of one tile. shape: `rgba` points to pixel (rect.x0, rect.y0), rows are `stride` floats apart.
 struct TilePixels {
   PixelRect rect;
