@@ -23,7 +23,7 @@ void shareHeaps();
 
 /// From now on up to 4 MiB of freed buffers stay with each heap, less within small budgets. Otherwise the system clears
 /// the pages of a picture's buffers again in each frame: 10 to 30 % of a warm frame of 512x512 pixels.
-/// Heaps that keep as much within a budget of 24 MiB hold 2 MiB more than the 50 MiB that are allowed above it.
+/// Two volumes within 24 MiB exceed the 50 MiB allowed above the budget by 3 MiB if heaps keep as much there.
 void keepFreedBuffers(std::uint64_t budget_bytes);
 
 /// Returns freed memory to the system, before other work whose buffers are counted anew.
