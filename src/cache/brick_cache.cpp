@@ -80,24 +80,47 @@ void BrickCache::noteFreed(std::uint64_t bytes) {
   returnFreedMemory();
 }
 
-// Evicts unneeded bricks until `bytes` fit; returns false if too few can go. Bricks held, awaited or being read
-// stay.
-bool BrickCache::makeRoom(std::uint64_t bytes, bool spare_announced) {
+// Returns false for bricks held, awaited or being read.
+bool BrickCache::mayEvict(const StoredBrick& brick, bool spare_announced) const {
+  const Slot& slot = slots_.find(brick)->second;
+  if (slot.state == State::kReading || slot.awaited || slot.block.use_count() > 1) return false;
+  return !spare_announced || announced(brick) == announced_.end();
+}
+
+// Sums the bricks that may be evicted, the oldest first, and stops at `enough_bytes`.
+std::uint64_t BrickCache::evictableBytes(std::uint64_t enough_bytes, bool spare_announced) const {
+  std::uint64_t sum = 0;
+  for (auto brick = recency_.rbegin(); brick != recency_.rend() && sum < enough_bytes; ++brick) {
+    if (mayEvict(*brick, spare_announced)) sum += slots_.find(*brick)->second.charged_bytes;
+  }
+  return sum;
+}
+
+// Evicts bricks until `bytes` fit or no more may be evicted.
+void BrickCache::evict(std::uint64_t bytes, bool spare_announced) {
   for (auto oldest = recency_.end(); oldest != recency_.begin() && !fits(bytes);) {
     --oldest;
-    const auto slot = slots_.find(*oldest);
-    if (slot->second.state == State::kReading || slot->second.awaited || slot->second.block.use_count() > 1) continue;
-    if (spare_announced && announced(slot->first) != announced_.end()) continue;
-    ++oldest;
+    if (!mayEvict(*oldest, spare_announced)) continue;
+    const auto slot = slots_.find(*oldest++);
     erase(slot);
   }
-  return fits(bytes);
+}
+
+// Evicts bricks until `bytes` fit, announced bricks last. Returns false, and evicts nothing, if too few may be evicted.
+bool BrickCache::makeRoom(std::uint64_t bytes, bool spare_announced) {
+  if (fits(bytes)) return true;
+  const std::uint64_t lacking = held_bytes_ + bytes + aside_bytes_ - budget_bytes_;
+  if (evictableBytes(lacking, spare_announced) < lacking) return false;
+  evict(bytes, true);
+  if (!spare_announced) evict(bytes, false);
+  return true;
 }
 
 void BrickCache::setAside(std::uint64_t bytes) {
   const Lock lock(mutex_);
   aside_bytes_ = bytes;
-  if (!makeRoom(0, true)) makeRoom(0, false);
+  evict(0, true);
+  evict(0, false);
 }
 
 // Charges a brick before its reading begins. requires: room.
@@ -181,9 +204,10 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {
     while (!makeRoom(needed, true) && !makeRoom(needed, false)) {
       starved_ = reading_ > 0;
       if (!starved_) {
+        const std::uint64_t in_use = held_bytes_ + aside_bytes_ - evictableBytes(held_bytes_, false);
         throw Error(ErrorCode::kBudget, storeOf(brick).path(), "--memory",
                     fmt::format("{} is too little: {} are in use and the next brick takes {}",
-                                formatBytes(budget_bytes_), formatBytes(held_bytes_), formatBytes(needed)));
+                                formatBytes(budget_bytes_), formatBytes(in_use), formatBytes(needed)));
       }
       changed_.wait(lock);
     }

@@ -116,6 +116,9 @@ class BrickCache {
   Announced::const_iterator announced(const StoredBrick& brick) const;
   const StoredBrick* nextToRead();
   bool fits(std::uint64_t bytes) const { return held_bytes_ + bytes + aside_bytes_ <= budget_bytes_; }
+  bool mayEvict(const StoredBrick& brick, bool spare_announced) const;
+  std::uint64_t evictableBytes(std::uint64_t enough_bytes, bool spare_announced) const;
+  void evict(std::uint64_t bytes, bool spare_announced);
   bool makeRoom(std::uint64_t bytes, bool spare_announced);
   Slots::iterator begin(const StoredBrick& brick);
   void read(Slots::iterator slot, Lock& lock);

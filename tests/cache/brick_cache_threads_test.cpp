@@ -125,6 +125,19 @@ TEST_F(BrickCacheTest, ReadsNothingAgainThatBecameHidden) {
   EXPECT_LE(cache.counts().reads, keys_.size());
 }
 
+// Bricks announced without a read keep more room than the cache has: the brick after them cannot be read ahead.
+TEST_F(BrickCacheTest, ReadingAheadThatHasNoRoom_evictsNothing) {
+  BrickCache cache(*store_, largest_ + 3 * store_->read(keys_[0]).bytes(), 1);
+  for (std::size_t i = 0; i < 4; ++i) cache.get(keys_[i]);
+  std::vector<NextBrick> next = after(9, 8);
+  for (NextBrick& brick : next) brick.read = false;
+  next.push_back({{keys_[20]}});
+  cache.announce(next);
+  cache.settle();
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_TRUE(cache.holds({keys_[i]})) << i;
+  EXPECT_EQ(cache.counts().reads, 4u);
+}
+
 // Every other brick is not read ahead, and each is requested: bricks read ahead must not block these requests.
 TEST_F(BrickCacheTest, ReadsNothingAgainWhereSomeAreNotReadAhead) {
   BrickCache cache(*store_, largest_, 2);
