@@ -116,9 +116,15 @@ bool BrickCache::makeRoom(std::uint64_t bytes, bool spare_announced) {
   return true;
 }
 
-void BrickCache::setAside(std::uint64_t bytes) {
+std::uint64_t BrickCache::bricksBytes() const {
   const Lock lock(mutex_);
-  aside_bytes_ = bytes;
+  return budget_bytes_ - std::min(budget_bytes_, aside_bytes_);
+}
+
+void BrickCache::replaceAside(std::uint64_t old_bytes, std::uint64_t new_bytes) {
+  const Lock lock(mutex_);
+  aside_bytes_ = aside_bytes_ - old_bytes + new_bytes;
+  if (new_bytes <= old_bytes) return;
   evict(0, true);
   evict(0, false);
 }

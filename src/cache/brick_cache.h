@@ -1,8 +1,8 @@
 // A cache of decoded bricks under a memory budget, with reading ahead of the frame.
 // Method. A brick is charged before it is read, including the working memory of its decoding. The least recently used
 // brick is evicted first. Held bricks stay; announced bricks are evicted only for a request without room.
-// Invariant. Charges never exceed the budget. A brick in memory, or being read, is not read again. An unreadable brick is
-// read again at each request, unless unreadable bricks are skipped.
+// Invariant. Charges never exceed the budget. A brick in memory, or being read, is not read again. An unreadable brick
+// is read again at each request, unless unreadable bricks are skipped.
 #pragma once
 
 #include <condition_variable>
@@ -49,6 +49,7 @@ struct NextBrick {
 
 class BrickCache {
  public:
+  class Aside;
   /// Receives the error of a damaged, missing or unreadable brick, once per brick, at its first request.
   using SkipHandler = std::function<void(const Error&)>;
 
@@ -91,9 +92,8 @@ class BrickCache {
   /// thread: as `get`; exact after `settle`.
   CacheCounts counts() const;
   std::uint64_t budgetBytes() const { return budget_bytes_; }
-  /// Leaves this much of the budget free, for buffers that the caller makes of bricks; replaces the last such amount.
-  /// Bricks that are held or being read stay. thread: as `get`. requires: at most budgetBytes(). unit: bytes.
-  void setAside(std::uint64_t bytes);
+  /// Returns the budget without the parts set aside. thread: safe. unit: bytes.
+  std::uint64_t bricksBytes() const;
   const std::vector<const BrickedVolume*>& stores() const { return stores_; }
   /// Largest charge at any time. unit: bytes.
   std::uint64_t peakBytes() const;
@@ -119,6 +119,7 @@ class BrickCache {
   bool mayEvict(const StoredBrick& brick, bool spare_announced) const;
   std::uint64_t evictableBytes(std::uint64_t enough_bytes, bool spare_announced) const;
   void evict(std::uint64_t bytes, bool spare_announced);
+  void replaceAside(std::uint64_t old_bytes, std::uint64_t new_bytes);
   bool makeRoom(std::uint64_t bytes, bool spare_announced);
   Slots::iterator begin(const StoredBrick& brick);
   void read(Slots::iterator slot, Lock& lock);
@@ -150,6 +151,23 @@ class BrickCache {
   Announced announced_;             // not requested yet; next first
   CacheCounts counts_;
   std::vector<std::thread> readers_;
+};
+
+/// A part of the budget that bricks leave free while the object lives, for other buffers of the caller. Parts add up.
+/// Bricks that are held or being read stay. thread: as `get`. requires: the parts are at most the budget; the cache
+/// outlives the object. unit: bytes.
+class BrickCache::Aside {
+ public:
+  explicit Aside(BrickCache& cache, std::uint64_t bytes = 0) : cache_(cache) { resize(bytes); }
+  ~Aside() { resize(0); }
+  Aside(const Aside&) = delete;
+  Aside& operator=(const Aside&) = delete;
+
+  void resize(std::uint64_t bytes) { cache_.replaceAside(std::exchange(bytes_, bytes), bytes); }
+
+ private:
+  BrickCache& cache_;
+  std::uint64_t bytes_ = 0;
 };
 
 }  // namespace kiln

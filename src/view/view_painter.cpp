@@ -82,7 +82,8 @@ ViewPainter::ViewPainter(const RenderJob& job, OpenedVolumes volumes, Progress& 
     : session_(job),
       volumes_(std::move(volumes)),
       bricks_bytes_(bricksBytes(job, volumes_)),
-      cache_(volumes_.all(), bricks_bytes_, readersOfCache(), skipperOf(job, progress)) {}
+      cache_(volumes_.all(), bricks_bytes_, readersOfCache(), skipperOf(job, progress)),
+      pictures_(cache_) {}
 
 std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job, const Progress& progress) {
   auto out = std::make_unique<ViewedJob>();
@@ -143,7 +144,7 @@ void ViewPainter::requireDrawable(const RenderJob& job, const Progress& progress
 void ViewPainter::makeRoom(const ViewedJob& job) {
   const std::uint64_t left = cacheBytes(job.memory, session_.speed.memory_bytes, volumes_.first().path());
   if (job.memory.shadows == 0) shadows_.reset();
-  cache_.setAside(bricks_bytes_ - std::min(bricks_bytes_, left));
+  pictures_.resize(bricks_bytes_ - std::min(bricks_bytes_, left));
 }
 
 // Fills `scene` with the preview's.

@@ -84,6 +84,7 @@ class ViewPainter {
   const OpenedVolumes volumes_;
   const std::uint64_t bricks_bytes_;  // memory of the cache without any picture
   BrickCache cache_;
+  BrickCache::Aside pictures_;  // memory of the job's pictures, shadows and index
   FitReads fit_;
   std::shared_ptr<const Illumination> shadows_;
   double moving_pixels_ = 0;  // of the next preview; 0: not known yet

@@ -93,13 +93,36 @@ TEST_F(BrickCacheTest, EvictsForWhatTheCallerSetsAside) {
   const std::uint64_t brick = store_->read(keys_[0]).bytes();
   BrickCache cache(*store_, largest_ + 3 * brick);
   for (std::size_t i = 0; i < 4; ++i) cache.get(keys_[i]);
-  cache.setAside(largest_ + brick);  // room for two bricks
-  EXPECT_EQ(cache.find(keys_[1]), nullptr);
-  EXPECT_NE(cache.find(keys_[2]), nullptr);
-  EXPECT_NE(cache.find(keys_[3]), nullptr);
-  cache.setAside(0);
+  {
+    const BrickCache::Aside aside(cache, largest_ + brick);  // room for two bricks
+    EXPECT_EQ(cache.find(keys_[1]), nullptr);
+    EXPECT_NE(cache.find(keys_[2]), nullptr);
+    EXPECT_NE(cache.find(keys_[3]), nullptr);
+  }
   cache.get(keys_[0]);
   EXPECT_NE(cache.find(keys_[2]), nullptr);
+}
+
+// Two owners set parts of the budget aside. Known: an owner's change leaves the part of the other, also after an error.
+TEST_F(BrickCacheTest, PartsSetAside_addUp) {
+  const std::uint64_t brick = store_->read(keys_[0]).bytes();
+  BrickCache cache(*store_, largest_ + 3 * brick);
+  BrickCache::Aside first(cache);
+  EXPECT_EQ(cache.bricksBytes(), cache.budgetBytes());
+  for (std::size_t i = 0; i < 4; ++i) cache.get(keys_[i]);
+  first.resize(largest_);  // room for three bricks
+  EXPECT_THROW(
+      {
+        const BrickCache::Aside second(cache, 2 * brick);  // room for one
+        EXPECT_EQ(cache.bricksBytes(), brick);
+        EXPECT_EQ(cache.find(keys_[2]), nullptr);
+        EXPECT_NE(cache.find(keys_[3]), nullptr);
+        cache.get(keys_[4]);
+      },
+      Error);
+  EXPECT_EQ(cache.bricksBytes(), 3 * brick);
+  first.resize(brick);
+  EXPECT_EQ(cache.bricksBytes(), largest_ + 2 * brick);
 }
 
 TEST_F(BrickCacheTest, FindsNothingThatIsDamaged) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 
 #include "base/thread/parallel.h"
 #include "frame/pass/frame_drawing.h"
@@ -128,6 +129,34 @@ TEST_F(VolumeMixEquality, TooLittleMemoryIsRefused) {
   const std::uint64_t least = leastBytes(stores(1, 1), request);
   EXPECT_NO_THROW(draw(stores(1, 1), request, least));
   expectError([&] { draw(stores(1, 1), request, least / 2); }, ErrorCode::kBudget, "give ");
+}
+
+// A part of the budget is set aside by the caller. Known: the picture keeps to the rest, and leaves the part as it was,
+// also after an error.
+TEST_F(VolumeMixEquality, PartsSetAsideAreKept) {
+  FrameRequest request = requestAt(502, volumes_);
+  TransferFunction all{0, {{-1e9, glm::dvec3(1), 0.1}}};
+  for (VolumeRequest& volume : request.volumes) volume = {all, {}, {}};
+  const StoreReader first(stores_[0][1]), second(stores_[1][1]);
+  const std::uint64_t least = leastBytes(stores(1, 1), request);
+  const Image truth = draw(stores(1, 1), request);
+  BrickCache cache({&first, &second}, 2 * least);
+  BrickCache::Aside aside(cache, least);
+  Progress silent;
+  FrameStatistics statistics;
+  EXPECT_TRUE(equalBits(truth, renderFrame(cache, request, silent, statistics)));
+  EXPECT_EQ(cache.bricksBytes(), least);
+  aside.resize(least + least / 2);
+  expectError([&] { renderFrame(cache, request, silent, statistics); }, ErrorCode::kBudget, "give ");
+  EXPECT_EQ(cache.bricksBytes(), least - least / 2);
+  // The frame ends between bricks, while their lists of cells are set aside.
+  struct Stop : Progress {
+    bool cancelled() const override { return ++looks > 3; }
+    mutable std::atomic<int> looks = 0;
+  } stop;
+  aside.resize(least);
+  expectError([&] { renderFrame(cache, request, stop, statistics); }, ErrorCode::kCancelled, "");
+  EXPECT_EQ(cache.bricksBytes(), least);
 }
 
 // The second volume is transparent: it adds no sample and hides none.

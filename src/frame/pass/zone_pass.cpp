@@ -65,7 +65,7 @@ class ZonePass::Drawing {
       steps_ += pass_.steps(zone, tiles);
       return;
     }
-    const std::uint64_t needed = volumes_.bytesFor(bricks), room = context_.cache.budgetBytes();
+    const std::uint64_t needed = volumes_.bytesFor(bricks), room = context_.cache.bricksBytes();
     if (needed > room && tiles.size() > 1) {
       drawZone(zone, tiles.first(tiles.size() / 2));
       drawZone(zone, tiles.subspan(tiles.size() / 2));
@@ -77,13 +77,12 @@ class ZonePass::Drawing {
           fmt::format("is too little: bricks have {} of it, and those of the volumes that meet in one tile take "
                       "{} at once; give {} more",
                       formatBytes(room), formatBytes(needed), roundedUpBytes(needed - room)));
-    context_.cache.setAside(MultiVolume::cellBytesFor(bricks));
+    const BrickCache::Aside cells(context_.cache, MultiVolume::cellBytesFor(bricks));
     announce(bricks);
     const std::vector<BrickToDraw> read = readBricks(bricks);
     // The next zone is read while this zone is drawn.
     if (context_.cache.readsAhead() && zone + 1 < volumes_.zones()) announce(visibleBricks(zone + 1, tiles));
     drawTiles(zone, read, tiles);
-    context_.cache.setAside(0);
   }
 
   void announce(const Bricks& bricks) {
