@@ -20,17 +20,22 @@ BrickFile EncodedBricks::get(const StoreReader& store, const StoredBrick& brick,
   }
   lock.lock();
   being_read_.erase(brick);
-  if (bytes) keep(brick, bytes, likely);
+  // Threads wake after the lock is released, also by an exception of `keep`. A file that is not kept is read again, and
+  // each thread gets the failure.
   changed_.notify_all();
-  // Waiting threads read again and get the failure, too.
   if (failure) std::rethrow_exception(failure);
+  keep(brick, bytes, likely);
   return {std::move(bytes), true};
 }
 
 void EncodedBricks::keep(const StoredBrick& brick, Bytes bytes, bool likely) {
   if (bytes->size() > budget_bytes_) return;
-  held_bytes_ += bytes->size();
-  places_[brick] = recency_.emplace(likely ? recency_.begin() : recency_.end(), brick, std::move(bytes));
+  // Both allocations come before the first change that stays.
+  Recency kept;
+  kept.emplace_front(brick, std::move(bytes));
+  places_.emplace(brick, kept.begin());
+  held_bytes_ += kept.front().second->size();
+  recency_.splice(likely ? recency_.begin() : recency_.end(), kept);
   while (held_bytes_ > budget_bytes_) {
     held_bytes_ -= recency_.back().second->size();
     places_.erase(recency_.back().first);
