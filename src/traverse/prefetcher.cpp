@@ -10,8 +10,11 @@ bool Prefetcher::guesses() const {
   return wrong_ <= 1 + drawn_ / kPartThatMayBeWrong;
 }
 
+// Counts the brick as a wrong guess if it is a guess.
+void Prefetcher::notDrawn(const BrickKey& brick) { wrong_ += guessed_.erase(brick); }
+
 std::size_t Prefetcher::turnOf(const BrickKey& brick) {
-  while (next_ < in_view_.size() && in_view_[next_].key != brick) ++next_;
+  for (; next_ < in_view_.size() && in_view_[next_].key != brick; ++next_) notDrawn(in_view_[next_].key);
   if (next_ < in_view_.size()) undrawn_.push_back(in_view_[next_++]);
   return next_;
 }
@@ -29,6 +32,7 @@ std::vector<NextBrick> Prefetcher::next(std::size_t count) {
     const bool guess = is_hidden_(brick, covered);
     if (guess && is_hidden_(brick, {})) {
       known_hidden_[i] = true;
+      notDrawn(brick.key);
       continue;
     }
     covered.push_back(brick.rect);

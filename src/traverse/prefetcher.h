@@ -1,7 +1,8 @@
 // Selects the bricks to read ahead: the next bricks in drawing order that are not hidden. The cache reads them while
 // the current brick is drawn.
-// Method. A brick that earlier undrawn bricks would hide if they were opaque is a guess. Guesses are read only while
-// most guesses prove right: in translucent media, but not behind a surface.
+// Method. A brick that earlier undrawn bricks would hide if they were opaque is a guess. A guess is wrong if the brick
+// becomes hidden or changes no pixel. Guesses are read only while wrong guesses are few beside the drawn bricks: in
+// translucent media, but not behind a surface.
 #pragma once
 
 #include <functional>
@@ -38,6 +39,7 @@ class Prefetcher {
 
  private:
   bool guesses() const;
+  void notDrawn(const BrickKey& brick);
 
   const int store_;
   std::vector<BrickInView> in_view_;
@@ -46,8 +48,8 @@ class Prefetcher {
   std::optional<bool> reads_;       // some brick was not in memory at the first announcement
   std::size_t next_ = 0;
   std::vector<BrickInView> undrawn_;   // reached, not yet drawn
-  std::set<BrickKey> guessed_;         // guesses not yet drawn
-  std::size_t wrong_ = 0, drawn_ = 0;  // guesses without a changed pixel; drawn bricks with one
+  std::set<BrickKey> guessed_;         // guesses neither drawn nor hidden yet
+  std::size_t wrong_ = 0, drawn_ = 0;  // guesses hidden or without a changed pixel; drawn bricks with one
 };
 
 }  // namespace kiln
