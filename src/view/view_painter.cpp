@@ -38,10 +38,15 @@ constexpr int kMostMovingCoarser = 2;
 // Most bytes of brick files that a preview reads.
 constexpr std::uint64_t kLittle = std::uint64_t{16} << 20;
 constexpr int kJpegQuality = 70;
-// Most levels of a pyramid.
-constexpr int kMostCoarser = 24;
 // Copies of a picture beside the drawn one: its file, the file in the client's hands, samples of a JPEG.
 constexpr std::uint64_t kCopiedPixelBytes = 12;
+
+// Returns the levels beyond the finest of the volume with the most: all coarser pictures are equal.
+int mostCoarser(const OpenedVolumes& volumes) {
+  std::size_t levels = 1;
+  for (const BrickedVolume* const volume : volumes.all()) levels = std::max(levels, volume->manifest().levels.size());
+  return static_cast<int>(levels) - 1;
+}
 
 std::uint64_t heldBytes(const OpenedVolumes& volumes) {
   std::uint64_t out = 0;
@@ -174,7 +179,8 @@ FrameRequest ViewPainter::previewOf(const ViewedJob& job, const ImageSize& size,
 
 int ViewPainter::coarserWithin(const ViewedJob& job, const ImageSize& size, std::uint64_t bytes,
                                const Progress& progress) const {
-  for (int coarser = 0; coarser < kMostCoarser; ++coarser) {
+  const int most = mostCoarser(volumes_);
+  for (int coarser = 0; coarser < most; ++coarser) {
     progress.throwIfCancelled("counting bricks");
     FrameScene scene;
     const FrameRequest request = previewOf(job, size, coarser, scene);
@@ -186,7 +192,7 @@ int ViewPainter::coarserWithin(const ViewedJob& job, const ImageSize& size, std:
     }
     if (missing <= bytes || !request.engine().capabilities().coarser_levels) return coarser;
   }
-  return kMostCoarser;
+  return most;
 }
 
 int ViewPainter::coarserToReadLittle(const ViewedJob& job, const Progress& progress) {

@@ -134,6 +134,17 @@ TEST_F(ViewSessionTest, APreviewComesFirst_andHasTheShapeOfThePicture) {
   EXPECT_EQ(opaque.stage("preview")->payload.at(1), std::byte{0xd8});
 }
 
+// Known: the volume has one level, whose file is larger than what a preview reads. No coarser picture exists.
+TEST_F(ViewSessionTest, ALevelThatIsLarge_isRefinedOnce) {
+  ViewSource given = source();
+  for (RenderJob* const job : {&given.drawn, &given.named})
+    job->volume = makeStore(noise({{208, 208, 208}, VoxelType::u16}, 5, {0, 65535}), "large", 256);
+  ViewSession session(given, silent_);
+  RecordedClient client;
+  session.answer("frame", bodyOf(jobWith({})).dump(), client);
+  EXPECT_EQ(client.kinds(), (std::vector<std::string>{"resolved", "preview", "refined", "final", "end"}));
+}
+
 TEST_F(ViewSessionTest, ResolvedCamera_drawsThePictureAgain) {
   ViewSession session(source(), silent_);
   RecordedClient first, second, resolve;
