@@ -14,11 +14,14 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "engine/pixel/border_slopes-inl.h"
 #include "engine/pixel/cell_faces-inl.h"
 #include "engine/pixel/cell_field-inl.h"
 #include "engine/pixel/cell_rays-inl.h"
 #include "engine/pixel/cell_surfaces-inl.h"
 #include "engine/pixel/classify-inl.h"
+#include "engine/pixel/mask_samples-inl.h"
+#include "engine/pixel/sample_colors-inl.h"
 #include "engine/pixel/sample_light-inl.h"
 #include "engine/shared/lanes-inl.h"
 
@@ -45,7 +48,10 @@ class CellCaster {
         derives_(places_ || modulates_),
         slopes_(!derives_ && !(l_.lights != nullptr && l_.lights->model().scatters)),
         p_(rays, context.lattice(), in, tile),
+        border_(p_, rays, context.lattice()),
         field_(context.lattice(), in, samples),
+        mask_(context.lattice(), in, samples),
+        colors_(context.lattice(), in, samples),
         s_(samples),
         out_(out) {}
 
@@ -155,13 +161,6 @@ class CellCaster {
     }
   }
 
-  // The voxel of a patch that is nearest to a sample.
-  template <class T>
-  HWY_INLINE T nearestOf(const T* patch, std::size_t sample) const {
-    const auto next = [&](int axis) { return s_.fraction[axis][sample] >= 0.5f; };
-    return patch[s_.offset[sample] + (next(2) ? kPlane : 0) + (next(1) ? kPatchStride : 0) + (next(0) ? 1 : 0)];
-  }
-
   // Finishes crossings: those outside the clip region become transparent. Stores gradients and positions.
   void finishSurfaces() {
     const D d;
@@ -170,7 +169,7 @@ class CellCaster {
       for (int a = 0; a < 3; ++a) hn::StoreU(p_.pointAt(a, w, hn::Load(d, s_.at + n)), d, s_.index_place[a] + n);
       keepSlopes(n, std::min(kept_ - n, hn::Lanes(d)));
       keepSlope(n, outOfSurface(n, slopesFrom(n)));
-      if (in_.mask != nullptr) keepSlope(n, orOfMask(slopesFrom(n), 0));
+      if (in_.mask != nullptr) keepSlope(n, mask_.slopesOr(slopesFrom(n), 0));
     }
     if (context_.look().clip->showsAll()) return;
     for (std::size_t n = 0; n < kept_; ++n) {
@@ -189,7 +188,7 @@ class CellCaster {
   void maskSurfaces() {
     const D d;
     for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
-      const V shown = shownAt(n, std::min(kept_ - n, hn::Lanes(d)));
+      const V shown = mask_.shownAt(n, std::min(kept_ - n, hn::Lanes(d)));
       hn::StoreU(hn::Mul(shown, hn::LoadU(d, s_.opacity + n)), d, s_.opacity + n);
     }
   }
@@ -205,52 +204,14 @@ class CellCaster {
 
   // Finds the gradients of a batch of samples, for slopesAt.
   HWY_INLINE void findSlopes(std::size_t n, std::size_t count) {
-    if (in_.mask != nullptr) findMaskSlopes(n, count);
+    if (in_.mask != nullptr) mask_.findSlopes(n, count);
     field_.findSlopes(n, count);
-  }
-
-  // Keeps the gradients of the mask's share: the field needs the rows of the samples next.
-  HWY_NOINLINE void findMaskSlopes(std::size_t n, std::size_t count) {
-    const D d;
-    CubicCellField share(l_, in_.mask_smoothed, s_);
-    share.findSlopes(n, count);
-    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-      const Vector slope = share.slopes(i);
-      hn::StoreU(slope.x, d, mask_slope_[0] + i);
-      hn::StoreU(slope.y, d, mask_slope_[1] + i);
-      hn::StoreU(slope.z, d, mask_slope_[2] + i);
-    }
   }
 
   // Gradients that give the normals of a vector of samples: the field's, or the mask's at its surface.
   HWY_INLINE Vector slopesAt(std::size_t i) const {
     const Vector slope = field_.slopes(i);
-    return in_.mask != nullptr ? orOfMask(slope, i) : slope;
-  }
-
-  HWY_NOINLINE Vector orOfMask(const Vector& slope, std::size_t i) const {
-    const D d;
-    const V x = hn::LoadU(d, mask_slope_[0] + i), y = hn::LoadU(d, mask_slope_[1] + i),
-            z = hn::LoadU(d, mask_slope_[2] + i);
-    const V squared = hn::Add(hn::Mul(x, x), hn::Add(hn::Mul(y, y), hn::Mul(z, z)));
-    const M edge = hn::Gt(squared, hn::Set(d, kMaskEdge * kMaskEdge));
-    const V length = hn::Sqrt(hn::IfThenElse(edge, squared, hn::Set(d, 1.0f)));
-    const V factor = hn::Div(hn::Set(d, l_.light.gradient.directed), length);
-    const auto either = [&](V of_mask, V of_field) { return hn::IfThenElse(edge, hn::Mul(factor, of_mask), of_field); };
-    return {either(x, slope.x), either(y, slope.y), either(z, slope.z)};
-  }
-
-  // Share of the visible samples from the n-th on that the mask shows, solid as a label is (labelPlace).
-  HWY_NOINLINE V shownAt(std::size_t n, std::size_t count) const {
-    const D d;
-    alignas(64) float out[kLanes] = {};
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto sample = static_cast<std::size_t>(s_.index[n + i]);
-      const float share = trilinear(in_.mask + s_.offset[sample], s_.fraction[0][sample], s_.fraction[1][sample],
-                                    s_.fraction[2][sample]);
-      out[i] = solidOf(share);
-    }
-    return hn::Load(d, out);
+    return in_.mask != nullptr ? mask_.slopesOr(slope, i) : slope;
   }
 
   // Stores the gradients of a vector of samples, for finishing.
@@ -356,7 +317,7 @@ class CellCaster {
     const bool masked = in_.mask != nullptr;
     for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
       V tau = l_.integral != nullptr ? hn::Load(d, s_.opacity + n) : extinctionAt(d, l_, hn::Load(d, s_.entry + n));
-      if (masked) tau = hn::Mul(tau, shownAt(n, std::min(kept_ - n, hn::Lanes(d))));
+      if (masked) tau = hn::Mul(tau, mask_.shownAt(n, std::min(kept_ - n, hn::Lanes(d))));
       V length = hn::Set(d, l_.thickness);
       if (asks) {
         const std::size_t count = std::min(kept_ - n, hn::Lanes(d));
@@ -365,7 +326,7 @@ class CellCaster {
         if (derives_) keepSlopes(n, count);
         if (modulates_) tau = modulatedTau(n, tau);
         // Opacity depends on the gradient of the values; light depends on the normal.
-        if (derives_ && in_.mask != nullptr) keepSlope(n, orOfMask(slopesFrom(n), 0));
+        if (derives_ && in_.mask != nullptr) keepSlope(n, mask_.slopesOr(slopesFrom(n), 0));
         if (places_) tau = finishTau(n, count, w, tau);
       }
       const V depth = hn::Mul(tau, length);
@@ -568,10 +529,10 @@ class CellCaster {
     const bool one_color = in_.color != nullptr && !finishes_ && l_.plane.colors == nullptr;
     const SampleTable* const of_faces = on_face_ ? context_.look().faces->colors() : nullptr;
     if (of_faces != nullptr) {
-      for (std::size_t i = 0; i < count; ++i) lookUpColor(of_faces->entries(), s_.entry[n + i], i);
+      colors_.lookUpIn(*of_faces, n, count);
     } else {
-      if (!one_color) lookUpColors(n, count);
-      if (l_.plane.colors != nullptr) mixRegionColors(n, count);
+      if (!one_color) colors_.lookUp(n, count);
+      if (l_.plane.colors != nullptr) colors_.mixRegions(n, count);
     }
     if (finishes_ && !on_face_) finishColors(n, count);
     const bool lights = l_.light.phong || l_.lights != nullptr;
@@ -587,8 +548,8 @@ class CellCaster {
         const CellPlaces::Where w = p_.whereIs(hn::LoadU(DI(), s_.kept_code + n + i));
         const Vector slope = slopeOf(n, i);
         const Sight sight = p_.sightOf(w);
-        lightOn(d, l_.light, l_.perspective, in_.at_border ? slopeAtBorder(w, sight, slope).slope : slope, sight, matte,
-                gloss);
+        lightOn(d, l_.light, l_.perspective, in_.at_border ? border_.replaced(w, sight, slope).slope : slope, sight,
+                matte, gloss);
         const auto lit = [&](V color) { return fused(color, matte, gloss); };
         red = lit(red), green = lit(green), blue = lit(blue);
       } else if (l_.lights != nullptr) {
@@ -606,40 +567,6 @@ class CellCaster {
     }
   }
 
-  struct SlopeAtBorder {
-    Vector slope;
-    M on_face;
-  };
-  // Replaces the gradients of samples less than a voxel inside the volume's border by the normal of the nearest face
-  // that looks at the eye, as ClipRegion::cutGradient does.
-  HWY_NOINLINE SlopeAtBorder slopeAtBorder(const CellPlaces::Where& w, const Sight& sight, Vector slope) const {
-    const D d;
-    const V far = hn::Set(d, CellPlaces::kFar);
-    M on_face = hn::FirstN(d, 0);
-    const V none = hn::Zero(d), normal = hn::Set(d, l_.light.gradient.directed);
-    V nearest = far;
-    for (int a = 0; a < 3; ++a) {
-      const V at = p_.indexOf(a, w, 0);
-      const auto from_anchor = [&](double index) {
-        return hn::Set(d, static_cast<float>(index - static_cast<double>(r_.anchor[a])));
-      };
-      // Cosine of the axis and the direction from the eye, times a length.
-      const glm::vec3& m = l_.light.view_from_index_gradient[a];
-      const V along = hn::Set(d, m.z);
-      const V away = l_.perspective ? fused(hn::Set(d, m.x), sight.u, fused(hn::Set(d, m.y), sight.v, along)) : along;
-      const V inside = hn::Min(hn::IfThenElse(hn::Gt(away, none), hn::Sub(at, from_anchor(-0.5)), far),
-                               hn::IfThenElse(hn::Lt(away, none), hn::Sub(from_anchor(r_.volume_hi[a]), at), far));
-      const V distance = hn::Mul(inside, hn::Set(d, l_.layer_height[a]));
-      const M lit = hn::And(hn::Lt(inside, hn::Set(d, 1.0f)), hn::Lt(distance, nearest));
-      nearest = hn::IfThenElse(lit, distance, nearest);
-      on_face = hn::Or(on_face, lit);
-      slope.x = hn::IfThenElse(lit, a == 0 ? normal : none, slope.x);
-      slope.y = hn::IfThenElse(lit, a == 1 ? normal : none, slope.y);
-      slope.z = hn::IfThenElse(lit, a == 2 ? normal : none, slope.z);
-    }
-    return {slope, on_face};
-  }
-
   // Lights a vector of samples, the i-th of its batch on, in any lights.
   HWY_NOINLINE void lightAt(std::size_t n, std::size_t i, std::size_t count, V& red, V& green, V& blue) const {
     const D d;
@@ -647,8 +574,8 @@ class CellCaster {
     if (l_.surfaces > 0) w.t = hn::LoadU(d, s_.at + n);
     const Sight sight = p_.sightOf(w);
     const Vector inside = l_.surfaces > 0 && !derives_ ? outOfSurface(n, slopeOf(n - i, i)) : slopeOf(n - i, i);
-    const SlopeAtBorder found =
-        in_.at_border ? slopeAtBorder(w, sight, inside) : SlopeAtBorder{inside, hn::FirstN(d, 0)};
+    const BorderSlopes::Slopes found =
+        in_.at_border ? border_.replaced(w, sight, inside) : BorderSlopes::Slopes{inside, hn::FirstN(d, 0)};
     Colors colors{red, green, blue};
     SampleLight(*l_.lights, l_.perspective)
         .on(found.slope, found.on_face, sight, p_.viewOf(w, sight), hn::FirstN(d, std::min(count, hn::Lanes(d))),
@@ -661,100 +588,6 @@ class CellCaster {
     if (derives_) return slopesFrom(n + i);
     const D d;
     return slopes_ ? slopesAt(i) : Vector{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  }
-
-  // Looks up the colours of a batch of samples.
-  HWY_INLINE void lookUpColors(std::size_t n, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) lookUpColor(l_.table, s_.entry[n + i], i);
-    if (in_.color_places != nullptr) lookUpCompanionColors(n, count);
-  }
-
-  // Replaces the colours of samples at which the companion has a value.
-  HWY_NOINLINE void lookUpCompanionColors(std::size_t n, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const float place = companionPlaceAt(static_cast<std::size_t>(s_.index[n + i]));
-      if (place == place) lookUpColor(l_.color_table, std::min(std::max(place, 0.0f), l_.color_last), i);
-    }
-  }
-
-  // Position of a found sample in the table of the companion's colours; NaN if the companion has no value there.
-  HWY_INLINE float companionPlaceAt(std::size_t sample) const {
-    const float place = l_.color_nearest ? nearestOf(in_.color_places, sample)
-                                         : trilinear(in_.color_places + s_.offset[sample], s_.fraction[0][sample],
-                                                     s_.fraction[1][sample], s_.fraction[2][sample]);
-    if ((in_.mask == nullptr && in_.labels == nullptr) || (!l_.color_nearest && place == place)) return place;
-    return shownPlaceAt(sample, place);
-  }
-
-  // The surface of a mask or a label lies between shown and hidden voxels, and hidden voxels have other labels or no
-  // values. Returns the place of the nearest shown voxel if one of the eight around the sample is hidden, else `place`.
-  HWY_NOINLINE float shownPlaceAt(std::size_t sample, float place) const {
-    const std::int32_t offset = s_.offset[sample];
-    const auto shows = [&](int at) {
-      return in_.labels != nullptr ? in_.labels[offset + at] >= 0 : in_.mask[offset + at] > 0;
-    };
-    const float* const places = in_.color_places + offset;
-    const auto away = [&](int axis, bool next) {
-      const float f = s_.fraction[axis][sample], distance = next ? 1 - f : f;
-      return distance * distance;
-    };
-    float nearest = place, least = 4;  // above all squared distances
-    bool hides = false;
-    // From the last on: of equally near voxels the later, as nearestOf.
-    for (int corner = 7; corner >= 0; --corner) {
-      const bool x = (corner & 1) != 0, y = (corner & 2) != 0, z = (corner & 4) != 0;
-      const int at = (z ? kPlane : 0) + (y ? kPatchStride : 0) + (x ? 1 : 0);
-      if (!shows(at)) {
-        hides = true;
-        continue;
-      }
-      const float distance = away(0, x) + away(1, y) + away(2, z);
-      if (distance < least) least = distance, nearest = places[at];
-    }
-    return hides ? nearest : place;
-  }
-
-  static HWY_INLINE float trilinear(const float* at, float x, float y, float z) {
-    const auto mixed = [](float a, float b, float t) { return a + t * (b - a); };
-    const auto row = [&](int dy, int dz) {
-      const float* const first = at + dz * kPlane + dy * kPatchStride;
-      return mixed(first[0], first[1], x);
-    };
-    return mixed(mixed(row(0, 0), row(1, 0), y), mixed(row(0, 1), row(1, 1), y), z);
-  }
-
-  // Stores the colour at a table position as the i-th of the batch.
-  HWY_INLINE void lookUpColor(const float* table, float entry, std::size_t i) {
-    const D4 d;
-    const auto whole = static_cast<std::int32_t>(entry);
-    const float* const at = table + 4 * static_cast<std::ptrdiff_t>(whole);
-    const auto t = hn::Set(d, entry - static_cast<float>(whole));
-    for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
-      const auto here = hn::LoadU(d, at + c);
-      hn::Store(between(here, hn::LoadU(d, at + 4 + c), t), d, s_.rows[0] + 4 * i + c);
-    }
-  }
-
-  // Mixes the colours of regions with the colours of values.
-  HWY_NOINLINE void mixRegionColors(std::size_t n, std::size_t count) {
-    const SampleLattice::Plane& plane = l_.plane;
-    for (std::size_t i = 0; i < count; ++i) {
-      const float along = fused(s_.entry[n + i], plane.column_scale, plane.column_offset);
-      const float column = std::min(std::max(along, 0.0f), plane.last_column), row = s_.row[n + i];
-      const auto x = static_cast<std::int32_t>(column), y = static_cast<std::int32_t>(row);
-      const float* const here = plane.colors + 4 * static_cast<std::ptrdiff_t>(y * plane.stride + x);
-      const float* const above = here + 4 * static_cast<std::ptrdiff_t>(plane.stride);
-      const auto mixed = [&](int c) {
-        const auto along_row = [&](const float* at) {
-          return fused(column - static_cast<float>(x), at[4 + c] - at[c], at[c]);
-        };
-        const float lower = along_row(here);
-        return fused(row - static_cast<float>(y), along_row(above) - lower, lower);
-      };
-      float* const rgb = s_.rows[0] + 4 * i;
-      const float own = mixed(3);
-      for (int c = 0; c < 3; ++c) rgb[c] = fused(own, rgb[c], mixed(c));
-    }
   }
 
   // Adds light as `light` does, and stores each sample as a deep sample. A sample that closes its pixel includes the
@@ -810,12 +643,14 @@ class CellCaster {
   const bool derives_;    // gradients of samples are kept
   const bool slopes_;     // light needs gradients that are not kept
   const CellPlaces p_;
+  const BorderSlopes border_;
   Field field_;
+  MaskSamples mask_;
+  SampleColors colors_;
   CellSamples& s_;
   CellOutput& out_;
   bool on_face_ = false;  // the samples are points on cut faces
   std::size_t count_ = 0, kept_ = 0, closed_count_ = 0;
-  alignas(64) float mask_slope_[3][kLit + kLanes];
 };
 
 void castRaysInCellOn(const RaySampling& rays, const SlabContext& context, const CellInput& in, const TilePixels& tile,

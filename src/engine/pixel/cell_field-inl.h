@@ -35,6 +35,17 @@ namespace {
 using D2 = hn::CappedTag<float, 2>;
 using D4 = hn::CappedTag<float, 4>;
 
+// Trilinear interpolation of a patch at a found sample. shape: `patch` as loadPatch's.
+HWY_INLINE float interpolatedAt(const float* patch, const CellSamples& samples, std::size_t sample) {
+  const float x = samples.fraction[0][sample], y = samples.fraction[1][sample], z = samples.fraction[2][sample];
+  const auto mixed = [](float a, float b, float t) { return a + t * (b - a); };
+  const auto row = [&](int dy, int dz) {
+    const float* const first = patch + samples.offset[sample] + dz * CellInput::kPlane + dy * kPatchStride;
+    return mixed(first[0], first[1], x);
+  };
+  return mixed(mixed(row(0, 0), row(1, 0), y), mixed(row(0, 1), row(1, 1), y), z);
+}
+
 // Trilinear interpolation of voxels and of central differences. kGaps: voxels may be NaN. Equation (3).
 template <bool kGaps>
 class LinearCellField {
