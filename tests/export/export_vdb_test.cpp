@@ -205,6 +205,27 @@ TEST_F(ExportVdb, KeepsNanInfinityAndTheSignOfZero) {
   }
 }
 
+// NaN is equal to nothing, so that a leaf whose first voxel is NaN, or whose others are, could count as constant.
+TEST_F(ExportVdb, KeepsTheVoxelsBesideNan) {
+  const SourceInfo info = denseInfo(VoxelType::f32, {16, 8, 8});
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const auto f = [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    if (x < 8) return x + y + z == 0 ? nan : static_cast<float>(x + 8 * y + 64 * z);
+    return x == 9 ? nan : 5.0f;
+  };
+  makeStore<float>(directory_ / "s.kiln", info, f);
+  exported();
+  const test::DirectGrid grid(out(), "density");
+  for (std::int64_t x = 0; x < 16; ++x) {
+    for (std::int64_t y = 0; y < 8; ++y) {
+      for (std::int64_t z = 0; z < 8; ++z) {
+        const float expected = f(x, y, z), found = static_cast<float>(grid.value({x, y, z}));
+        EXPECT_TRUE(std::isnan(expected) ? std::isnan(found) : found == expected) << x << " " << y << " " << z;
+      }
+    }
+  }
+}
+
 // From OpenVDB to a store and back: both files hold equal values at every coordinate of the source's active box.
 void expectRoundTrip(const fs::path& in, const fs::path& store, const fs::path& out) {
   const auto source = openVdb(in, {});

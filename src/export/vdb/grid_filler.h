@@ -71,8 +71,9 @@ class GridFiller {
   /// Memory that `finish` adds. unit: bytes.
   std::uint64_t finishBytes() const { return 0; }
   openvdb::GridPtrVec finish() {
-    // Merges only nodes of one value and state, compared exactly. Skipped for signed zeros, because == would lose -0.
-    if (!signed_zero_) grid_->pruneGrid(0);
+    // Merges nodes of one value and state. OpenVDB compares values by ==: -0 would be lost, and a node whose first
+    // value is NaN counts as equal throughout.
+    if (!compares_otherwise_) grid_->pruneGrid(0);
     if constexpr (std::is_same_v<Value, float>)
       grid_->setSaveFloatAsHalf(values_.type != VdbType::kFloat && half_ && survivesHalf(background_));
     return {grid_};
@@ -107,7 +108,8 @@ class GridFiller {
     return !isBackground(value);
   }
   void note(Value value) {
-    if constexpr (std::is_floating_point_v<Value>) signed_zero_ |= value == 0 && std::signbit(value);
+    if constexpr (std::is_floating_point_v<Value>)
+      compares_otherwise_ |= std::isnan(value) || (value == 0 && std::signbit(value));
     if constexpr (std::is_same_v<Value, float>) half_ = half_ && survivesHalf(value);
   }
 
@@ -117,7 +119,7 @@ class GridFiller {
   const GridPlacement& place_;
   typename Grid::Ptr grid_;
   double largest_error_ = 0;
-  bool half_ = true, signed_zero_ = false;
+  bool half_ = true, compares_otherwise_ = false;  // the latter: a value is -0 or NaN
 };
 
 }  // namespace kiln
