@@ -66,5 +66,40 @@ TEST_F(PendingFolderReplaces, InSteps_refusesATakenNameForTheOldFolder) {
   EXPECT_TRUE(fs::exists(out_ / "old.txt"));
 }
 
+// Files that leave the folder together: b.txt replaces an older file.
+class PendingFolderMovesOut : public ::testing::Test {
+ protected:
+  PendingFolderMovesOut() { writeText(folder_ / "b.txt", "old"); }
+  void moveOutOn(FileSystem& disk) const {
+    PendingFolder folder(folder_ / "out", "a test", Leftover::kRefuse, disk);
+    folder.keep();
+    for (const char* name : {"a.txt", "b.txt", "c.txt"}) writeText(folder.path() / name, "new");
+    folder.moveOut({folder_ / "a.txt", folder_ / "b.txt", folder_ / "c.txt"});
+  }
+  std::string textOf(const std::string& name) const {
+    return fs::exists(folder_ / name) ? readTextFile(folder_ / name) : "none";
+  }
+  const fs::path folder_ = freshDirectory("pending_folder_moves");
+};
+
+TEST_F(PendingFolderMovesOut, AllFiles_replaceOlderFiles) {
+  moveOutOn(FileSystem::real());
+  for (const char* name : {"a.txt", "b.txt", "c.txt"}) EXPECT_EQ(textOf(name), "new") << name;
+  EXPECT_FALSE(fs::exists(folder_ / "out.partial"));
+}
+
+// Where a disk cannot exchange names, b.txt takes three renames: c.txt is the fifth.
+TEST_F(PendingFolderMovesOut, AfterAFailure_bothTheOldAndTheNewFilesAreThere) {
+  for (const int failing : {1, 2, 3, 4, 5}) {
+    PlainDisk disk(failing);
+    expectError([&] { moveOutOn(disk); }, ErrorCode::kIo, "cannot be renamed");
+    EXPECT_EQ(textOf("a.txt"), "none") << failing;
+    EXPECT_EQ(textOf("b.txt"), "old") << failing;
+    for (const char* name : {"a.txt", "b.txt", "c.txt"})
+      EXPECT_EQ(textOf(std::string("out.partial/") + name), "new") << failing << name;
+    fs::remove_all(folder_ / "out.partial");
+  }
+}
+
 }  // namespace
 }  // namespace kiln::test

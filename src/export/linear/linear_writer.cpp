@@ -2,9 +2,11 @@
 
 #include <bit>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "base/file/path_status.h"
+#include "base/file/temporary_file.h"
 #include "export/output/gzip_output.h"
 #include "export/source/output_place.h"
 
@@ -23,8 +25,21 @@ class HeaderBeside {
   }
   void publishAfter(PendingFile& voxels) {
     file_.sync();
-    if (isThere(path_)) disk_.removeAll(behindLinks(path_));
-    voxels.publish();
+    if (!isThere(path_)) {
+      voxels.publish();
+    } else {
+      const std::filesystem::path header = behindLinks(path_);
+      const TemporaryFile old(header);
+      disk_.rename(header, old.path());
+      std::error_code ignored;
+      try {
+        voxels.publish();
+      } catch (...) {
+        std::filesystem::rename(old.path(), header, ignored);
+        throw;
+      }
+      std::filesystem::remove(old.path(), ignored);
+    }
     file_.publish();
   }
   std::uint64_t size() const { return file_.size(); }

@@ -70,15 +70,39 @@ PendingFolder::~PendingFolder() {
 
 void PendingFolder::moveOut(const std::vector<fs::path>& files) {
   sync();
-  std::size_t moved = 0;
+  // Names are exchanged, so that a failure can exchange them back: the folder holds the replaced files until its end.
+  const auto own = [&](const fs::path& file) { return path_ / file.filename(); };
+  std::vector<fs::path> moved, replaced;
   try {
-    for (; moved < files.size(); ++moved) disk_.rename(path_ / files[moved].filename(), files[moved]);
+    for (const fs::path& file : files) {
+      if (!isNameTaken(file)) {
+        disk_.rename(own(file), file);
+        moved.push_back(file);
+      } else {
+        exchangeNames(own(file), file);
+        replaced.push_back(file);
+      }
+    }
   } catch (...) {
     std::error_code ignored;
-    while (moved-- > 0) fs::remove(files[moved], ignored);
+    for (const fs::path& file : moved) fs::rename(file, own(file), ignored);
+    for (const fs::path& file : replaced) {
+      try {
+        exchangeNames(own(file), file);
+      } catch (const Error&) {  // both files stay, the new under its name
+      }
+    }
     throw;
   }
   kept_ = false;
+}
+
+// In steps where the disk cannot exchange two names.
+void PendingFolder::exchangeNames(const fs::path& own, const fs::path& file) {
+  if (disk_.exchange(own, file)) return;
+  const fs::path old = own.string() + ".old";
+  disk_.renameInSteps(own, file, old);
+  disk_.rename(old, own);
 }
 
 // After an exchange the destructor removes the old folder.

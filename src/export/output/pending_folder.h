@@ -38,13 +38,15 @@ class PendingFolder {
   /// Brings all files onto the disk and gives the folder the name `out`; a folder of this name is replaced in one step
   /// where the disk can. throws: Error kIo, kNoSpace.
   void publish();
-  /// Brings all files onto the disk and moves the files named like `files` to `files`, together: after a failure none
-  /// is there. The destructor then removes the folder. throws: Error kIo, kNoSpace.
+  /// Brings all files onto the disk and moves the files named like `files` to `files`, together: after a failure all
+  /// are in the folder again, and replaced files have their names. The destructor removes the folder with the replaced
+  /// files; after a failure only if it was not kept. throws: Error kIo, kNoSpace.
   void moveOut(const std::vector<std::filesystem::path>& files);
 
  private:
   void sync() { disk_.syncAll(path_); }
   void replaceInSteps();
+  void exchangeNames(const std::filesystem::path& own, const std::filesystem::path& file);
   void begin(const std::string& contents, Leftover leftover);
 
   const std::filesystem::path out_, path_;

@@ -101,13 +101,13 @@ VdbReport exportTiles(const StoreReader& store, const ExportedVolume& whole, con
       sum.bytes += report->bytes;
       sum.largest_error = std::max(sum.largest_error, report->largest_error);
     }
+    folder.publish(names);
   } catch (...) {
     if (done > 0)
       progress.note(fmt::format("{}: {} of {} tiles are kept in {}; continue with --resume", request.out.string(), done,
                                 tiles.size(), folder.path().string()));
     throw;
   }
-  folder.publish(names);
   return sum;
 }
 
