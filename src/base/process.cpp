@@ -23,6 +23,11 @@
 extern char** environ;
 
 namespace kiln {
+namespace {
+
+constexpr int kWait_ms = 100;  // between two calls of a handler that waits
+
+}  // namespace
 
 std::string hostName() {
   char name[256] = {};
@@ -117,8 +122,33 @@ void ChildProcess::fail(const std::string& what) const {
   throw Error(ErrorCode::kIo, program_, "", what + (last.empty() ? "" : ": " + last));
 }
 
+std::optional<std::string> outputOf(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                                    std::size_t most_bytes, const std::function<void()>& waiting) {
+  using namespace std::chrono_literals;
+  ChildProcess child(program, arguments, true);
+  std::string out, how;
+  std::array<char, 4096> buffer;
+  while (true) {
+    pollfd answer{child.socket(), POLLIN, 0};
+    if (::poll(&answer, 1, kWait_ms) <= 0) {
+      waiting();
+      continue;
+    }
+    const ssize_t got = ::recv(child.socket(), buffer.data(), buffer.size(), MSG_DONTWAIT);
+    if (got < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+    if (got <= 0) break;  // the program has closed its output
+    out.append(buffer.data(), static_cast<std::size_t>(got));
+    if (out.size() > most_bytes) return std::nullopt;
+  }
+  while (!child.hasEnded(how)) {
+    waiting();
+    std::this_thread::sleep_for(20ms);
+  }
+  if (!how.empty() || !child.lastError().empty()) return std::nullopt;
+  return out;
+}
+
 void FedProcess::write(std::span<const std::byte> data, const WaitHandler& waiting) {
-  constexpr int kWait_ms = 100;
   while (!data.empty()) {
     pollfd room{child_.socket(), POLLOUT, 0};
     if (::poll(&room, 1, kWait_ms) <= 0) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,6 +43,12 @@ class ChildProcess {
   int socket_ = -1, error_output_ = -1;
   int process_ = -1;
 };
+
+/// Runs a program without input. Returns its standard output; nothing if the program fails, writes to its standard
+/// error, or prints more than `most_bytes`. `waiting` is called several times a second and may throw. requires, throws:
+/// as ChildProcess; any exception of `waiting`.
+std::optional<std::string> outputOf(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                                    std::size_t most_bytes, const std::function<void()>& waiting);
 
 /// Runs a program whose standard input is fed by `write`. Its standard output is discarded. Destruction before `finish`
 /// kills the program.

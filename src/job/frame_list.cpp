@@ -93,6 +93,10 @@ bool hasFramePlace(const std::filesystem::path& pattern) {
   return text.find('#', literalPart(text)) != std::string::npos;
 }
 
+std::filesystem::path withFramePlace(const std::filesystem::path& path) {
+  return path.parent_path() / (path.stem().string() + "_####" + path.extension().string());
+}
+
 std::filesystem::path pathOfFrame(const std::filesystem::path& pattern, int frame) {
   const std::string text = pattern.string();
   const std::size_t literal = literalPart(text);

@@ -22,6 +22,9 @@ std::string framesText(const std::vector<int>& frames);
 /// Returns whether the path has a place for a frame's number: a run of '#'.
 bool hasFramePlace(const std::filesystem::path& pattern);
 
+/// Returns a name like the path's, with a place: "a_####.exr" for "a.exr".
+std::filesystem::path withFramePlace(const std::filesystem::path& path);
+
 /// Returns the path with the number in each run of `#`, filled with zeros: "a_####.exr" is "a_0012.exr" for 12.
 std::filesystem::path pathOfFrame(const std::filesystem::path& pattern, int frame);
 

@@ -296,10 +296,9 @@ void requirePlaces(const RenderJob& job, int frame) {
   for (const OutputFile& file : filesOf(job, frame)) FileSystem::real().requirePlaceFor(file.path);
 }
 
-fs::path videoFrameOf(const RenderJob& job, int frame) {
+OutputFile videoFrameOf(const RenderJob& job, int frame) {
   const std::vector<OutputFile> files = filesOf(job, frame);
-  return std::find_if(files.begin(), files.end(), [&](const OutputFile& file) { return isVideoFrame(file, job); })
-      ->path;
+  return *std::find_if(files.begin(), files.end(), [&](const OutputFile& file) { return isVideoFrame(file, job); });
 }
 
 void requireOutputs(const RenderJob& job, const std::vector<int>& frames) {
@@ -308,10 +307,9 @@ void requireOutputs(const RenderJob& job, const std::vector<int>& frames) {
     requireOpaqueJpeg(job, file.path);
     requireImagePath(file.path, aovsOf(job, file).any());
     if (frames.size() > 1 && !hasFramePlace(file.path)) {
-      const fs::path numbered = file.path.stem().string() + "_####" + file.path.extension().string();
       throw Error(ErrorCode::kUsage, file.path, "",
                   fmt::format("has no place for the numbers of {} frames; write {}", frames.size(),
-                              (file.path.parent_path() / numbered).string()));
+                              withFramePlace(file.path).string()));
     }
   }
   FileNames seen;

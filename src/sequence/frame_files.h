@@ -20,7 +20,7 @@ std::vector<OutputFile> filesOf(const RenderJob& job, int frame);
 /// Checks, before a frame is drawn, that its files can be made. throws: as FileSystem::requirePlaceFor.
 void requirePlaces(const RenderJob& job, int frame);
 /// Returns the file whose colours the video takes. requires: a video.
-std::filesystem::path videoFrameOf(const RenderJob& job, int frame);
+OutputFile videoFrameOf(const RenderJob& job, int frame);
 /// Returns true if the job's only output is a video. Returns the folder of the video's frames.
 bool keepsFramesForVideo(const RenderJob& job);
 std::filesystem::path keptFramesOf(const VideoOptions& video);

@@ -36,13 +36,14 @@ class Sequence {
 
   SequenceResult run() {
     if (checkpoint_) requireCheckpoint(job_);
+    video_there_ = resume_ && frames_.hasVideo();
     frames_.makeFolders();
     frames_.requireScenes();
     listener_.started(job_, frames_.numbers());
     for (const int frame : frames_.numbers()) attempt(frame, [&] { handle(frame); });
     finishWriting();
     frames_.describeMemory(result_.statistics);
-    if (result_.statistics.failed.empty()) frames_.makeVideo();
+    if (result_.statistics.failed.empty()) frames_.makeVideo(video_there_);
     return std::move(result_);
   }
 
@@ -70,7 +71,7 @@ class Sequence {
 
   void handle(int frame) {
     progress_.throwIfCancelled("rendering");
-    if (resume_ && frames_.isThere(frame)) {
+    if (resume_ && ((video_there_ && keepsFramesForVideo(job_)) || frames_.isThere(frame))) {
       frames_.removeLeftovers(frame);
       if (checkpoint_) FileSystem::real().removeAll(checkpointOf(job_, frame));
       result_.statistics.kept.push_back(frame);
@@ -96,21 +97,21 @@ class Sequence {
       writeFrame(opened.job(), frame, drawn, opened.firstVolume(), opened.memory().files);
       return written(opened, frame, drawn.statistics);
     }
-    unwritten_.emplace(Unwritten{frame, opened, std::move(drawn)});
+    unwritten_ = std::make_unique<Unwritten>(Unwritten{frame, opened, std::move(drawn)});
     if (!writer_) writer_.emplace("writes");
     writer_->begin([&of = *unwritten_] {
       writeFrame(of.opened.job(), of.frame, of.drawn, of.opened.firstVolume(), of.opened.memory().files);
     });
   }
 
-  // Waits until the previous frame is written.
+  // Waits until the previous frame is written. A frame is waited for once: its failure is known after the first wait.
   void finishWriting() {
-    if (!unwritten_) return;
-    attempt(unwritten_->frame, [&] {
+    const std::unique_ptr<Unwritten> last = std::move(unwritten_);
+    if (!last) return;
+    attempt(last->frame, [&] {
       writer_->wait();
-      written(unwritten_->opened, unwritten_->frame, unwritten_->drawn.statistics);
+      written(last->opened, last->frame, last->drawn.statistics);
     });
-    unwritten_.reset();
   }
 
   void written(const OpenedJob& opened, int frame, const FrameStatistics& statistics) {
@@ -126,10 +127,11 @@ class Sequence {
   Progress& progress_;
   SequenceListener& listener_;
   SequenceFrames frames_;
+  bool video_there_ = false;  // an earlier run has made the video
   std::size_t done_ = 0;
   SequenceResult result_;
   std::map<int, std::unique_ptr<FileLock>> tile_locks_;  // by frame, on checkpoints until the frame's files are written
-  std::optional<Unwritten> unwritten_;
+  std::unique_ptr<Unwritten> unwritten_;
   std::optional<WorkerThread> writer_;  // destroyed first: waits for the files
 };
 
@@ -156,6 +158,7 @@ MemoryBeside besideBytes(const RenderJob& job, const SequenceOptions& options) {
 
 SequenceResult runSequence(const RenderJob& given, const SequenceOptions& options, Progress& progress,
                            SequenceListener& listener) {
+  if (filesOf(given, 1).empty()) throw Error(ErrorCode::kUsage, "output: is missing; name the picture to write");
   const ThreadLimit threads(given.speed.threads);
   RenderJob job = given;
   // Precedes the first collective step: messages depend on frames and volumes.

@@ -8,6 +8,7 @@
 #include "base/file/file.h"
 #include "base/file/path_status.h"
 #include "base/file/temporary_file.h"
+#include "base/hash.h"
 #include "job/frame_list.h"
 #include "job/job_facts.h"
 #include "sequence/frame_annotations.h"
@@ -152,12 +153,29 @@ RenderJob SequenceFrames::jobToWrite(const OpenedJob& opened) const {
   return job;
 }
 
-void SequenceFrames::makeVideo() const {
+// A hash of all that the frames depend on. Empty, so that no run keeps the video, where damaged bricks may be missing.
+std::string SequenceFrames::videoRecord() {
+  if (job_.picture.skip_damaged) return {};
+  std::string frames = job_.output.video.rate.text();
+  for (const int frame : numbers_) {
+    const OpenedJob& opened = openedFor(frame);
+    frames += "\n" + contentHash(jobAtFrame(job_, frame), videoFrameOf(job_, frame), sceneToWrite(opened, frame),
+                                 opened.firstVolume().manifest());
+  }
+  return "kiln:" + toHex(hashOf(std::string_view(frames)));
+}
+
+bool SequenceFrames::hasVideo() {
+  const VideoOptions& video = job_.output.video;
+  return !video.path.empty() && kiln::isThere(video.path) && isVideoOf(video, videoRecord(), progress_);
+}
+
+void SequenceFrames::makeVideo(bool there) {
   const VideoOptions& video = job_.output.video;
   if (video.path.empty()) return;
   std::vector<fs::path> pictures;
-  for (const int frame : numbers_) pictures.push_back(videoFrameOf(job_, frame));
-  writeVideo(pictures, video, job_.speed.memory_bytes, progress_);
+  for (const int frame : numbers_) pictures.push_back(videoFrameOf(job_, frame).path);
+  if (!there) writeVideo(pictures, video, videoRecord(), job_.speed.memory_bytes, progress_);
   if (!keepsFramesForVideo(job_)) return;
   // Also removes the folder, unless it holds other files.
   for (const fs::path& picture : pictures) FileSystem::real().removeAll(picture);

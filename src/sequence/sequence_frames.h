@@ -65,13 +65,17 @@ class SequenceFrames {
   /// Return scene and job for the headers of files: without the part.
   FrameScene sceneToWrite(const OpenedJob& opened, int frame) const;
   RenderJob jobToWrite(const OpenedJob& opened) const;
-  void makeVideo() const;
+  /// Returns whether a whole video of these frames is there.
+  bool hasVideo();
+  /// Makes the job's video of the frames' files, unless `there`, and removes frames that were kept for it alone.
+  void makeVideo(bool there);
   /// Adds the memory of all stores opened so far.
   void describeMemory(RenderStatistics& statistics) const;
   /// Returns the error of an interrupt, with the way to resume after `done` finished frames.
   Error interrupted(std::optional<std::size_t> done) const;
 
  private:
+  std::string videoRecord();
   const RenderJob& job_;
   const StoreFor store_for_;
   Progress& progress_;

@@ -5,8 +5,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "base/file/file.h"
+#include "base/file/path_status.h"
 #include "base/process.h"
 #include "image/file/image_file.h"
 #include "image/srgb.h"
@@ -28,7 +30,8 @@ std::vector<std::byte> overBlack(const Image& image) {
 
 }  // namespace
 
-std::vector<std::string> encoderArguments(const VideoOptions& options, int width, int height, const fs::path& file) {
+std::vector<std::string> encoderArguments(const VideoOptions& options, int width, int height, const std::string& record,
+                                          const fs::path& file) {
   const bool webm = extensionOf(options.path) == ".webm";
   std::vector<std::string> out = {"-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"};
   const auto add = [&](std::initializer_list<std::string> more) { out.insert(out.end(), more); };
@@ -42,19 +45,32 @@ std::vector<std::string> encoderArguments(const VideoOptions& options, int width
     add({"-c:v", "libx264", "-crf", "16"});
   // Leaves out the encoder's name and the time, so that equal frames give equal files.
   add({"-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact"});
+  if (!record.empty()) add({"-metadata", "comment=" + record});
   // ffmpeg reads a colon as the end of a protocol's name, and a temporary file has no ending: both are named here.
   const std::string ending = extensionOf(options.path);
   add({"-f", ending == ".mkv" ? "matroska" : ending.substr(1), "file:" + file.string()});
   return out;
 }
 
-void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& options, std::uint64_t memory_bytes,
-                Progress& progress) {
+bool isVideoOf(const VideoOptions& options, const std::string& record, Progress& progress) {
+  if (record.empty() || !isThere(options.path)) return false;
+  // Decodes the frames, and prints the tags as lines "comment=TEXT".
+  constexpr std::size_t kMostTags_bytes = 1 << 16;
+  const std::optional<std::string> tags =
+      outputOf(options.encoder,
+               {"-nostdin", "-loglevel", "error", "-xerror", "-i", "file:" + options.path.string(), "-map", "0:v", "-f",
+                "null", "-", "-f", "ffmetadata", "pipe:1"},
+               kMostTags_bytes, [&] { progress.throwIfCancelled("checking the video"); });
+  return tags && tags->find("=" + record + "\n") != std::string::npos;
+}
+
+void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& options, const std::string& record,
+                std::uint64_t memory_bytes, Progress& progress) {
   FileSystem& disk = FileSystem::real();
   disk.replace(options.path, [&](const fs::path& temporary) {
     Image image = readImage(pictures.front(), {}, memory_bytes);
     const int width = image.width, height = image.height;
-    FedProcess encoder(options.encoder, encoderArguments(options, width, height, temporary));
+    FedProcess encoder(options.encoder, encoderArguments(options, width, height, record, temporary));
     const auto waiting = [&] { progress.throwIfCancelled("making the video"); };
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       waiting();

@@ -12,13 +12,17 @@ namespace kiln {
 
 /// Reads the pictures in order, lays each over black as 8-bit sRGB and passes it to the encoder. The video is written
 /// whole or not at all. Equal pictures give equal bytes with one version of the encoder. Reading a picture takes at
-/// most `memory_bytes`. throws: as readImage; Error kUsage where pictures differ in size; kNotFound, kIo with the
-/// encoder's message; kCancelled.
+/// most `memory_bytes`. `record` becomes the video's comment; empty for none. throws: as readImage; Error kUsage where
+/// pictures differ in size; kNotFound, kIo with the encoder's message; kCancelled.
 void writeVideo(const std::vector<std::filesystem::path>& pictures, const VideoOptions& options,
-                std::uint64_t memory_bytes, Progress& progress);
+                const std::string& record, std::uint64_t memory_bytes, Progress& progress);
+
+/// Returns whether the video is there, is readable to its end and has the record. cost: decodes all frames. throws:
+/// Error kIo, kCancelled.
+bool isVideoOf(const VideoOptions& options, const std::string& record, Progress& progress);
 
 /// Returns the encoder's arguments. Odd sizes get one more row or column of black.
-std::vector<std::string> encoderArguments(const VideoOptions& options, int width, int height,
+std::vector<std::string> encoderArguments(const VideoOptions& options, int width, int height, const std::string& record,
                                           const std::filesystem::path& file);
 
 }  // namespace kiln

@@ -47,9 +47,9 @@ class SequenceCli : public ToolTest {
   // exists.
   std::string pathWithFfmpeg() const {
     fs::create_directories(in("bin"));
-    writeText(in("bin/ffmpeg"), "#!/bin/sh\necho \"$@\" > " + in("arguments") +
-                                    "\nfor last; do :; done\ncat > \"${last#file:}\"\nif [ -e " + in("fail") +
-                                    " ]; then echo 'no such codec' >&2; exit 3; fi\n");
+    writeText(in("bin/ffmpeg"), "#!/bin/sh\ncase \"$*\" in *ffmetadata*) exit 1;; esac\necho \"$@\" > " +
+                                    in("arguments") + "\nfor last; do :; done\ncat > \"${last#file:}\"\nif [ -e " +
+                                    in("fail") + " ]; then echo 'no such codec' >&2; exit 3; fi\n");
     fs::permissions(in("bin/ffmpeg"), fs::perms::owner_all);
     return in("bin") + ":" + std::getenv("PATH");
   }
@@ -318,6 +318,31 @@ TEST_F(SequenceCli, Video_ByTheInstalledFfmpeg_HasEveryFrame) {
         in(video) + "' > '" + in("probed") + "'";
     ASSERT_EQ(std::system(command.c_str()), 0) << video;
     EXPECT_EQ(readTextFile(in("probed")), "40,36,25/2,5\n") << video;
+  }
+}
+
+// Known: a video of the same frames has nothing to add, and is kept. A truncated file, another picture or another rate
+// is another video. Frames that an earlier run left are removed.
+TEST_F(SequenceCli, Video_thatIsThere_isKeptByResume) {
+  if (std::system("ffmpeg -version > /dev/null 2>&1") != 0) GTEST_SKIP() << "ffmpeg is not installed";
+  for (const char* name : {"v.mp4", "v.mkv", "v.mov", "v.webm"}) {
+    const std::string video = in(name);
+    const auto drawn = [&](const std::string& size, const std::string& rate) {
+      return done({"render", in("h.kiln"), "-o", video, "--turntable", "3", "--size", size, "--rate", rate, "--resume"})
+          .out;
+    };
+    EXPECT_NE(drawn("40x36", "10").find("3 drawn, 0 kept"), std::string::npos) << name;
+    const std::vector<std::byte> whole = readFile(video);
+    const auto time = fs::last_write_time(video);
+    fs::create_directory(video + ".frames");
+    EXPECT_NE(drawn("40x36", "10").find("0 drawn, 3 kept"), std::string::npos) << name;
+    EXPECT_EQ(fs::last_write_time(video), time) << name;
+    EXPECT_FALSE(fs::exists(video + ".frames")) << name;
+    fs::resize_file(video, whole.size() / 2);
+    EXPECT_NE(drawn("40x36", "10").find("3 drawn, 0 kept"), std::string::npos) << name;
+    EXPECT_TRUE(readFile(video) == whole) << name;
+    EXPECT_NE(drawn("40x36", "20").find("3 drawn, 0 kept"), std::string::npos) << name;
+    EXPECT_NE(drawn("36x40", "20").find("3 drawn, 0 kept"), std::string::npos) << name;
   }
 }
 
