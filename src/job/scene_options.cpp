@@ -225,7 +225,8 @@ const Options<Lens>& lensOptions() {
           "Depth of field: the diameter of the lens. The picture is the mean of pictures from points of the lens."),
       Row("focus", "--focus", kCamera,
           {KILN_MEMBER(focus), Number{kPositiveLength.range, "world units", kPositiveLength.name}, has_lens},
-          "Depth of what is sharp. Default: the depth of the target."),
+          "Depth of what is sharp: Z of --aov depth in the picture. Default: the depth of the target, often inside of "
+          "what is seen."),
       Row("eyes", "--aperture-eyes", kCamera, {KILN_MEMBER(eyes), Whole{1, kMostEyes, "points"}, has_lens},
           "Points of the lens; the time of a picture is proportional."),
   };

@@ -102,7 +102,7 @@ TEST_F(SceneCli, DistancesOfSamples) {
   expectRefused({"--lattice", "voxel", "--sample-distance", "0.6"},
                 "--sample-distance: needs --lattice pixel, or several volumes (found --lattice voxel)");
   expectRefused({"--mode", "mip", "--sample-distance", "0.6"},
-                "--sample-distance: needs --lattice pixel, or several volumes (found --mode mip)");
+                "--sample-distance: needs --mode composite (found --mode mip)");
 }
 
 // Each option changes the picture, and its effect is in the header.
@@ -335,10 +335,36 @@ TEST_F(SceneCli, ValuesAreProjected) {
   expectRefused({"--aov", "value"},
                 "--aov: value needs --mode mip, minip, average or attenuated-mip (found --lattice pixel)");
   expectRefused({"--mode", "mip", "--aov", "depth"},
-                "--aov: depth and normal need --lattice pixel, --lattice voxel, or several volumes (found --mode mip)");
+                "--aov: depth and normal need --mode composite (found --mode mip)");
   expectRefused({"--mode", "mip", "--lattice", "voxel"}, "--lattice voxel: needs --mode composite (found mip)");
   expectRefused({"--mode", "minip", "--interpolation", "cubic"},
-                "--interpolation cubic: needs --lattice pixel, or several volumes (found --mode minip)");
+                "--interpolation cubic: needs --mode composite (found --mode minip)");
+}
+
+// Known: a view, in place of the eye that a picture's job states, is the view of a picture of the store; a turn of the
+// eye is the turn of that view, at its distance.
+TEST_F(SceneCli, APicture_isDrawnAgainFromAnotherSide) {
+  const auto again = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words = {"render", in("a.exr"), "-o", in("again.exr")};
+    words.insert(words.end(), options.begin(), options.end());
+    const ToolResult result = runTool(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return readImage(in("again.exr"));
+  };
+  const auto from = [&](const std::string& side, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"--view", side, "--projection", "orthographic"};
+    words.insert(words.end(), more.begin(), more.end());
+    return drawn(words);
+  };
+  const Image left = from("left", {"--fit", "box"});
+  const Image left_as_high = from("left", {"--height", "30"}), left_enlarged = from("left", {"--height", "15"});
+  from("front", {"--height", "30"});  // the picture that is drawn again
+  EXPECT_EQ(again({"--view", "left", "--fit", "box"}).rgba, left.rgba);
+  EXPECT_LT(compareImages(again({"--azimuth", "90"}), left_as_high).largest, 2e-3);
+  EXPECT_LT(compareImages(again({"--azimuth", "90", "--zoom", "2"}), left_enlarged).largest, 2e-3);
+  // An eye replaces a view.
+  const ToolResult dry = runTool({"render", in("a.exr"), "-o", in("again.exr"), "--eye", "1,2,300", "--dry-run"});
+  EXPECT_EQ(dry.exit_code, 0) << dry.err;
 }
 
 TEST_F(SceneCli, APairOfEyes) {

@@ -527,6 +527,31 @@ TEST(CameraSpec, AnEyeLooksAtTheMiddleWithAUsableUp) {
   EXPECT_EQ(spec.resolve(volume, {64, 64}).height, 4);
 }
 
+// Known because a framed camera of the front, given as an eye and turned by 40 and 20 degrees, is the framed camera
+// that is turned so, at its distance.
+TEST(CameraSpec, AnEye_turnsAsTheFramingAndZoomsByItsAngle) {
+  for (const Patient& patient : kPatients) {
+    const VolumeGeometry volume = boxOfSize(20, 20, 20, patient.frame);
+    CameraSpec framed;
+    framed.side = Side::kFront;
+    const Camera front = framed.resolve(volume, {100, 100});
+    framed.azimuth_deg = 40, framed.elevation_deg = 20;
+    const Camera expected = framed.resolve(volume, {100, 100});
+    CameraSpec spec;
+    spec.eye = front.eye, spec.target = front.target, spec.up = front.up;
+    spec.azimuth_deg = 40, spec.elevation_deg = 20, spec.zoom = 2;
+    const Camera camera = spec.resolve(volume, {100, 100});
+    const glm::dvec3 away = camera.eye - camera.target;
+    EXPECT_LT(glm::distance(glm::normalize(away), glm::normalize(expected.eye - expected.target)), 1e-12);
+    EXPECT_NEAR(glm::length(away), glm::distance(front.eye, front.target), 1e-9);
+    EXPECT_LT(glm::length(glm::cross(glm::cross(camera.up, away), glm::cross(expected.up, away))), 1e-9);
+    EXPECT_NEAR(std::tan(glm::radians(camera.fov_deg / 2)), std::tan(glm::radians(30.0)) / 2, 1e-12);
+    spec.projection = Projection::kOrthographic;
+    spec.height = 4;
+    EXPECT_EQ(spec.resolve(volume, {100, 100}).height, 2);
+  }
+}
+
 TEST(CameraSpec, ATargetMovesTheFraming) {
   const VolumeGeometry volume = boxOfSize(11, 11, 11);
   CameraSpec spec;
@@ -544,14 +569,12 @@ TEST(CameraSpec, RefusesContradictions) {
   spec.side = Side::kFront;
   expectRefused(spec, "eye", "view");
   spec = eye;
+  spec.projection = Projection::kEquirectangular;
   spec.azimuth_deg = 0;
-  expectRefused(spec, "eye", "azimuth");
+  expectRefused(spec, "azimuth", "equirectangular");
   spec = eye;
-  spec.elevation_deg = 0;
-  expectRefused(spec, "eye", "elevation");
-  spec = eye;
-  spec.zoom = 1;
-  expectRefused(spec, "eye", "zoom");
+  spec.zoom = 0;
+  expectRefused(spec, "zoom", "above 0");
   spec = eye;
   spec.height = 1;
   expectRefused(spec, "height", "orthographic");

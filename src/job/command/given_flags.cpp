@@ -37,6 +37,23 @@ void requireStillCamera(const GivenFlags& flags, const RenderJob& job) {
   }
 }
 
+// A given view replaces the eye of the job, and a given eye the framing.
+void replaceCamera(const GivenFlags& flags, CameraSpec& camera) {
+  if (flags.has("--camera")) return;  // replaces all
+  if (flags.has("--view") && !flags.has("--eye") && camera.eye) {
+    camera.eye.reset();
+    camera.target.reset();
+    camera.up.reset();
+    camera.roll_deg.reset();
+    camera.height.reset();
+  } else if (flags.has("--eye") && !flags.has("--view")) {
+    camera.side.reset();
+    camera.azimuth_deg.reset();
+    camera.elevation_deg.reset();
+    camera.zoom.reset();
+  }
+}
+
 }  // namespace
 
 std::string nameOfFlag(std::string_view flag) { return std::string(flag.substr(flag.rfind(',') + 1)); }
@@ -52,6 +69,14 @@ std::optional<std::string> GivenFlags::text(std::string_view flag) const {
   return std::nullopt;
 }
 
+std::optional<std::string> GivenFlags::otherThan(std::initializer_list<std::string_view> flags) const {
+  for (const Given& given : given_) {
+    std::string name = nameOfFlag(given.flag->flag);
+    if (std::find(flags.begin(), flags.end(), name) == flags.end()) return name;
+  }
+  return std::nullopt;
+}
+
 void GivenFlags::apply(RenderJob& job) const {
   for (const auto& [flag, texts] : given_) flag->apply(texts, job);
 }
@@ -59,6 +84,7 @@ void GivenFlags::apply(RenderJob& job) const {
 void applyGiven(const GivenFlags& flags, bool of_volume, RenderJob& job) {
   requireStillCamera(flags, job);
   requireStereo(flags, job.picture.stereo);
+  replaceCamera(flags, job.picture.camera);
   flags.apply(job);
   if (flags.hasAny({"--interocular", "--convergence"})) job.animation.stereo.clear();
   if (flags.text("--projection") == kProjectionNames[2] && !flags.has("--size") && of_volume)

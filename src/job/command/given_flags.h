@@ -23,6 +23,8 @@ class GivenFlags {
   bool has(std::string_view flag) const { return text(flag).has_value(); }
   bool hasAny(std::initializer_list<std::string_view> flags) const;
   std::optional<std::string> text(std::string_view flag) const;
+  /// Returns the first given flag that is none of these.
+  std::optional<std::string> otherThan(std::initializer_list<std::string_view> flags) const;
   /// Replaces the given options of the job. throws: Error kUsage naming the flag.
   void apply(RenderJob& job) const;
 

@@ -21,9 +21,10 @@ struct UnpannedCamera {
   glm::dvec2 pan{0};
 };
 
-/// Either an eye or a framing; each key is optional. Defaults with an eye: target at the volume's centre, up superior,
-/// fov 60, and an orthographic height that fits. Defaults without: `defaultFraming`, or a side seen straight; a target
-/// then moves eye and target together. A named projection ignores the other projection's fov or height.
+/// Either an eye or a framing; each key is optional. Azimuth and elevation turn an eye about its target, and zoom
+/// enlarges its picture. Defaults with an eye: target at the volume's centre, up superior, fov 60, and an orthographic
+/// height that fits. Defaults without: `defaultFraming`, or a side seen straight; a target then moves eye and target
+/// together. A named projection ignores the other projection's fov or height.
 struct CameraSpec {
   std::optional<Projection> projection;
   std::optional<glm::dvec3> eye, target, up;
