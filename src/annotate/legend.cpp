@@ -23,7 +23,7 @@ ValueRange valuesOf(const ShownFunction& of, bool projected) {
   const std::vector<TransferPoint>& points = of.function.points;
   ValueRange out;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const bool shown = projected || points[i].opacity > 0 || (i > 0 && points[i - 1].opacity > 0) ||
+    const bool shown = projected || of.colors_only || points[i].opacity > 0 || (i > 0 && points[i - 1].opacity > 0) ||
                        (i + 1 < points.size() && points[i + 1].opacity > 0);
     if (shown) out.include(points[i].value);
   }

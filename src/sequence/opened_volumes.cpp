@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 #include "base/error.h"
 #include "companion/accompanied_volume.h"
@@ -22,6 +23,16 @@ namespace {
 // The companions of a volume that the job draws: its `volumes` in order, or the only one.
 const Companions& companionsOf(const RenderJob& job, std::size_t volume) {
   return job.volumes.empty() ? job.companions : job.volumes[volume].companions;
+}
+
+// Without a function, labels and files that declare a look have their own colours. The automatic function of other
+// files shows surfaces by opacity, in colours that are alike; a map distinguishes values.
+TransferFunction colorsOf(const ColorByChoice& chosen, const Manifest& manifest) {
+  const auto* const name = std::get_if<std::string>(&chosen.transfer_function);
+  const bool declared = manifest.volume_class == VolumeClass::kLabels || manifest.look.ramp;
+  const bool by_map = name != nullptr && *name == "auto" && !declared;
+  return resolve(by_map ? TransferFunctionChoice(std::string("fire")) : chosen.transfer_function, std::nullopt,
+                 manifest);
 }
 
 }  // namespace
@@ -77,9 +88,10 @@ void OpenedVolumes::add(std::unique_ptr<BrickedVolume> volume, const Companions&
   if (chosen.color_by) {
     std::unique_ptr<BrickedVolume> values = opened(chosen.color_by->volume, drawn, job);
     const Manifest& manifest = values->manifest();
-    colors = std::make_shared<const CompanionColors>(CompanionColors{
-        resolve(chosen.color_by->transfer_function, std::nullopt, manifest), manifest.type, manifest.range});
+    colors = std::make_shared<const CompanionColors>(
+        CompanionColors{colorsOf(*chosen.color_by, manifest), manifest.type, manifest.range});
     shown = shownFunction(chosen.color_by->volume, colors->function, manifest);
+    shown->colors_only = true;
     companions.push_back(std::make_unique<ColorValues>(std::move(values), drawn));
   }
   if (!companions.empty()) volume = std::make_unique<AccompaniedVolume>(std::move(volume), std::move(companions));

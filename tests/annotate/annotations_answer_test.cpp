@@ -193,6 +193,17 @@ TEST_P(AnnotationsAt, TicksOfTheLegend_lieAtTheirValues) {
   }
 }
 
+// Known: colours of a companion are drawn at all values, whatever the opacities of their function.
+TEST_P(AnnotationsAt, LegendOfColors_endsAtTheFunctionsEnds) {
+  AnnotatedPicture picture = pictureOf(GetParam());
+  picture.annotations.legend = true;
+  picture.shown[0].colors_only = true;
+  const ColorBar bar = legendParts(picture, Style(picture)).at(0).bar;
+  EXPECT_EQ(bar.lo, picture.shown[0].function.points.front().value);
+  EXPECT_LT(bar.lo, 100);
+  EXPECT_EQ(bar.hi, picture.shown[0].function.points.back().value);
+}
+
 TEST_P(AnnotationsAt, ColorsOfTheLegend_areTheFunctionsAtTenValues) {
   AnnotatedPicture picture = pictureOf(GetParam());
   picture.annotations.legend = true;

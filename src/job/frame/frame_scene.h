@@ -30,6 +30,7 @@ struct ShownFunction {
   TransferFunction function;
   ValueRange values;                               // range of the file's values
   std::optional<std::vector<double>> labels = {};  // labels with voxels, if they are known
+  bool colors_only = false;                        // its opacities count for nothing (--color-by)
 };
 
 ShownFunction shownFunction(const std::filesystem::path& file, const TransferFunction& function,
