@@ -141,9 +141,11 @@ Image coloured(const std::vector<GatheredValue>& gathered, const PlanePixels& pi
   for (std::size_t i = 0; i < gathered.size(); ++i) {
     const GatheredValue& pixel = gathered[i];
     if (pixel.samples == 0) continue;
-    const glm::vec3& color = palette.of(statistic.valueOf(pixel));
+    // NaN is the mean of the two infinities.
+    const glm::vec3* const color = palette.of(statistic.valueOf(pixel));
+    if (color == nullptr) continue;
     float* const rgba = image.rgba.data() + 4 * i;
-    for (int channel = 0; channel < 3; ++channel) rgba[channel] = color[channel];
+    for (int channel = 0; channel < 3; ++channel) rgba[channel] = (*color)[channel];
     rgba[3] = 1;
   }
   return image;

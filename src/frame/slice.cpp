@@ -94,7 +94,7 @@ class SliceColors {
     if (labels_.empty()) palette_.emplace(request.colormap, request.window.value_or(defaultWindow(manifest.histogram)));
   }
   const glm::vec3* of(double value) const {
-    if (palette_) return std::isnan(value) ? nullptr : &palette_->of(value);
+    if (palette_) return palette_->of(value);
     const auto found = std::lower_bound(labels_.begin(), labels_.end(), value);
     if (found == labels_.end() || *found != value) return nullptr;
     const std::optional<glm::vec3>& color = colors_[static_cast<std::size_t>(found - labels_.begin())];
@@ -120,6 +120,7 @@ void drawBrick(const BrickBlock& block, const SliceView& view, const VoxelLine& 
       const auto y = static_cast<int>(view.from_bottom ? image.height - 1 - row : row);
       for (std::int64_t x = across.begin; x < across.end; ++x) {
         v[view.right.index] = columns.voxelOf(x);
+        if (!block.shown.all() && !block.shown.at(block.shown.offsetOf(v))) continue;
         const glm::vec3* const color = colors.of(static_cast<double>(voxels[block.offsetOf(v)]));
         if (color == nullptr) continue;
         float* const pixel = image.pixel(static_cast<int>(x), y);

@@ -25,9 +25,10 @@ SlicePalette::SlicePalette(const std::string& map, const Window& window) : windo
   }
 }
 
-const glm::vec3& SlicePalette::of(double value) const {
+const glm::vec3* SlicePalette::of(double value) const {
+  if (std::isnan(value)) return nullptr;
   const double part = std::clamp((value - window_.centre) / window_.width + 0.5, 0.0, 1.0);
-  return colors_[static_cast<std::size_t>(part * (kSteps - 1) + 0.5)];
+  return &colors_[static_cast<std::size_t>(part * (kSteps - 1) + 0.5)];
 }
 
 }  // namespace kiln

@@ -16,7 +16,8 @@ class SlicePalette {
   /// The window reaches from the first colour to the last. throws: Error kUsage (map, window).
   SlicePalette(const std::string& map, const Window& window);
 
-  const glm::vec3& of(double value) const;
+  /// Returns the colour of a value; null for NaN.
+  const glm::vec3* of(double value) const;
 
  private:
   static constexpr std::size_t kSteps = 1024;

@@ -49,16 +49,33 @@ TEST_F(SlicesCli, ColourMap_coloursTheWindow) {
     EXPECT_NEAR(slice.pixel(7, 4)[channel], linearFromSrgb(color[channel]), 2e-3) << channel;
 }
 
-// The first panel is the slice along z, 8 pixels from the left, below a caption of 14 pixels.
+// Known: voxels of the source are labels, of which 2x + 3y + 5z = 3 lies at (0, 1, 0). A palette has no grey.
+TEST_F(SlicesCli, Labels_haveTheirColours) {
+  done({"export", in("v.kiln"), in("l.nrrd")});
+  done({"convert", in("l.nrrd"), in("l.kiln"), "--labels"});
+  const auto isGrey = [](const float* color) { return color[0] == color[1] && color[1] == color[2]; };
+  done({"slice", in("l.kiln"), "-o", in("l.exr"), "--index", "0"});
+  const Image slice = readImage(in("l.exr"));
+  EXPECT_FALSE(isGrey(slice.pixel(0, 1)));
+  done({"slice", in("l.kiln"), "-o", in("w.exr"), "--index", "0", "--window", "50,100"});
+  EXPECT_TRUE(isGrey(readImage(in("w.exr")).pixel(0, 1)));
+  done({"slice", in("l.kiln"), "-o", in("s.exr"), "--sheet", "--at", "0,1,0"});
+  // A voxel of a small volume is 9 x 9 pixels of a sheet.
+  const Image sheet = readImage(in("s.exr"));
+  for (int channel = 0; channel < 3; ++channel)
+    EXPECT_EQ(sheet.pixel(8 + 7 * 9 + 4, 8 + 14 + 4 * 9 + 4)[channel], slice.pixel(7, 4)[channel]) << channel;
+}
+
+// The first panel is the slice along z, 8 pixels from the left, below a caption of 14 pixels; a voxel has 9 x 9 pixels.
 TEST_F(SlicesCli, Sheet_showsTheSlicesThroughAVoxel) {
   const ToolResult result =
       done({"slice", in("v.kiln"), "-o", in("s.exr"), "--sheet", "--at", "12,3,4", "--window", "50,100"});
   EXPECT_NE(result.out.find("through voxel 12,3,4 with the value 53"), std::string::npos) << result.out;
   const Image sheet = readImage(in("s.exr"));
-  EXPECT_NEAR(sheet.pixel(8 + 5, 8 + 14 + 9)[0], linearFromSrgb((2 * 5 + 3 * 9 + 5 * 4) / 100.0), 2e-3);
+  EXPECT_NEAR(sheet.pixel(8 + 5 * 9 + 4, 8 + 14 + 9 * 9 + 4)[0], linearFromSrgb((2 * 5 + 3 * 9 + 5 * 4) / 100.0), 2e-3);
   // The crosshair runs through row 3, but for its middle.
-  EXPECT_NEAR(sheet.pixel(8 + 1, 8 + 14 + 3)[0], linearFromSrgb(242 / 255.0), 2e-3);
-  EXPECT_NEAR(sheet.pixel(8 + 12, 8 + 14 + 3)[0], linearFromSrgb(0.53), 2e-3);
+  EXPECT_NEAR(sheet.pixel(8 + 9, 8 + 14 + 3 * 9 + 4)[0], linearFromSrgb(242 / 255.0), 2e-3);
+  EXPECT_NEAR(sheet.pixel(8 + 12 * 9 + 4, 8 + 14 + 3 * 9 + 4)[0], linearFromSrgb(0.53), 2e-3);
 }
 
 // The plane x + z = 9, seen along its normal: the middle of the volume, with z up, has the value 2x + 3y + 5z.
@@ -154,7 +171,7 @@ TEST_F(SlicesCli, NiftiFiles_areDrawnAsRadiologyDrawsThem) {
 
 TEST_F(SlicesCli, WrongRequests_areOneLine) {
   refused({"slice", in("v.kiln"), "-o", in("p.png"), "--axis", "w"}, 2, "axial, coronal or sagittal");
-  refused({"slice", in("v.kiln"), "-o", in("p.png"), "--index", "0-3"}, 2, "slice_###.png");
+  refused({"slice", in("v.kiln"), "-o", in("p.png"), "--index", "0-3"}, 2, "p_####.png");
   refused({"slice", in("v.kiln"), "-o", in("p_#.png"), "--index", "0-10"}, 2, "10 is not between 0 and 9");
   refused({"slice", in("v.kiln"), "-o", in("p.png"), "--colormap", "rainbow"}, 2, "viridis");
   refused({"slice", in("v.kiln"), "-o", in("p.png"), "--at", "1,1,1"}, 2, "--sheet");

@@ -87,6 +87,21 @@ Image withCrosshair(const Image& slice, int x, int y, int edge) {
   return std::move(out).take();
 }
 
+// Times that each voxel of a small slice is repeated along both sides, equal for all slices of a sheet.
+int enlargementOf(const Extent3& dims) {
+  constexpr std::int64_t kLeastSlice_px = 192;
+  return static_cast<int>(std::max<std::int64_t>(kLeastSlice_px / std::max({dims.x, dims.y, dims.z}), 1));
+}
+
+Image enlarged(Image image, int times) {
+  if (times == 1) return image;
+  Image out(image.width * times, image.height * times);
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x) std::copy_n(image.pixel(x / times, y / times), 4, out.pixel(x, y));
+  }
+  return out;
+}
+
 Panel panelOf(const BrickedVolume& store, const SliceSheetRequest& request, const SliceSheet& sheet,
               const SliceView& view, Progress& progress) {
   const int axis = view.across.index;
@@ -97,8 +112,9 @@ Panel panelOf(const BrickedVolume& store, const SliceSheetRequest& request, cons
   slice.index = onLevel(sheet.at[axis], finest[axis], dims[axis]);
   slice.window = request.window;
   slice.colormap = request.colormap;
+  slice.labels = request.labels;
   slice.memory_bytes = request.memory_bytes;
-  const Image image = renderSlice(store, slice, progress);
+  const Image image = enlarged(renderSlice(store, slice, progress), enlargementOf(dims));
   // Returns the pixel of the voxel along a side of so many pixels, as `renderSlice` counts.
   const auto place = [&](const NearestAxis& along, int pixels) {
     const double part =
@@ -139,7 +155,8 @@ void drawHistogram(PlotImage& sheet, const ValueHistogram& histogram, const Wind
   sheet.text(rect.x1 - PlotImage::textWidth(hi), rect.y1 + 4, hi, kSheetCaption);
 }
 
-std::vector<std::string> linesOf(const BrickedVolume& store, const SliceSheet& sheet, const Window& window) {
+// `window`: null where labels have colours of their own.
+std::vector<std::string> linesOf(const BrickedVolume& store, const SliceSheet& sheet, const Window* window) {
   const Manifest& manifest = store.manifest();
   const VolumeGeometry& volume = manifest.geometry();
   const glm::dvec3 spacing = volume.spacing();
@@ -148,8 +165,9 @@ std::vector<std::string> linesOf(const BrickedVolume& store, const SliceSheet& s
   return {volumeNameOf(store.path()),
           fmt::format("{} x {} x {} voxels, {}", volume.dims.x, volume.dims.y, volume.dims.z, nameOf(manifest.type)),
           fmt::format("spacing {:.6g} x {:.6g} x {:.6g} {}", spacing.x, spacing.y, spacing.z, unit),
-          fmt::format("values {:.6g} to {:.6g}, window {:.6g},{:.6g}", manifest.range.lo, manifest.range.hi,
-                      window.centre, window.width),
+          fmt::format("values {:.6g} to {:.6g}, {}", manifest.range.lo, manifest.range.hi,
+                      window == nullptr ? "in colours of labels"
+                                        : fmt::format("window {:.6g},{:.6g}", window->centre, window->width)),
           fmt::format("voxel {},{},{}: {:.9g}", sheet.at.x, sheet.at.y, sheet.at.z, sheet.value),
           fmt::format("world {:.6g},{:.6g},{:.6g}", world.x, world.y, world.z)};
 }
@@ -171,11 +189,14 @@ SliceSheet renderSliceSheet(const BrickedVolume& store, const SliceSheetRequest&
   const std::array<SliceView, 3> views = sliceViews(manifest.geometry());
   const auto panel = [&](const SliceView& view) { return panelOf(store, request, out, view, progress); };
   const std::array<Panel, 3> panels = {panel(views[0]), panel(views[1]), panel(views[2])};
-  const std::vector<std::string> lines = linesOf(store, out, window);
+  const std::vector<std::string> lines = linesOf(store, out, request.labels.empty() ? &window : nullptr);
   // Two rows: the axial and the sagittal slice, the coronal slice and the texts. Slices of a column have the same
   // width.
-  const int left = std::max(panels[0].image.width, panels[1].image.width);
-  const int right = std::max(panels[2].image.width, kTextWidth);
+  const auto widthOf = [](const Panel& one) {
+    return std::max(one.image.width, PlotImage::textWidth(one.caption));
+  };
+  const int left = std::max(widthOf(panels[0]), widthOf(panels[1]));
+  const int right = std::max(widthOf(panels[2]), kTextWidth);
   const int text_height = static_cast<int>(lines.size()) * kTextLine + kHistogramHeight + 2 * kTextLine;
   const int upper = kPanelCaption + std::max(panels[0].image.height, panels[2].image.height);
   const int lower = std::max(kPanelCaption + panels[1].image.height, text_height);

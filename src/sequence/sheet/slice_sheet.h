@@ -16,7 +16,8 @@ struct SliceSheetRequest {
   std::optional<VoxelCoord> at;  // of level 0; else the middle
   std::optional<Window> window;
   std::string colormap = "gray";
-  bool letters = true;  // draws letters of the patient's sides
+  bool letters = true;             // draws letters of the patient's sides
+  std::vector<LabelStyle> labels;  // as SliceRequest::labels
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
 };
 

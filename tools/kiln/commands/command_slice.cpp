@@ -18,6 +18,7 @@
 #include "output_files.h"
 #include "say.h"
 #include "scene/transfer/display_map.h"
+#include "scene/transfer/label_styles.h"
 #include "scene_arguments.h"
 #include "sequence/sheet/slice_sheet.h"
 #include "source_arguments.h"
@@ -100,8 +101,8 @@ void drawSlices(const SliceArguments& a, const StoreReader& store, SliceRequest 
   const std::vector<int> slices = slicesOf(a, view.across, level.dims);
   if (slices.size() > 1 && !hasFramePlace(a.output))
     throw Error(ErrorCode::kUsage,
-                fmt::format("-o: {} slices need a name with a place for their number (found {}); write slice_###.png",
-                            slices.size(), a.output));
+                fmt::format("-o: {} slices need a name with a place for their number (found {}); write {}",
+                            slices.size(), a.output, withFramePlace(a.output).string()));
   const bool letters = hasLetters(a, level, context.progress);
   const std::string plane = *view.plane == 0 ? "" : fmt::format(", {}", view.plane);
   for (const int slice : slices) {
@@ -150,8 +151,9 @@ void drawPlane(const SliceArguments& a, const StoreReader& store, const SliceReq
 }
 
 void drawSheet(const SliceArguments& a, const StoreReader& store, const SliceRequest& slice, Context& context) {
-  SliceSheetRequest request{std::nullopt, slice.window, slice.colormap,
-                            hasLetters(a, store.manifest().geometry(), context.progress), slice.memory_bytes};
+  SliceSheetRequest request{std::nullopt,   slice.window,
+                            slice.colormap, hasLetters(a, store.manifest().geometry(), context.progress),
+                            slice.labels,   slice.memory_bytes};
   if (a.at) {
     const glm::dvec3 at = tripleOfText(*a.at, "--at");
     request.at = VoxelCoord{std::llround(at.x), std::llround(at.y), std::llround(at.z)};
@@ -175,6 +177,9 @@ void run(const SliceArguments& a, Context& context) {
   if (!a.window.empty()) request.window = parseWindow(a.window, "--window");
   const StoreReader store(storeOfInput(a.source.volume(a.store), request.memory_bytes, outputs, context),
                           request.memory_bytes);
+  // Labels have the colours of a picture, unless a window is given.
+  if (store.manifest().volume_class == VolumeClass::kLabels && !request.window && a.plane == std::nullopt)
+    request.labels = labelPalette(store.manifest()).labels;
   if (a.sheet)
     drawSheet(a, store, request, context);
   else if (a.plane)
