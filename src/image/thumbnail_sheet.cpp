@@ -24,6 +24,8 @@ ThumbnailSheet::ThumbnailSheet(const SheetLayout& layout, const std::string& tit
   if (layout.title) plot_.text(kCellGap, kCellGap, title, kSheetCaption);
 }
 
+const glm::dvec3& ThumbnailSheet::paper() { return kPicturePaper; }
+
 void ThumbnailSheet::put(int column, int row, const Image& picture, const std::string& caption,
                          const glm::dvec3& caption_srgb) {
   const int x = kCellGap + column * (layout_.width + kCellGap);

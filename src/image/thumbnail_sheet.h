@@ -26,6 +26,8 @@ class ThumbnailSheet {
   /// `title` is drawn if the layout has one.
   explicit ThumbnailSheet(const SheetLayout& layout, const std::string& title = "");
 
+  /// The colour behind pictures. shape: sRGB.
+  static const glm::dvec3& paper();
   /// Draws a picture into a cell, over the cell's paper. requires: a picture of the layout's size, in the grid.
   void put(int column, int row, const Image& picture, const std::string& caption,
            const glm::dvec3& caption_srgb = kSheetInk);

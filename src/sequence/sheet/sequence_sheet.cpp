@@ -13,6 +13,7 @@
 #include "frame/background.h"
 #include "frame/empty_frame.h"
 #include "frame/pass/frame_progress.h"
+#include "image/srgb.h"
 #include "image/thumbnail_sheet.h"
 #include "job/frame_list.h"
 #include "job/job_facts.h"
@@ -33,6 +34,17 @@ SheetLayout layoutOf(const RenderJob& job) {
   out.rows = (frames + out.columns - 1) / out.columns;
   out.width = drawn.width(), out.height = drawn.height();
   return out;
+}
+
+// Annotations are legible on what lies behind the picture.
+Background overPaper(Background behind) {
+  const glm::dvec3& paper = ThumbnailSheet::paper();
+  for (auto* const end : {&behind.top, &behind.bottom}) {
+    for (std::size_t channel = 0; channel < 3; ++channel)
+      (*end)[channel] += (1 - (*end)[3]) * linearFromSrgb(paper[static_cast<int>(channel)]);
+    (*end)[3] = 1;
+  }
+  return behind;
 }
 
 }  // namespace
@@ -92,6 +104,7 @@ Image drawSequenceSheet(const RenderJob& given, const StoreFor& store_for, Progr
     finishPicture(picture, first_row, finishOf(drawn.scene.picture, drawn.scene.transfer_function),
                   mediumOf(job.output.path));
     // A sheet holds colours alone, also in an EXR.
+    drawn.scene.picture.background = overPaper(backgroundOf(drawn.scene.picture, drawn.scene.transfer_function));
     const Annotators annotators = annotatorsOf(opened.job(), drawn);
     if (annotators.front()) annotators.front()->over(picture, 0, first_row, depthOf(picture));
     const auto place = static_cast<int>(i);
