@@ -282,7 +282,7 @@ void requireOptionsApply(const fs::path& path, const std::string& format, const 
   refusePart(options.time && !has_times, path, "--time", format, "times");
   refusePart(options.scale && !has_scales, path, "--scale", format, "scales");
   refuse(options.spacing && (vdb || format == kStore), "--spacing", "files without axes of their own");
-  refuse(!options.placement.none() && format == kStore, "--flip, --orient or --up-axis", "volume files");
+  refuse(!options.placement.none() && format == kStore, "--flip, --orient, --up-axis or --unit", "volume files");
   if (!options.spacing) return;
   for (int axis = 0; axis < 3; ++axis) {
     const double edge = (*options.spacing)[axis];

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/text.h"
+#include "grid/length_unit.h"
 #include "ingest/source/placement.h"
 
 namespace kiln {
@@ -38,6 +39,12 @@ Placement parsePlacement(const SourceWords& a) {
   if (!a.up.empty() && a.up != "y" && a.up != "z")
     throw Error(ErrorCode::kUsage, fmt::format("--up-axis: expected y or z, found '{}'", a.up));
   if (a.up == "y") out.up = UpAxis::kY;
+  if (!a.unit.empty()) {
+    out.unit = unitName(a.unit);
+    if (out.unit.empty())
+      throw Error(ErrorCode::kUsage,
+                  fmt::format("--unit: expected a unit of length, such as nm, um, mm or m (found '{}')", a.unit));
+  }
   return out;
 }
 

@@ -12,7 +12,7 @@ namespace kiln {
 
 /// Empty members are not given.
 struct SourceWords {
-  std::string dims, type, endian, spacing, grid, series, flip, orient, up;
+  std::string dims, type, endian, spacing, grid, series, flip, orient, up, unit;
   std::optional<std::string> channel;
   std::optional<std::int64_t> time, scale;
   std::uint64_t skip = 0;

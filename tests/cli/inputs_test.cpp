@@ -129,9 +129,10 @@ TEST_F(Inputs, WordsOnOrientation_ChangeTheAffineAndRenewTheStore) {
   EXPECT_EQ(raw({"--orient", "LPS"})["frame"], "RAS");
   EXPECT_EQ(raw({"--flip", "x,z"})["affine"],
             Json({-1.0, 0.0, 0.0, 11.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 7.0, 0.0, 0.0, 0.0, 1.0}));
+  EXPECT_EQ(raw({"--unit", "micron"})["unit"], "um");
   EXPECT_EQ(raw({"--up", "y"})["affine"], raw({"--up-axis", "y"})["affine"]);
   for (const auto& [option, wrong] :
-       {std::pair{"--flip", "x,x"}, {"--flip", "w"}, {"--orient", "LLS"}, {"--up-axis", "x"}})
+       {std::pair{"--flip", "x,x"}, {"--flip", "w"}, {"--orient", "LLS"}, {"--up-axis", "x"}, {"--unit", "furlong"}})
     refused({"info", in("v.nhdr"), option, wrong}, 2, std::string(option) + ": expected");
   const auto conversions = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"render", in("v.nhdr"), "-o", in("p.png"), "--size", "16x16"});
@@ -140,6 +141,7 @@ TEST_F(Inputs, WordsOnOrientation_ChangeTheAffineAndRenewTheStore) {
   EXPECT_TRUE(conversions({}));
   EXPECT_FALSE(conversions({}));
   EXPECT_TRUE(conversions({"--orient", "RAS"})) << "another frame, with an equal affine";
+  EXPECT_TRUE(conversions({"--unit", "um"})) << "another unit, with an equal affine";
   EXPECT_TRUE(conversions({"--up-axis", "y"}));
   EXPECT_TRUE(conversions({"--up-axis", "y", "--flip", "y", "--up", "1,0,0"}));
   EXPECT_FALSE(conversions({"--up-axis", "y", "--flip", "y"}));

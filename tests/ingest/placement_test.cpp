@@ -80,6 +80,14 @@ TEST(Placement, WordsThatContradictTheFileAreRefused) {
   refused(turned, byLetters("RAS"), "found a rotated or mirrored affine");
   refused(patient, y_up, "--up-axis: is for files without a patient frame");
   refused(upright(), both, "leave one out");
+  VolumeGeometry of_mm = upright();
+  of_mm.unit = "mm";
+  Placement um;
+  um.unit = "um";
+  refused(of_mm, um, "--unit: is for files that state no unit of length (found mm)");
+  of_mm.unit = "\u00B5m";  // as ImageJ writes it
+  EXPECT_EQ(placed(of_mm, um, "f").unit, "um");
+  EXPECT_EQ(placed(upright(), um, "f").unit, "um");
 }
 
 // An export restores the grid's own coordinates: both affines of a placed grid lead to one place.

@@ -94,6 +94,7 @@ void addSourceArguments(CLI::App& command, SourceWords& a) {
   add("--endian", "ORDER", a.endian, "Headerless raw file: byte order, little (default) or big.");
   add("--skip", "BYTES", a.skip, "Headerless raw file: bytes before the first voxel.")->check(wholeNumberFrom(0));
   add("--spacing", "X,Y,Z", a.spacing, "Spacing in world units, of a file that has no axes.");
+  add("--unit", "UNIT", a.unit, "Unit of length, of a file that states none: nm, um, mm, cm, m or another.");
   add("--grid", "NAME", a.grid, "OpenVDB: grid to read.");
   add("--series", "UID", a.series, "DICOM: series to read, if there are several.");
   add("--channel", "NAME|N", a.channel, "Channel to read, by name or number from 0, if the file has several.");

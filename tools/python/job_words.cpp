@@ -79,6 +79,7 @@ SourceWords sourceWords(const std::map<std::string, std::string>& texts) {
       {"series", [&](const std::string& text) { out.series = text; }},
       {"flip", [&](const std::string& text) { out.flip = text; }},
       {"orient", [&](const std::string& text) { out.orient = text; }},
+      {"unit", [&](const std::string& text) { out.unit = text; }},
       {"up_axis", [&](const std::string& text) { out.up = text; }},
       {"channel", [&](const std::string& text) { out.channel = text; }},
       {"time", [&](const std::string& text) { out.time = wholeOf("time", text); }},

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "base/error.h"
+#include "grid/length_unit.h"
 
 namespace kiln {
 namespace {
@@ -91,6 +92,11 @@ VolumeGeometry placed(const VolumeGeometry& geometry, const Placement& placement
   if (placement.up == UpAxis::kY) {
     if (patient) refuse("--up-axis", "is for files without a patient frame (found one, with z up); leave it out");
     out.world_from_index = withYUp(out.world_from_index);
+  }
+  if (!placement.unit.empty()) {
+    if (!out.unit.empty() && unitName(out.unit) != placement.unit)
+      refuse("--unit", "is for files that state no unit of length (found " + out.unit + "); leave it out");
+    out.unit = placement.unit;
   }
   for (int axis = 0; axis < 3; ++axis) {
     if (placement.flip[static_cast<std::size_t>(axis)])

@@ -107,6 +107,8 @@ struct Placement {
   std::optional<AxisLetters> axes;
   /// The world axis of the file that points up. The world of a store has z up.
   UpAxis up = UpAxis::kZ;
+  /// For a file that states no unit of length: a name of length_unit.h. Empty: as the file.
+  std::string unit;
 
   bool none() const { return *this == Placement(); }
   bool operator==(const Placement&) const = default;
