@@ -97,7 +97,7 @@ def test_axes():
     affine = numpy.diag([0.5, 1, 2, 1]) + numpy.eye(4, k=3) * 7
     assert (kiln.open(array, affine=affine).affine == affine).all()
     assert plain.affine[0, 0] == 0.5 and plain.affine[2, 2] == 2
-    for words in ({"axes": "zy"}, {"axes": "zzx"}, {"spacing": (1, 1)}, {"spacing": (1, 1, 1), "affine": affine}, {"affine": [[1]]}):
+    for words in ({"axes": "zy"}, {"axes": "zzx"}, {"spacing": (1, 1)}, {"spacing": (1, 1, 1), "affine": affine}, {"affine": [[1]]}, {"affine": affine.T}, {"frame": "LAS"}):
         with pytest.raises(ValueError, match=next(iter(words)).split("_")[0]):
             kiln.open(array, **words)
 
@@ -348,6 +348,8 @@ def test_words_without_effect_are_refused():
 def test_damaged_words_are_refused():
     with pytest.raises(ValueError, match="affine"):
         kiln.convert("a.npy", "a.kiln", affine=numpy.eye(4))
+    with pytest.raises(kiln.Error, match="an open volume"):
+        kiln.convert(kiln.open(numpy.zeros((4, 4, 4), "uint8")), "a.kiln")
     with pytest.raises(kiln.Error, match="nearest is dims"):
         kiln.convert("a.npy", "a.kiln", dim="1,2,3")
     with pytest.raises(kiln.Error):

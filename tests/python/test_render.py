@@ -55,6 +55,41 @@ def test_picture_equals_the_programs(head, words):
     assert open("tool.png", "rb").read() == image._repr_png_()
 
 
+def test_masks_and_colours_are_those_of_each_picture(head):
+    volume = kiln.open(head)
+    words = {"tf": "ct-bone", **SIZE}
+    plain = numpy.asarray(volume.render(**words)).copy()
+    coloured = volume.render(color_by=f"{head}:viridis", **words)
+    assert (numpy.asarray(coloured) != plain).any()
+    run_tool("render", head, "-o", "coloured.png", "--tf", "ct-bone", "--color-by", f"{head}:viridis", "--size", "96x72")
+    assert open("coloured.png", "rb").read() == coloured._repr_png_()
+    assert (numpy.asarray(volume.render(**words)) == plain).all()
+    with pytest.raises(kiln.Error, match="absent.kiln"):
+        volume.render(mask="absent.kiln:1", **words)
+
+
+def test_the_right_eye_is_saved_alone(head):
+    pair = kiln.open(head).render(stereo="both", interocular=60, **SIZE)
+    pair.right.save("right.png")
+    run_tool("render", head, "-o", "tool.png", "--stereo", "right", "--interocular", "60", "--size", "96x72")
+    assert open("right.png", "rb").read() == open("tool.png", "rb").read() == pair.right._repr_png_()
+
+
+def test_saving_takes_options_of_files_alone(head):
+    image = kiln.open(head).render(**SIZE)
+    for words in ({"tf": "ct-bone"}, {"size": (5, 5)}, {"deep": True}, {"output": "other.png"}):
+        with pytest.raises(kiln.Error, match="is no option of a file"):
+            image.save("refused.png", **words)
+    for name, text in (("", "name is empty"), ("a%V.png", "no pair")):
+        with pytest.raises(kiln.Error, match=text):
+            image.save(name)
+
+
+def test_a_run_needs_names_of_files(head):
+    with pytest.raises(kiln.Error, match="names no file"):
+        kiln.render({"volume": str(head)}).run()
+
+
 def test_pixels_are_those_of_the_files(head):
     image = kiln.open(head).render(tf="ct-bone", background="navy", exposure=1, **SIZE)
     light = numpy.asarray(image)

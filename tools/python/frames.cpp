@@ -50,7 +50,7 @@ class Frames {
     auto out = std::make_shared<Picture>(opened.job(), frame, std::move(drawn), opened.firstVolume().share());
     out->writeFiles();
     ++place_;
-    if (place_ == numbers_.size() && frames_ && hasFiles()) frames_->makeVideo();
+    if (place_ == numbers_.size() && frames_ && hasFiles()) frames_->makeVideo(false);
     return out;
   }
 
@@ -58,6 +58,8 @@ class Frames {
   SequenceResult run(bool resume, bool checkpoint, Progress& progress) {
     if (!volumes_.empty())
       throw Error(ErrorCode::kUsage, "run: needs stores or volume files (found open volumes); iterate over the frames");
+    if (!hasFiles())
+      throw Error(ErrorCode::kUsage, "output: names no file for the frames; give one, or iterate over them");
     SequenceOptions options;
     options.resume = resume;
     options.checkpoint = checkpoint;

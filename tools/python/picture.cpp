@@ -12,6 +12,7 @@
 #include "image/image_rows.h"
 #include "image/shown_row.h"
 #include "job/job_facts.h"
+#include "job/stereo.h"
 #include "python/job_words.h"
 #include "sequence/frame_annotations.h"
 #include "store/store_reader.h"
@@ -69,14 +70,29 @@ std::vector<std::uint8_t> Picture::srgbBytes(std::size_t view) const {
   return out;
 }
 
-std::vector<std::byte> Picture::png() const {
-  RenderJob job = job_;
-  job.picture.aovs = {};  // no PNG holds planes
-  return pngOf(job, drawn_, *volume_, Progress());
+std::pair<RenderJob, DrawnFrame> Picture::partOf(std::size_t view) const {
+  std::pair<RenderJob, DrawnFrame> out{job_, drawn_};
+  if (view == 0) return out;
+  out.first.picture.stereo->eye = StereoEye::kRight;
+  out.second.scene.picture.stereo->eye = StereoEye::kRight;
+  out.second.views.erase(out.second.views.begin());
+  return out;
 }
 
-void Picture::save(const std::filesystem::path& path, const GivenFlags& flags) const {
-  RenderJob job = job_;
+std::vector<std::byte> Picture::png(std::size_t view) const {
+  auto [job, drawn] = partOf(view);
+  job.picture.aovs = {};  // no PNG holds planes
+  return pngOf(job, drawn, *volume_, Progress());
+}
+
+void Picture::save(std::size_t view, const std::filesystem::path& path, const GivenFlags& flags) const {
+  if (path.empty()) throw Error(ErrorCode::kUsage, "save: the name is empty; name the picture to write");
+  if (const auto other = flags.otherThan(
+          {"--exr-type", "--compression", "--owner", "--comments", "--exr-statistics", "--png-bits", "--jpeg-quality"}))
+    throw Error(ErrorCode::kUsage, *other + ": is no option of a file; draw the picture with it");
+  auto [job, drawn] = partOf(view);
+  if (hasEyePlace(path) && drawn.views.size() < 2)
+    throw Error(ErrorCode::kUsage, path, "", "%V stands for the eyes of a pair, and no pair is drawn; leave %V out");
   flags.apply(job);
   job.output.files.clear();
   job.output.video = {};
@@ -84,16 +100,15 @@ void Picture::save(const std::filesystem::path& path, const GivenFlags& flags) c
   if (!isExrPath(path)) job.picture.aovs = {};
   requireOutputs(job, {frame_});
   requireOutsideStores(path);
-  write(job);
+  write(job, std::move(drawn));
 }
 
 void Picture::writeFiles() const {
-  if (!filesOf(job_, frame_).empty()) write(job_);
+  if (!filesOf(job_, frame_).empty()) write(job_, drawn_);
 }
 
-void Picture::write(const RenderJob& job) const {
+void Picture::write(const RenderJob& job, DrawnFrame drawn) const {
   requirePlaces(job, frame_);
-  DrawnFrame drawn = drawn_;
   writeFrame(job, frame_, drawn, *volume_, job.speed.memory_bytes);
 }
 
@@ -130,13 +145,13 @@ void bindPicture(py::module_& module) {
              return py::bytearray(reinterpret_cast<const char*>(bytes.data()), bytes.size());
            })
       .def("png",
-           [](Shared self) {
-             const auto bytes = resultForCall(py::none(), [&](Progress&) { return self->png(); });
+           [](Shared self, std::size_t view) {
+             const auto bytes = resultForCall(py::none(), [&](Progress&) { return self->png(view); });
              return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
            })
-      .def("save", [](Shared self, const std::filesystem::path& path, const Texts& texts) {
+      .def("save", [](Shared self, std::size_t view, const std::filesystem::path& path, const Texts& texts) {
         const GivenFlags flags = givenFlags(texts);
-        runForCall(py::none(), [&](Progress&) { self->save(path, flags); });
+        runForCall(py::none(), [&](Progress&) { self->save(view, path, flags); });
       });
 }
 

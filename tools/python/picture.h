@@ -28,17 +28,20 @@ class Picture {
   /// Returns the colours as a PNG shows them. shape: rows of R G B A of 8 bits; straight alpha.
   std::vector<std::uint8_t> srgbBytes(std::size_t view) const;
   /// Returns the bytes of the PNG that `save` writes.
-  std::vector<std::byte> png() const;
-  /// Writes a file as `kiln render -o` does; `flags` are options of files. throws: as writeFrame.
-  void save(const std::filesystem::path& path, const GivenFlags& flags) const;
+  std::vector<std::byte> png(std::size_t view) const;
+  /// Writes a file as `kiln render -o` does: of the right eye for view 1, else of all views. `flags` are options of
+  /// files. throws: as writeFrame; Error kUsage for other options or a name without a file.
+  void save(std::size_t view, const std::filesystem::path& path, const GivenFlags& flags) const;
   /// Writes the files that the job names. throws: as writeFrame.
   void writeFiles() const;
   /// Returns the job with every choice made.
   std::string jobText() const;
 
  private:
+  /// Returns the job and the frame of all views, or of the right eye alone for view 1.
+  std::pair<RenderJob, DrawnFrame> partOf(std::size_t view) const;
   /// Writes the files of a job of the picture.
-  void write(const RenderJob& job) const;
+  void write(const RenderJob& job, DrawnFrame drawn) const;
 
   const RenderJob job_;
   const int frame_;

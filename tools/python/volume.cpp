@@ -33,10 +33,10 @@ py::list rowsOf(const glm::dmat4& affine) {
 
 py::object labelsOfVolume(const Manifest& manifest) {
   if (manifest.volume_class != VolumeClass::kLabels) return py::none();
+  const auto counts = labelsOf(manifest);
+  if (!counts) return py::none();
   py::dict out;
-  if (const auto counts = labelsOf(manifest)) {
-    for (const LabelCount& label : *counts) out[py::int_(static_cast<std::int64_t>(label.label))] = label.voxels;
-  }
+  for (const LabelCount& label : *counts) out[py::int_(static_cast<std::int64_t>(label.label))] = label.voxels;
   return out;
 }
 
@@ -95,12 +95,34 @@ std::vector<const BrickedVolume*> pointersTo(const std::vector<std::shared_ptr<c
   return out;
 }
 
+namespace {
+
+bool areEqual(const Companions& a, const Companions& b) {
+  const auto both = [](const auto& x, const auto& y, const auto& equal) {
+    return x.has_value() == y.has_value() && (!x || (x->volume == y->volume && equal(*x, *y)));
+  };
+  return both(a.mask, b.mask, [](const MaskChoice& x, const MaskChoice& y) { return x.labels == y.labels; }) &&
+         both(a.color_by, b.color_by, [](const ColorByChoice& x, const ColorByChoice& y) {
+           return x.transfer_function == y.transfer_function;
+         });
+}
+
+// Whether the jobs' volumes have equal companions, which a session opens once.
+bool haveEqualCompanions(const RenderJob& a, const RenderJob& b) {
+  return areEqual(a.companions, b.companions) &&
+         std::equal(
+             a.volumes.begin(), a.volumes.end(), b.volumes.begin(), b.volumes.end(),
+             [](const VolumeOptions& x, const VolumeOptions& y) { return areEqual(x.companions, y.companions); });
+}
+
+}  // namespace
+
 struct Drawing::Session {
   Session(const RenderJob& for_job, const Volumes& of_job)
       : job(for_job), volumes(of_job), painter(job, OpenedVolumes(job, pointersTo(volumes)), relay) {}
   bool serves(const RenderJob& other, const Volumes& of_other) const {
     return of_other == volumes && other.speed.memory_bytes == job.speed.memory_bytes &&
-           other.picture.skip_damaged == job.picture.skip_damaged;
+           other.picture.skip_damaged == job.picture.skip_damaged && haveEqualCompanions(other, job);
   }
 
   const RenderJob job;

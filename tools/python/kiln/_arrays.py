@@ -84,6 +84,8 @@ def _matrix(axes: str, spacing: Any, affine: Any) -> list[float]:
             rows.append([0.0, 0.0, 0.0, 1.0])
         if len(rows) != 4 or any(len(row) != 4 for row in rows):
             raise ValueError("affine: expected 4 x 4 or 3 x 4 numbers")
+        if rows[3] != [0.0, 0.0, 0.0, 1.0]:
+            raise ValueError(f"affine: expected 0, 0, 0, 1 in the last row (found {rows[3]}); a transposed matrix has this")
         return [value for row in rows for value in row]
     edges = dict.fromkeys("xyz", 1.0)
     if spacing is not None:
@@ -154,6 +156,8 @@ def source_of(
     """Opens an array as a source of a conversion or a volume."""
     import numpy
 
+    if frame not in ("", "unknown", "RAS", "LPS"):
+        raise ValueError(f'frame: expected "RAS" or "LPS", the directions of the world (found {frame!r})')
     array = _unmasked(array)
     shape = [int(length) for length in array.shape]
     axes = _checked_axes(axes, array, shape)

@@ -7,6 +7,7 @@ from typing import Any
 
 from kiln import _kiln
 from kiln._arrays import is_array, source_of
+from kiln._errors import wrong_word
 from kiln._volume import Progress, Volume, file_texts, open, refuse_words_of_arrays
 from kiln._words import text_of
 
@@ -50,6 +51,8 @@ def convert(
     options.brick_size, options.levels, options.threads = brick_size, levels, threads
     options.overwrite, options.resume, options.half, options.labels = overwrite, resume, half, labels
     target = os.fspath(out)
+    if isinstance(source, Volume):
+        raise wrong_word("source", "is a file or an array", "an open volume", "give its file, or slice it: volume[...]")
     if is_array(source):
         options.command = f"kiln.convert({type(source).__name__}, {target!r})"
         described = source_of(
@@ -67,8 +70,8 @@ def convert(
     else:
         path = os.fspath(source)
         options.command = f"kiln.convert({path!r}, {target!r})"
-        refuse_words_of_arrays(axes=axes, unit=unit, frame=frame, identity=identity)
-        texts = file_texts(words, spacing, affine)
+        refuse_words_of_arrays(axes=axes, frame=frame, identity=identity)
+        texts = file_texts(dict(words, unit=unit or None), spacing, affine)
         report = _kiln.convert_file(path, texts, target, options, progress)
     volume = open(target, memory=memory)
     volume.report = report

@@ -89,8 +89,11 @@ class Image:
         return numpy.frombuffer(self._picture.srgb(self._view), dtype=numpy.uint8).reshape(self.shape)
 
     def save(self, path: str | os.PathLike[str], **words: Any) -> None:
-        """Writes an .exr or .png, byte for byte as `kiln render -o`. words: options of files, such as png_bits=16."""
-        self._picture.save(os.fspath(path), flag_texts(words))
+        """Writes a picture, byte for byte as `kiln render -o`. words: options of files, such as png_bits=16.
+
+        Of stereo="both", both eyes; `right.save` writes the right eye's.
+        """
+        self._picture.save(self._view, os.fspath(path), flag_texts(words))
 
     @property
     def job(self) -> dict[str, Any]:
@@ -99,7 +102,7 @@ class Image:
         return job
 
     def _repr_png_(self) -> bytes:
-        return self._picture.png()
+        return self._picture.png(self._view)
 
     def __repr__(self) -> str:
         height, width, _ = self.shape

@@ -235,8 +235,10 @@ def open(
     axes: the array's, by default its `dims` (xarray) or "zyx"; c and t are chosen by channel and time. spacing: along x, y
     and z in the order of `axes`, of a file along z, y and x. affine: world (x, y, z) from voxel (x, y, z), 4 x 4. unit,
     frame: of the world, "mm" and "RAS". labels: values are labels. brick_size: by default 128. The array must not change.
-    All but spacing and labels are for arrays: a file has its own.
+    All but spacing, unit and labels are for arrays: a file has its own, and unit is for a file that states none.
     """
+    if isinstance(source, Volume):
+        raise wrong_word("source", "is a file or an array", "an open volume", "give its file, or slice it: volume[...]")
     if is_array(source):
         if store is not None:
             raise wrong_word("store", "is for files", "an array", "leave it out; kiln.convert makes a store of an array")
@@ -245,8 +247,8 @@ def open(
         )
         edge = 128 if brick_size is None else brick_size
         return Volume(_kiln.Volume.open_array(described, edge, text_of(memory), progress))
-    refuse_words_of_arrays(axes=axes, unit=unit, frame=frame, brick_size=brick_size)
-    texts = file_texts(words, spacing, affine)
+    refuse_words_of_arrays(axes=axes, frame=frame, brick_size=brick_size)
+    texts = file_texts(dict(words, unit=unit or None), spacing, affine)
     memory_text = text_of(memory)
     return Volume(_kiln.Volume.open_file(os.fspath(source), texts, store_folder(store), labels, memory_text, progress))
 
