@@ -34,11 +34,14 @@ constexpr CapabilityRow kCapabilityRows[] = {
     {&EngineCapabilities::parts, "`--part`, `--distribute bricks`"},
 };
 
-// Returns the engines that have the capability: "A", "A, or B", "A, B, or C".
-std::string enginesWith(Capability capability) {
+// Returns the options that choose engines with the capability: "A", "A, or B", "A, B, or C". A projection is left by
+// --mode composite, whatever the lattice.
+std::string enginesWith(Capability capability, EngineKind found) {
   std::vector<std::string_view> names;
   for (const EngineCapabilities& engine : engineCapabilities()) {
-    if (engine.*capability) names.push_back(engine.chosen_by);
+    if (!(engine.*capability)) continue;
+    if (found == EngineKind::kProjection && engine.composites) return "--mode composite";
+    names.push_back(engine.chosen_by);
   }
   std::string out;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -131,8 +134,8 @@ void requireCapability(const EngineChoice& engine, Capability capability, std::s
   // The engine of several volumes draws as the pixel lattice does, which lacks nothing for one volume.
   if (engine.kind() == EngineKind::kMultiVolume)
     throw Error(ErrorCode::kUsage, fmt::format("{} one volume (found several volumes); {}", subject, remedy));
-  throw Error(ErrorCode::kUsage,
-              fmt::format("{} {} (found {}); {}", subject, enginesWith(capability), engine.text(), remedy));
+  throw Error(ErrorCode::kUsage, fmt::format("{} {} (found {}); {}", subject, enginesWith(capability, engine.kind()),
+                                             engine.text(), remedy));
 }
 
 void requireOptions(const EngineChoice& engine, const EngineOptions& options) {

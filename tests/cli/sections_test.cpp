@@ -128,7 +128,7 @@ TEST_F(SectionsCli, WrongUsesAreRefused) {
   refusedWith({"--section", "tf"}, "--section: nothing is cut");
   refusedWith({"--section", "tf", "--clip", "0,1,0,0", "--lattice", "voxel"},
               "--section: needs --lattice pixel, or several volumes");
-  refusedWith({"--section", "tf", "--clip", "0,1,0,0", "--mode", "mip"}, "--section: needs");
+  refusedWith({"--section", "tf", "--clip", "0,1,0,0", "--mode", "mip"}, "--section: needs --mode composite");
   refusedWith({"--section", "tf", "--clip", "0,1,0,0", "--tf", "iso:1300"}, "--section: surfaces (iso:VALUE)");
   refusedWith({"--section", "teal", "--clip", "0,1,0,0"}, "--section: expected");
   writeText(in("l.nrrd"), "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 8 8 8\nencoding: raw\n\n" + std::string(512, 2));

@@ -53,14 +53,12 @@ TEST(Capabilities, Refusal_namesConstraintFoundEngineAndRemedy) {
   EXPECT_EQ(engineRefusal(kVoxelEngine, {.interpolation = Interpolation::kCubic, .aovs = {}}),
             "--interpolation cubic: needs --lattice pixel, or several volumes (found --lattice voxel); leave "
             "--interpolation out");
-  EXPECT_EQ(
-      engineRefusal(kMipEngine, {.aovs = {.depth = true}}),
-      "--aov: depth and normal need --lattice pixel, --lattice voxel, or several volumes (found --mode mip); choose "
-      "--aov value");
-  EXPECT_EQ(
-      engineRefusal({Mode::kMip, Lattice::kPixel, true}, {.aovs = {.depth = true}}),
-      "--aov: depth and normal need --lattice pixel, --lattice voxel, or several volumes (found --mode mip); leave "
-      "--aov out");
+  EXPECT_EQ(engineRefusal(kMipEngine, {.aovs = {.depth = true}}),
+            "--aov: depth and normal need --mode composite (found --mode mip); choose "
+            "--aov value");
+  EXPECT_EQ(engineRefusal({Mode::kMip, Lattice::kPixel, true}, {.aovs = {.depth = true}}),
+            "--aov: depth and normal need --mode composite (found --mode mip); leave "
+            "--aov out");
   EXPECT_EQ(
       engineRefusal({}, {.aovs = {.value = true}}),
       "--aov: value needs --mode mip, minip, average or attenuated-mip (found --lattice pixel); choose one of these "
