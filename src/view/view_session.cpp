@@ -256,6 +256,7 @@ void ViewSession::stop() {
 
 RenderJob ViewSession::jobOf(const RequestBody& body) const {
   RenderJob out = jobOfBrowser(body.job(), body.sizeIfThere().value_or(source_.drawn.picture.size), source_.drawn);
+  out.picture.aovs = {};  // a page shows and writes PNGs, which hold no planes
   if (body.find("frame") != nullptr) out.frames = {static_cast<int>(body.integer("frame", 0, kLastFrame))};
   return out;
 }
@@ -483,8 +484,9 @@ void ViewSession::probe(const RequestBody& body, ViewClient& client) {
                       static_cast<std::int32_t>(voxel.z / edge)}};
   double value = std::numeric_limits<double>::quiet_NaN();
   if (const auto block = inTurn(client, [&](OtherStops&) { return painter_.brick({key, static_cast<int>(volume)}); })) {
+    const bool shown = block->shown.all() || block->shown.at(block->shown.offsetOf(voxel));
     withVoxelType(block->type, [&]<class T>(std::type_identity<T>) {
-      value = static_cast<double>(block->data<T>()[block->offsetOf(voxel)]);
+      if (shown) value = static_cast<double>(block->data<T>()[block->offsetOf(voxel)]);
     });
   }
   sendJson(client, {{"value", std::isfinite(value) ? ordered_json(value) : ordered_json()},
