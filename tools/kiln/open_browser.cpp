@@ -6,12 +6,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdlib>
 #include <thread>
 
 #include "find_program.h"
-#include "terminal_progress.h"
 
 extern char** environ;
 
@@ -57,14 +55,6 @@ OpenedBrowser::OpenedBrowser(const std::string& address) {
 
 OpenedBrowser::~OpenedBrowser() {
   if (!page_.empty()) ::unlink(page_.c_str());
-}
-
-void endWithTerminal() {
-  struct sigaction now {};
-  if (::sigaction(SIGHUP, nullptr, &now) == 0 && now.sa_handler == SIG_IGN) return;
-  now = {};
-  now.sa_handler = requestStop;
-  ::sigaction(SIGHUP, &now, nullptr);
 }
 
 bool terminalIsGone() {

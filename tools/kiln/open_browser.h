@@ -20,9 +20,6 @@ class OpenedBrowser {
   std::filesystem::path page_;  // empty: none
 };
 
-/// Makes SIGHUP, which the end of a terminal sends, request a stop, unless the process was started to survive (nohup).
-void endWithTerminal();
-
 /// True once the terminal of standard output is gone. False if standard output is no terminal.
 bool terminalIsGone();
 

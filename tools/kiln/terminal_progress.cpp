@@ -33,12 +33,13 @@ std::size_t columnsOfTerminal() {
   return known ? size.ws_col : std::numeric_limits<std::size_t>::max();
 }
 
-}  // namespace
-
 void requestStop(int signal) {
   interrupted = true;
-  std::signal(signal, SIG_DFL);
+  // The end of a terminal may be signalled by the system and by a shell.
+  if (signal != SIGHUP) std::signal(signal, SIG_DFL);
 }
+
+}  // namespace
 
 void installInterruptHandler() {
   // Without SA_RESTART, a signal ends the wait for the reader of a pipe; the library repeats all other calls.
@@ -46,6 +47,9 @@ void installInterruptHandler() {
   action.sa_handler = requestStop;
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
+  // A closing terminal interrupts, too, unless the program is to outlive it (nohup).
+  struct sigaction hangup {};
+  if (::sigaction(SIGHUP, nullptr, &hangup) == 0 && hangup.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);
 }
 
 TerminalProgress::TerminalProgress() : terminal_(isatty(STDERR_FILENO) != 0) {}

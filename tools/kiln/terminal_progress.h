@@ -67,9 +67,8 @@ class TerminalProgress : public Progress {
   bool drawn_ = false;
 };
 
-/// Makes SIGINT and SIGTERM request a stop instead of ending the process. The second signal ends the process.
+/// Makes SIGINT, SIGTERM and SIGHUP, which the end of a terminal sends, request a stop instead of ending the process.
+/// The second signal ends the process. A process that is to outlive its terminal (nohup) ignores SIGHUP.
 void installInterruptHandler();
-/// The handler of such a signal.
-void requestStop(int signal);
 
 }  // namespace kiln::tool

@@ -135,7 +135,6 @@ void run(const ViewArguments& a, Context& context) {
   printAddress(a, *server);
   std::optional<OpenedBrowser> browser;
   if (!a.no_browser && a.socket.empty()) browser.emplace(server->address());
-  endWithTerminal();
   server->run([&] { return context.progress.cancelled() || terminalIsGone(); });
 }
 
