@@ -29,8 +29,10 @@ std::vector<Light> pointsOf(const Light& light, const View& eye, const glm::dvec
 /// Points of a soft light. A penumbra of so many pixels has one shadow border a pixel.
 inline constexpr int kSoftLights = 16;
 
+/// Least edge of a map: beside its margins some pixels are left. unit: pixels.
+inline constexpr int kLeastShadowEdge = 8;
 /// Returns the views of a light that together contain the points. `edge_px`: longest edge of a map. requires: a
-/// directional or point light; edge_px >= 4; points that are not all equal.
+/// directional or point light; edge_px >= kLeastShadowEdge; points that are not all equal.
 std::vector<ShadowView> shadowViews(const Light& light, std::span<const glm::dvec3> points, int edge_px);
 
 /// Returns the largest edge of a map pixel in the box. unit: world.
