@@ -44,7 +44,7 @@ bool mayBeResumed(const std::exception& error) {
 
 // Finishes a store whose last byte was written earlier: the store may still need its name, and the journal may still be
 // there.
-void finishEarlier(OutputDirectory& destination, const fs::path& out, const SourceInfo& info,
+void finishEarlier(OutputDirectory& destination, const fs::path& out, const SourceInfo& info, const Manifest& draft,
                    const ConvertOptions& options, Progress& progress, ConvertReport& report) {
   const fs::path& store = destination.building();
   if (!isStoreOf(store, info, options.memory_bytes))
@@ -55,6 +55,10 @@ void finishEarlier(OutputDirectory& destination, const fs::path& out, const Sour
     throw Error(ErrorCode::kExists, store, "",
                 fmt::format("is finished, with bricks of {} voxels; give --overwrite to make bricks of {}",
                             manifest.brick_size, options.brick_size));
+  if (manifest.levels.size() != draft.levels.size())
+    throw Error(ErrorCode::kExists, store, "",
+                fmt::format("is finished, with {} levels; give --overwrite to make {}", manifest.levels.size(),
+                            draft.levels.size()));
   const bool labels = makesLabels(info, options);
   if ((manifest.volume_class == VolumeClass::kLabels) != labels)
     throw Error(ErrorCode::kExists, store, "",
@@ -219,7 +223,7 @@ ConvertReport convert(VolumeSource& source, const fs::path& out, const ConvertOp
   draft.source.time = resume_state.identity.time;
   Build build(resume_state, draft, plan, options, source, ranks, disk, progress);
   if (resume_state.finished) {
-    if (destination) finishEarlier(*destination, out, info, options, progress, report);
+    if (destination) finishEarlier(*destination, out, info, draft, options, progress, report);
   } else if (ranks.alone()) {
     runAlone(build, *destination, options, progress, report);
   } else {
