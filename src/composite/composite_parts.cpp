@@ -7,6 +7,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "composite/part_order.h"
 #include "frame/background.h"
@@ -63,6 +64,9 @@ Part partFrom(const fs::path& path, std::uint64_t memory_bytes) {
   if (!out.job.picture.clipping.part)
     throw Error(ErrorCode::kUnsupported, path, ImageMetadata::kJob,
                 "names no part; expected an image that kiln render --part drew");
+  if (!std::holds_alternative<TransferFunction>(out.job.picture.transfer_function))
+    throw Error(ErrorCode::kFormat, path, ImageMetadata::kJob,
+                "names a transfer function instead of its points; draw the part again");
   out.box = intersection(*out.job.picture.clipping.part, boxOf(geometryOf(out.volume).dims));
   // Only the header of a part with a damaged brick has "skipDamaged".
   for (const char* key : {"part", "volume", "skipDamaged"}) out.look.erase(key);
