@@ -35,11 +35,15 @@ double tickStep(double range) {
 
 void drawGrid(PlotImage& plot, const ValueRange& range) {
   const double step = tickStep(range.hi - range.lo);
-  for (double tick = std::ceil(range.lo / step) * step; tick <= range.hi; tick += step) {
+  // Ticks are multiples: a sum of steps would stand still at values that are large beside the step.
+  constexpr int kMostTicks = 32;
+  const double first = std::ceil(range.lo / step);
+  for (int i = 0; i < kMostTicks; ++i) {
+    const double tick = (first + i) * step;
+    if (tick > range.hi) break;
     const int x = kLeft + static_cast<int>(std::lround((tick - range.lo) / (range.hi - range.lo) * (kRight - kLeft)));
     plot.fill({x, kTop, x + 1, kBandBottom + 6}, kGrid);
-    // A sum of steps misses zero by rounding.
-    const std::string label = fmt::format("{:.6g}", std::abs(tick) < 1e-9 * step ? 0 : tick);
+    const std::string label = fmt::format("{:.6g}", tick == 0 ? 0 : tick);  // not -0
     plot.text(x - PlotImage::textWidth(label) / 2, kBandBottom + 12, label, kInk);
   }
   for (double opacity = 0; opacity <= 1; opacity += kOpacityTick) {

@@ -82,6 +82,7 @@ Volumes ofFolder(const fs::path& folder, const SourceOptions& options) {
     if (!format.read || format.name == "a BigDataViewer") continue;
     append(out, listedOrRefused(file.filename().string(), "file", [&] { return ofFileInFolder(file, options); }));
   }
+  if (out.empty()) slicesIn(folder);  // throws with the name of a subfolder that has slices
   if (out.empty()) throw Error(ErrorCode::kUnsupported, folder, "", "a directory without a volume; name another");
   return out;
 }

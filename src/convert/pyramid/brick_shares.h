@@ -22,8 +22,8 @@ inline int ownerOf(std::size_t place, std::int64_t count, int ranks) {
 class BrickShares {
  public:
   /// Collective. `bricks` are places in the lattice of level 0, equal on all ranks: of several ranks in rising order.
-  /// With `in_order` every rank gets all bricks in order: for a source that can only be read forwards. requires:
-  /// `ranks` outlives this.
+  /// With `in_order` the ranks take bricks from one list, in order: for a source that can only be read forwards.
+  /// requires: `ranks` outlives this.
   BrickShares(Ranks& ranks, std::vector<std::int64_t> bricks, std::int64_t brick_size, bool in_order);
   /// Returns the next brick of this rank; nothing once all are taken. thread: safe. cost: occasionally a message there
   /// and back.
