@@ -89,7 +89,8 @@ void PendingFolder::moveOut(const std::vector<fs::path>& files) {
     for (const fs::path& file : replaced) {
       try {
         exchangeNames(own(file), file);
-      } catch (const Error&) {  // both files stay, the new under its name
+      } catch (const Error&) {
+        kept_ = true;  // the older file is in the folder
       }
     }
     throw;
@@ -101,8 +102,16 @@ void PendingFolder::moveOut(const std::vector<fs::path>& files) {
 void PendingFolder::exchangeNames(const fs::path& own, const fs::path& file) {
   if (disk_.exchange(own, file)) return;
   const fs::path old = own.string() + ".old";
-  disk_.renameInSteps(own, file, old);
-  disk_.rename(old, own);
+  disk_.rename(file, old);
+  try {
+    disk_.rename(own, file);
+    disk_.rename(old, own);
+  } catch (...) {
+    std::error_code ignored;
+    if (!isThere(own)) fs::rename(file, own, ignored);
+    fs::rename(old, file, ignored);
+    throw;
+  }
 }
 
 // After an exchange the destructor removes the old folder.
