@@ -122,6 +122,11 @@ TEST(CameraPath, KeysOfAnEyeAreASpline) {
     return (cameraOf(job, frame + 1e-4).eye - cameraOf(job, frame).eye) / 1e-4;
   };
   expectNear(velocity(10 - 1e-4), velocity(10), 1e-3, __LINE__);
+  // The turn and the zoom of the still framing are not those of an eye.
+  const RenderJob framed = jobOf(R"("camera": {"azimuth": 30, "elevation": 10, "zoom": 2, "keyframes": [
+      {"frame": 1, "eye": [0, -90, 0], "target": [0, 0, 0]}]})");
+  expectNear(cameraOf(framed, 1).eye, {0, -90, 0}, 0, __LINE__);
+  EXPECT_EQ(cameraOf(framed, 1).fov_deg, 60);
 }
 
 // Orientations: a turn in three keys keeps its speed through the middle key, for either sign of a quaternion.
@@ -147,6 +152,10 @@ TEST(CameraPath, MatricesAreCameraToWorld) {
   EXPECT_EQ(camera.fov_deg, 40);
   expectNear(glm::normalize(cameraOf(job, 2).target - cameraOf(job, 2).eye), {0, 1, 0}, 1e-12, __LINE__);
   EXPECT_THROW(cameraOf(job, 3), Error);
+  EXPECT_THROW(cameraOf(jobOf(R"("camera": {"azimuth": 3, "matrices": [
+      [[0, 0, 1, 50], [1, 0, 0, 5], [0, 1, 0, 5], [0, 0, 0, 1]]]})"),
+                        1),
+               Error);
   EXPECT_THROW(jobOf(R"("camera": {"matrices": [[[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]]})"), Error);
 }
 

@@ -37,15 +37,15 @@ void requireStillCamera(const GivenFlags& flags, const RenderJob& job) {
   }
 }
 
-// A given view replaces the eye of the job, and a given eye the framing.
+// A given camera file replaces the camera of the job, a given view its eye, and a given eye its framing.
 void replaceCamera(const GivenFlags& flags, CameraSpec& camera) {
-  if (flags.has("--camera")) return;  // replaces all
-  if (flags.has("--view") && !flags.has("--eye") && camera.eye) {
-    camera.eye.reset();
-    camera.target.reset();
-    camera.up.reset();
-    camera.roll_deg.reset();
-    camera.height.reset();
+  if (flags.has("--camera")) {
+    camera = {};
+  } else if (flags.has("--view") && !flags.has("--eye") && camera.eye) {
+    CameraSpec framed;
+    framed.projection = camera.projection;
+    framed.fov_deg = camera.fov_deg;
+    camera = framed;
   } else if (flags.has("--eye") && !flags.has("--view")) {
     camera.side.reset();
     camera.azimuth_deg.reset();

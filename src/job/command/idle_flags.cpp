@@ -8,6 +8,7 @@
 
 #include "base/file/file.h"
 #include "job/job_facts.h"
+#include "scene/camera/camera_path.h"
 
 namespace kiln {
 namespace {
@@ -29,7 +30,7 @@ bool hasLight(const RenderJob& job) {
   const auto is_lit = [&](const VolumeOptions& volume) { return volume.shading.value_or(job.picture.shading).phong; };
   return job.picture.shading.phong || std::any_of(job.volumes.begin(), job.volumes.end(), is_lit);
 }
-bool isFramed(const RenderJob& job) { return job.picture.camera.framed(); }
+bool fitsCamera(const RenderJob& job) { return isFramed(job.animation.camera, job.picture.camera); }
 bool attenuates(const RenderJob& job) { return job.picture.mode == Mode::kAttenuatedMip; }
 bool hasLens(const RenderJob& job) { return job.picture.lens.aperture > 0; }
 bool hasLegend(const RenderJob& job) { return job.picture.annotations.legend; }
@@ -47,7 +48,7 @@ constexpr Need kNeedsPng = {writesPng, "PNG pictures (none is written)"};
 constexpr Need kNeedsJpeg = {writesJpeg, "JPEG pictures (none is written)"};
 constexpr Need kNeedsComposite = {composites, "--mode composite (found a projection)"};
 constexpr Need kNeedsPhong = {hasLight, "--shading phong (found none)"};
-constexpr Need kNeedsFraming = {isFramed, "a camera without --eye (found an eye)"};
+constexpr Need kNeedsFraming = {fitsCamera, "cameras that frame the volume (found an eye or matrices)"};
 constexpr Need kNeedsAttenuation = {attenuates, "--mode attenuated-mip (found another mode)"};
 constexpr Need kNeedsLens = {hasLens, "depth of field (found no --aperture)"};
 constexpr Need kNeedsLegend = {hasLegend, "a legend (found no --legend)"};

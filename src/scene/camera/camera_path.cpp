@@ -19,6 +19,8 @@ CameraSpec overlaid(CameraSpec spec, const CameraSpec& key) {
   const auto take = [](auto& into, const auto& from) {
     if (from) into = from;
   };
+  // Turns and zoom of a framing are not those of an eye in its place.
+  if (key.eye && !spec.eye) spec.azimuth_deg.reset(), spec.elevation_deg.reset(), spec.zoom.reset();
   take(spec.projection, key.projection);
   take(spec.eye, key.eye);
   take(spec.target, key.target);
@@ -162,6 +164,9 @@ Camera ofMatrix(const CameraMatrices& matrices, const CameraSpec& still, double 
     throw Error(ErrorCode::kUsage,
                 fmt::format("camera: there is no matrix for frame {}: the job has {}, from frame 1 on", frame,
                             matrices.size()));
+  if (still.azimuth_deg || still.elevation_deg)
+    throw Error(ErrorCode::kUsage,
+                "camera: matrices state where each frame is seen from; leave azimuth and elevation out");
   const glm::dmat4& matrix = matrices[static_cast<std::size_t>(place)];
   CameraSpec spec = still;
   spec.eye = glm::dvec3(matrix[3]);
