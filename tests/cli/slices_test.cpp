@@ -59,6 +59,11 @@ TEST_F(SlicesCli, Labels_haveTheirColours) {
   EXPECT_FALSE(isGrey(slice.pixel(0, 1)));
   done({"slice", in("l.kiln"), "-o", in("w.exr"), "--index", "0", "--window", "50,100"});
   EXPECT_TRUE(isGrey(readImage(in("w.exr")).pixel(0, 1)));
+  // A palette has no colours for labels that are far apart and not counted.
+  writeText(in("far.nrrd"),
+            "NRRD0004\ntype: uint32\ndimension: 3\nsizes: 2 2 2\nencoding: text\n\n0 1 100000 1 0 1 0 1\n");
+  done({"convert", in("far.nrrd"), in("far.kiln"), "--labels"});
+  done({"slice", in("far.kiln"), "-o", in("far.exr")});
   done({"slice", in("l.kiln"), "-o", in("s.exr"), "--sheet", "--at", "0,1,0"});
   // A voxel of a small volume is 9 x 9 pixels of a sheet.
   const Image sheet = readImage(in("s.exr"));

@@ -46,12 +46,24 @@ int levelOfSheet(const BrickedVolume& store) {
   return levels - 1;
 }
 
+// Times that each pixel of small slices is repeated along both sides, equal for all slices of a sheet.
+int enlargementOf(const VolumeGeometry& level) {
+  constexpr std::int64_t kLeastSlice_px = 192;
+  std::int64_t longest = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [width, height] = sliceSize(level, axis);
+    longest = std::max({longest, width, height});
+  }
+  return static_cast<int>(std::max<std::int64_t>(kLeastSlice_px / longest, 1));
+}
+
 // Returns the memory of the sheet and of its three slices. unit: bytes.
 std::uint64_t sheetBytes(const BrickedVolume& store, int level) {
+  const int times = enlargementOf(store.level(level).geometry);
   std::uint64_t pixels = static_cast<std::uint64_t>(kTextWidth) * kTextWidth;
   for (int axis = 0; axis < 3; ++axis) {
     const auto [width, height] = sliceSize(store.level(level).geometry, axis);
-    pixels += 2 * static_cast<std::uint64_t>(width * height);
+    pixels += 2 * static_cast<std::uint64_t>(width * height * times * times);
   }
   return 4 * sizeof(float) * pixels;
 }
@@ -87,12 +99,6 @@ Image withCrosshair(const Image& slice, int x, int y, int edge) {
   return std::move(out).take();
 }
 
-// Times that each voxel of a small slice is repeated along both sides, equal for all slices of a sheet.
-int enlargementOf(const Extent3& dims) {
-  constexpr std::int64_t kLeastSlice_px = 192;
-  return static_cast<int>(std::max<std::int64_t>(kLeastSlice_px / std::max({dims.x, dims.y, dims.z}), 1));
-}
-
 Image enlarged(Image image, int times) {
   if (times == 1) return image;
   Image out(image.width * times, image.height * times);
@@ -114,7 +120,7 @@ Panel panelOf(const BrickedVolume& store, const SliceSheetRequest& request, cons
   slice.colormap = request.colormap;
   slice.labels = request.labels;
   slice.memory_bytes = request.memory_bytes;
-  const Image image = enlarged(renderSlice(store, slice, progress), enlargementOf(dims));
+  const Image image = enlarged(renderSlice(store, slice, progress), enlargementOf(store.level(sheet.level).geometry));
   // Returns the pixel of the voxel along a side of so many pixels, as `renderSlice` counts.
   const auto place = [&](const NearestAxis& along, int pixels) {
     const double part =
@@ -192,9 +198,7 @@ SliceSheet renderSliceSheet(const BrickedVolume& store, const SliceSheetRequest&
   const std::vector<std::string> lines = linesOf(store, out, request.labels.empty() ? &window : nullptr);
   // Two rows: the axial and the sagittal slice, the coronal slice and the texts. Slices of a column have the same
   // width.
-  const auto widthOf = [](const Panel& one) {
-    return std::max(one.image.width, PlotImage::textWidth(one.caption));
-  };
+  const auto widthOf = [](const Panel& one) { return std::max(one.image.width, PlotImage::textWidth(one.caption)); };
   const int left = std::max(widthOf(panels[0]), widthOf(panels[1]));
   const int right = std::max(widthOf(panels[2]), kTextWidth);
   const int text_height = static_cast<int>(lines.size()) * kTextLine + kHistogramHeight + 2 * kTextLine;

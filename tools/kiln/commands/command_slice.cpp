@@ -165,6 +165,13 @@ void drawSheet(const SliceArguments& a, const StoreReader& store, const SliceReq
       sheet.image.width, sheet.image.height, sheet.level, sheet.at.x, sheet.at.y, sheet.at.z, sheet.value);
 }
 
+// Labels have the colours of a picture, unless a window or a map is given, or they are too many for a palette.
+bool hasColorsOfLabels(const SliceArguments& a, const Manifest& manifest) {
+  const bool asked_for_values = !a.window.empty() || a.colormap != SliceArguments().colormap || a.plane;
+  if (manifest.volume_class != VolumeClass::kLabels || asked_for_values) return false;
+  return labelsOf(manifest) || manifest.range.hi - manifest.range.lo < static_cast<double>(kMostLabels);
+}
+
 void run(const SliceArguments& a, Context& context) {
   requireImagePath(a.output);
   FileSystem::real().requirePlaceFor(a.output);
@@ -177,9 +184,7 @@ void run(const SliceArguments& a, Context& context) {
   if (!a.window.empty()) request.window = parseWindow(a.window, "--window");
   const StoreReader store(storeOfInput(a.source.volume(a.store), request.memory_bytes, outputs, context),
                           request.memory_bytes);
-  // Labels have the colours of a picture, unless a window is given.
-  if (store.manifest().volume_class == VolumeClass::kLabels && !request.window && a.plane == std::nullopt)
-    request.labels = labelPalette(store.manifest()).labels;
+  if (hasColorsOfLabels(a, store.manifest())) request.labels = labelPalette(store.manifest()).labels;
   if (a.sheet)
     drawSheet(a, store, request, context);
   else if (a.plane)
@@ -242,7 +247,10 @@ void addSlice(CLI::App& app, Context& context) {
       ->needs(plane)
       ->capture_default_str();
   command->add_option("--window", a->window, "Values shown: the middle 99 % if not given.")->type_name("CENTRE,WIDTH");
-  command->add_option("--colormap", a->colormap, fmt::format("Colours: {}.", fmt::join(displayMapNames(), ", ")))
+  command
+      ->add_option("--colormap", a->colormap,
+                   fmt::format("Colours: {}. Labels have their own without a window and with gray.",
+                               fmt::join(displayMapNames(), ", ")))
       ->type_name("NAME")
       ->capture_default_str();
   command->add_flag("--no-letters", a->no_letters, "Leave out the letters of the patient's sides at the edges.");
