@@ -126,6 +126,7 @@ std::optional<std::string> outputOf(const std::filesystem::path& program, const 
                                     std::size_t most_bytes, const std::function<void()>& waiting) {
   using namespace std::chrono_literals;
   ChildProcess child(program, arguments, true);
+  ::shutdown(child.socket(), SHUT_WR);  // its input is at its end
   std::string out, how;
   std::array<char, 4096> buffer;
   while (true) {

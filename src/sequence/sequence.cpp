@@ -36,9 +36,9 @@ class Sequence {
 
   SequenceResult run() {
     if (checkpoint_) requireCheckpoint(job_);
-    video_there_ = resume_ && frames_.hasVideo();
     frames_.makeFolders();
     frames_.requireScenes();
+    video_there_ = resume_ && frames_.hasVideo();
     listener_.started(job_, frames_.numbers());
     for (const int frame : frames_.numbers()) attempt(frame, [&] { handle(frame); });
     finishWriting();

@@ -120,7 +120,7 @@ OpenedJob& SequenceFrames::openedFor(int frame) {
   if (role_.part) job.picture.clipping.part = role_.part;
   opened_ = std::make_unique<OpenedJob>(job, progress_, beside_, role_.shared_reads, role_.writes_behind);
   if (!role_.warns) return *opened_;
-  if (frame == numbers_.front()) opened_->noteLook(progress_);
+  if (frame == numbers_.front() && !std::exchange(look_noted_, true)) opened_->noteLook(progress_);
   warnOf(opened_->doubts(), doubted_, progress_);
   return *opened_;
 }
@@ -165,9 +165,16 @@ std::string SequenceFrames::videoRecord() {
   return "kiln:" + toHex(hashOf(std::string_view(frames)));
 }
 
+// A frame whose volume cannot be opened is reported when it is drawn.
 bool SequenceFrames::hasVideo() {
   const VideoOptions& video = job_.output.video;
-  return !video.path.empty() && kiln::isThere(video.path) && isVideoOf(video, videoRecord(), progress_);
+  if (video.path.empty() || !kiln::isThere(video.path)) return false;
+  try {
+    return isVideoOf(video, videoRecord(), progress_);
+  } catch (const Error& error) {
+    if (error.code() == ErrorCode::kCancelled) throw interrupted(0);
+    return false;
+  }
 }
 
 void SequenceFrames::makeVideo(bool there) {

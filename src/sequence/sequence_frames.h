@@ -84,6 +84,7 @@ class SequenceFrames {
   const std::vector<int> numbers_;
   std::vector<std::filesystem::path> volumes_;
   std::unique_ptr<OpenedJob> opened_;
+  bool look_noted_ = false;
   std::set<std::string> doubted_;  // kinds of doubts already warned about
   RenderStatistics memory_;
 };
