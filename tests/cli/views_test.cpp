@@ -144,8 +144,7 @@ TEST_F(ViewsCli, SeveralVolumesAreDeepAndSeenByBothEyesAndAllRound) {
 TEST_F(ViewsCli, WhatIsNotDeepIsRefused) {
   const std::string deep = in("d.exr");
   refused({"-o", in("d.png"), "--deep"}, "d.png: the name of a deep image ends in .exr");
-  refused({"-o", deep, "--deep", "--mode", "mip"},
-          "d.exr: deep images need --lattice pixel, or several volumes (found --mode mip)");
+  refused({"-o", deep, "--deep", "--mode", "mip"}, "d.exr: deep images need --mode composite (found --mode mip)");
   refused({"-o", deep, "--deep", "--lattice", "voxel"},
           "d.exr: deep images need --lattice pixel, or several volumes (found --lattice voxel)");
   refused({"-o", deep, "--deep", "--samples", "4"}, "--samples of a deep image is 1");

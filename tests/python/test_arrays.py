@@ -324,7 +324,7 @@ def test_resume_tells_voxels_of_one_file_apart():
 def test_words_without_effect_are_refused():
     array = ramp("uint8", (8, 8, 8))
     numpy.save("a.npy", array)
-    of_arrays = {"axes": "xyz", "unit": "mm", "frame": "RAS"}
+    of_arrays = {"axes": "xyz", "frame": "RAS"}
     refused = [(kiln.open, array, word, value) for word, value in {"channel": 1, "time": 0, "store": "stores"}.items()]
     refused += [(kiln.convert, array, word, value) for word, value in {"channel": 0, "time": 2, "levels": -1}.items()]
     refused += [(kiln.open, "a.npy", word, value) for word, value in {**of_arrays, "brick_size": 128}.items()]
@@ -343,6 +343,7 @@ def test_words_without_effect_are_refused():
     assert sorted(os.listdir()) == ["a.npy"]
     volume = kiln.convert("a.npy", "a.kiln", allow_irregular=False, luminance=False, levels=1, spacing=SPACING)
     assert same_voxels(volume, array) and len(volume.levels) == 1 and volume.spacing == SPACING
+    assert kiln.open("a.npy", unit="um").unit == "um"
 
 
 def test_damaged_words_are_refused():

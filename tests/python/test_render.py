@@ -61,7 +61,7 @@ def test_masks_and_colours_are_those_of_each_picture(head):
     plain = numpy.asarray(volume.render(**words)).copy()
     coloured = volume.render(color_by=f"{head}:viridis", **words)
     assert (numpy.asarray(coloured) != plain).any()
-    run_tool("render", head, "-o", "coloured.png", "--tf", "ct-bone", "--color-by", f"{head}:viridis", "--size", "96x72")
+    run_tool("render", head, "-o", "coloured.png", "--tf", "ct-bone", "--color-by", f"{head}:viridis", "--size", "96x72", cwd=".")
     assert open("coloured.png", "rb").read() == coloured._repr_png_()
     assert (numpy.asarray(volume.render(**words)) == plain).all()
     with pytest.raises(kiln.Error, match="absent.kiln"):
@@ -71,7 +71,7 @@ def test_masks_and_colours_are_those_of_each_picture(head):
 def test_the_right_eye_is_saved_alone(head):
     pair = kiln.open(head).render(stereo="both", interocular=60, **SIZE)
     pair.right.save("right.png")
-    run_tool("render", head, "-o", "tool.png", "--stereo", "right", "--interocular", "60", "--size", "96x72")
+    run_tool("render", head, "-o", "tool.png", "--stereo", "right", "--interocular", "60", "--size", "96x72", cwd=".")
     assert open("right.png", "rb").read() == open("tool.png", "rb").read() == pair.right._repr_png_()
 
 

@@ -67,8 +67,9 @@ class TerminalProgress : public Progress {
   bool drawn_ = false;
 };
 
-/// Makes SIGINT, SIGTERM and SIGHUP, which the end of a terminal sends, request a stop instead of ending the process.
-/// The second signal ends the process. A process that is to outlive its terminal (nohup) ignores SIGHUP.
+/// Makes SIGINT, SIGTERM and SIGHUP, which the end of a terminal sends, request a stop instead of ending the process. A
+/// second SIGINT or SIGTERM ends the process; SIGHUP may come twice. A process that is to outlive its terminal (nohup)
+/// ignores SIGHUP.
 void installInterruptHandler();
 
 }  // namespace kiln::tool

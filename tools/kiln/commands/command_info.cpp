@@ -167,12 +167,13 @@ void printForPeople(const StoreReader& store) {
 }
 
 // Number of files: a folder is the first name of its files.
-std::size_t filesIn(const SourceInfo& info) { return info.files.size() - (isFolder(info.files.front()) ? 1 : 0); }
+std::size_t filesIn(const SourceInfo& info) {
+  return info.files.size() - (!info.files.empty() && isFolder(info.files.front()) ? 1 : 0);
+}
 
 // Prints the header of a volume file.
 void printHeader(const std::string& path, const SourceInfo& info) {
-  say("volume       {} ({}{})\n", path, info.format,
-      info.files.size() > 1 ? fmt::format(", {} files", filesIn(info)) : "");
+  say("volume       {} ({}{})\n", path, info.format, filesIn(info) > 1 ? fmt::format(", {} files", filesIn(info)) : "");
   printGeometry(info.geometry, info.type);
   for (const std::string& note : info.notes) say("note         {}\n", note);
   if (const std::string note = orientationNote(info); !note.empty()) say("note         {}\n", note);
