@@ -1,11 +1,15 @@
 """What tests of the Python package share: the program, a store of a phantom, and a folder of their own."""
 
 import os
+import signal
 import subprocess
 
 import pytest
 
 KILN = os.environ["KILN"]
+
+# Scripts start commands in the background with SIGINT ignored; tests of Ctrl-C would then wait for ever.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def run_tool(*arguments, cwd):
