@@ -18,8 +18,7 @@ if [ ! "$store/manifest.json" -nt "$out/cranium.nhdr" ]; then
   "$kiln" convert "$out/cranium.nhdr" "$store" --overwrite
 fi
 if [ ! "$picture" -nt "$store/manifest.json" ] || [ ! "$picture" -nt "$kiln" ]; then
-  # Zoom and target set the head, not the box with the head rest, into the middle.
   "$kiln" render "$store" -o "$picture" --size 1024x1024 --view front --azimuth 25 --elevation 10 \
-    --fit box --target 6,-10,-8 --zoom 1.55 --tf ct-skin --look studio --background 0.01,0.012,0.016
+    --tf ct-skin --look studio --background 0.01,0.012,0.016
 fi
 echo "The picture: $(realpath "$picture")"
