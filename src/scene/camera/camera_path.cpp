@@ -40,14 +40,6 @@ double angleAt(const Turntable& turntable, double frame) {
   return glm::radians(turntable.degrees) * (frame - 1) / turntable.frames;
 }
 
-Camera turned(Camera camera, const glm::dvec3& axis, double angle) {
-  if (angle == 0) return camera;
-  const glm::dquat turn = glm::angleAxis(angle, glm::normalize(axis));
-  camera.eye = camera.target + turn * (camera.eye - camera.target);
-  camera.up = turn * camera.up;
-  return camera;
-}
-
 // Returns the turns of the volume that the still camera sees as a turning camera sees the volume. A box between two
 // turns of 1° reaches 0.004 % further.
 Turns turnsOf(const Turntable& turntable, const glm::dvec3& axis) {

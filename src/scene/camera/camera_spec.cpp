@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/gtc/matrix_transform.hpp>
 #include <glm/trigonometric.hpp>
 #include <span>
 #include <string>
@@ -36,23 +35,16 @@ void refuseContradictions(const CameraSpec& spec) {
 }
 
 // Turns the eye about the target, as a framing is turned. requires: eye and target differ.
-Camera turned(Camera camera, double azimuth_deg, double elevation_deg) {
-  if (azimuth_deg == 0 && elevation_deg == 0) return camera;
-  const glm::dvec3 up = glm::normalize(camera.up);
-  const auto turn = [](double degrees, const glm::dvec3& axis) {
-    return glm::dmat3(glm::rotate(glm::dmat4(1), glm::radians(degrees), axis));
-  };
-  const glm::dvec3 level = turn(azimuth_deg, up) * (camera.eye - camera.target), aside = glm::cross(level, up);
+Camera turnedAsFraming(const Camera& camera, double azimuth_deg, double elevation_deg) {
+  const Camera level = turned(camera, camera.up, glm::radians(azimuth_deg));
+  const glm::dvec3 away = level.eye - level.target, aside = glm::cross(away, glm::normalize(level.up));
   // From straight above or below, no elevation is a turn towards `up`.
-  const bool raises = glm::length(aside) > 1e-9 * glm::length(level);
-  const glm::dmat3 raise = raises ? turn(elevation_deg, aside) : glm::dmat3(1);
-  camera.eye = camera.target + raise * level;
-  camera.up = raise * up;
-  return camera;
+  if (glm::length(aside) <= 1e-9 * glm::length(away)) return level;
+  return turned(level, aside, glm::radians(elevation_deg));
 }
 
 void enlarge(Camera& camera, double zoom) {
-  if (!(zoom > 0) || !std::isfinite(zoom)) throw Error(ErrorCode::kUsage, "camera: zoom must be a number above 0");
+  requireZoom(zoom);
   if (camera.projection == Projection::kOrthographic)
     camera.height /= zoom;
   else
@@ -70,7 +62,7 @@ Camera fromEye(const CameraSpec& spec, const FramedBox& box, const ImageSize& si
   camera.up = spec.up.value_or(axes.superior);
   const glm::dvec3 along = camera.target - camera.eye;
   if (!spec.up && glm::length(glm::cross(along, camera.up)) <= 1e-6 * glm::length(along)) camera.up = axes.anterior;
-  camera = turned(camera, spec.azimuth_deg.value_or(0), spec.elevation_deg.value_or(0));
+  camera = turnedAsFraming(camera, spec.azimuth_deg.value_or(0), spec.elevation_deg.value_or(0));
   camera = rolled(camera, spec.roll_deg.value_or(0));
   if (camera.projection == Projection::kOrthographic) {
     camera.height = spec.height ? *spec.height : fittingHeight(box, camera, size);

@@ -179,7 +179,7 @@ Camera shifted(const Camera& camera, const glm::dvec2& by, const ImageSize& size
 
 void requireLegal(const Framing& framing) {
   const auto refuse = [](const char* sentence) { throw Error(ErrorCode::kUsage, sentence); };
-  if (!(framing.zoom > 0) || !std::isfinite(framing.zoom)) refuse("camera: zoom must be a number above 0");
+  requireZoom(framing.zoom);
   if (!std::isfinite(framing.roll_deg)) refuse("camera: roll must be a finite number of degrees");
   if (!std::isfinite(framing.azimuth_deg)) refuse("camera: azimuth must be a finite number of degrees");
   if (!(std::abs(framing.elevation_deg) <= 90)) refuse("camera: elevation must be from -90 to 90 degrees");
@@ -255,6 +255,18 @@ glm::dvec3 centreOf(const VolumeGeometry& volume) {
 double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize& size) {
   const Span span = spanSeen(box, camera, size, {});
   return heightAround(glm::max(span.hi, -span.lo), box.margin(), size, FreeEdges().rectangle(size));
+}
+
+void requireZoom(double zoom) {
+  if (!(zoom > 0) || !std::isfinite(zoom)) throw Error(ErrorCode::kUsage, "camera: zoom must be a number above 0");
+}
+
+Camera turned(Camera camera, const glm::dvec3& axis, double angle) {
+  if (angle == 0) return camera;
+  const glm::dquat turn = glm::angleAxis(angle, glm::normalize(axis));
+  camera.eye = camera.target + turn * (camera.eye - camera.target);
+  camera.up = turn * camera.up;
+  return camera;
 }
 
 Camera rolled(const Camera& camera, double degrees) {

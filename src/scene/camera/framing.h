@@ -93,6 +93,12 @@ Camera frameVolume(const FramedBox& box, const Framing& framing, const ImageSize
 /// margin of `frameVolume`. unit: world.
 double fittingHeight(const FramedBox& box, const Camera& camera, const ImageSize& size);
 
+/// throws: Error kUsage for an enlargement that is not a finite number above 0.
+void requireZoom(double zoom);
+
+/// Turns eye and up about an axis through the target, right-handed. unit: radians.
+Camera turned(Camera camera, const glm::dvec3& axis, double angle);
+
 /// Turns the camera about its line of sight, clockwise as the camera sees: the picture turns the other way.
 Camera rolled(const Camera& camera, double degrees);
 
