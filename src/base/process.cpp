@@ -106,6 +106,16 @@ bool ChildProcess::hasEnded(std::string& how) {
   return true;
 }
 
+std::string ChildProcess::awaitEnd(const std::function<void()>& waiting) {
+  using namespace std::chrono_literals;
+  std::string how;
+  while (!hasEnded(how)) {
+    waiting();
+    std::this_thread::sleep_for(20ms);
+  }
+  return how;
+}
+
 std::string ChildProcess::lastError() const {
   std::array<char, 2000> buffer;
   const off_t size = ::lseek(error_output_, 0, SEEK_END);
@@ -124,10 +134,9 @@ void ChildProcess::fail(const std::string& what) const {
 
 std::optional<std::string> outputOf(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                                     std::size_t most_bytes, const std::function<void()>& waiting) {
-  using namespace std::chrono_literals;
   ChildProcess child(program, arguments, true);
-  ::shutdown(child.socket(), SHUT_WR);  // its input is at its end
-  std::string out, how;
+  ::shutdown(child.socket(), SHUT_WR);  // ends the program's input
+  std::string out;
   std::array<char, 4096> buffer;
   while (true) {
     pollfd answer{child.socket(), POLLIN, 0};
@@ -141,11 +150,7 @@ std::optional<std::string> outputOf(const std::filesystem::path& program, const 
     out.append(buffer.data(), static_cast<std::size_t>(got));
     if (out.size() > most_bytes) return std::nullopt;
   }
-  while (!child.hasEnded(how)) {
-    waiting();
-    std::this_thread::sleep_for(20ms);
-  }
-  if (!how.empty() || !child.lastError().empty()) return std::nullopt;
+  if (!child.awaitEnd(waiting).empty() || !child.lastError().empty()) return std::nullopt;
   return out;
 }
 
@@ -164,14 +169,8 @@ void FedProcess::write(std::span<const std::byte> data, const WaitHandler& waiti
 }
 
 void FedProcess::finish(const WaitHandler& waiting) {
-  using namespace std::chrono_literals;
   child_.closeSocket();
-  std::string how;
-  while (!child_.hasEnded(how)) {
-    waiting();
-    std::this_thread::sleep_for(20ms);
-  }
-  if (!how.empty()) child_.fail(how);
+  if (const std::string how = child_.awaitEnd(waiting); !how.empty()) child_.fail(how);
 }
 
 }  // namespace kiln

@@ -33,6 +33,9 @@ class ChildProcess {
   void closeSocket();
   /// Returns true once the program has ended; `how` is then empty, or "was ended by signal 11".
   bool hasEnded(std::string& how);
+  /// Waits until the program has ended, and returns `how` as hasEnded. `waiting` is called several times a second and
+  /// may throw.
+  std::string awaitEnd(const std::function<void()>& waiting);
   /// Throws Error kIo: `what` and the program's last error line.
   [[noreturn]] void fail(const std::string& what) const;
   /// The last line that the program wrote to its standard error.
