@@ -15,6 +15,15 @@ constexpr int kShownRows = 16;
 
 }  // namespace
 
+Background overPaper(Background background, const glm::dvec3& paper) {
+  for (auto* const end : {&background.top, &background.bottom}) {
+    for (std::size_t channel = 0; channel < 3; ++channel)
+      (*end)[channel] += (1 - (*end)[3]) * paper[static_cast<int>(channel)];
+    (*end)[3] = 1;
+  }
+  return background;
+}
+
 void layOverBackground(Image& image, int first_row, int rows, const Background& background) {
   if (background == Background{}) return;
   constexpr int kRows = 16;  // rows per task

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/vec3.hpp>
 #include <memory>
 
 #include "image/display.h"
@@ -13,6 +14,9 @@ namespace kiln {
 
 /// Lays `image`, the rows from `first_row` on of a picture of `rows` rows, over the background.
 void layOverBackground(Image& image, int first_row, int rows, const Background& background);
+
+/// Lays a background over paper of one colour. shape of `paper`: linear light.
+Background overPaper(Background background, const glm::dvec3& paper);
 
 /// Returns the medium of a picture's file.
 Medium mediumOf(const std::filesystem::path& picture);

@@ -5,6 +5,7 @@
 #include "annotate/font.h"
 #include "annotate/legend.h"
 #include "annotate/scale_bar.h"
+#include "frame/background.h"
 #include "job/job_facts.h"
 
 namespace kiln {
@@ -35,11 +36,10 @@ AnnotatedPicture pictureSeenBy(const FrameScene& scene, const View& view) {
 
 // A video alone has no transparency: players show black.
 Background backgroundBehind(const RenderJob& job, const FrameScene& scene) {
-  Background out = backgroundOf(scene.picture, scene.transfer_function);
+  const Background out = backgroundOf(scene.picture, scene.transfer_function);
   const OutputOptions& output = job.output;
-  if (output.video.path.empty() || !output.path.empty() || !output.files.empty()) return out;
-  out.top[3] = out.bottom[3] = 1;
-  return out;
+  const bool video_alone = !output.video.path.empty() && output.path.empty() && output.files.empty();
+  return video_alone ? overPaper(out, glm::dvec3(0)) : out;
 }
 
 }  // namespace

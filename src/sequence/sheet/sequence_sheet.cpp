@@ -36,17 +36,6 @@ SheetLayout layoutOf(const RenderJob& job) {
   return out;
 }
 
-// Annotations are legible on what lies behind the picture.
-Background overPaper(Background behind) {
-  const glm::dvec3& paper = ThumbnailSheet::paper();
-  for (auto* const end : {&behind.top, &behind.bottom}) {
-    for (std::size_t channel = 0; channel < 3; ++channel)
-      (*end)[channel] += (1 - (*end)[3]) * linearFromSrgb(paper[static_cast<int>(channel)]);
-    (*end)[3] = 1;
-  }
-  return behind;
-}
-
 }  // namespace
 
 std::vector<int> framesOfSheet(const std::vector<int>& frames, int count) {
@@ -103,8 +92,9 @@ Image drawSequenceSheet(const RenderJob& given, const StoreFor& store_for, Progr
     const int first_row = drawnPixels(job.picture.size, job.picture.crop).y0;
     finishPicture(picture, first_row, finishOf(drawn.scene.picture, drawn.scene.transfer_function),
                   mediumOf(job.output.path));
-    // A sheet holds colours alone, also in an EXR.
-    drawn.scene.picture.background = overPaper(backgroundOf(drawn.scene.picture, drawn.scene.transfer_function));
+    // A sheet holds colours alone, also in an EXR. Annotations are legible on its paper.
+    drawn.scene.picture.background = overPaper(backgroundOf(drawn.scene.picture, drawn.scene.transfer_function),
+                                               linearFromSrgb(ThumbnailSheet::paper()));
     const Annotators annotators = annotatorsOf(opened.job(), drawn);
     if (annotators.front()) annotators.front()->over(picture, 0, first_row, depthOf(picture));
     const auto place = static_cast<int>(i);
