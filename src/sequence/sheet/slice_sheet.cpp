@@ -33,15 +33,20 @@ struct Panel {
   std::string caption;
 };
 
+// Returns the longest side of a level's slices. unit: pixels.
+std::int64_t longestSide(const VolumeGeometry& level) {
+  std::int64_t longest = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto [width, height] = sliceSize(level, axis);
+    longest = std::max({longest, width, height});
+  }
+  return longest;
+}
+
 int levelOfSheet(const BrickedVolume& store) {
   const int levels = store.index().levels();
   for (int level = 0; level < levels; ++level) {
-    std::int64_t longest = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto [width, height] = sliceSize(store.level(level).geometry, axis);
-      longest = std::max({longest, width, height});
-    }
-    if (longest <= kSheetSlice_px) return level;
+    if (longestSide(store.level(level).geometry) <= kSheetSlice_px) return level;
   }
   return levels - 1;
 }
@@ -49,12 +54,7 @@ int levelOfSheet(const BrickedVolume& store) {
 // Times that each pixel of small slices is repeated along both sides, equal for all slices of a sheet.
 int enlargementOf(const VolumeGeometry& level) {
   constexpr std::int64_t kLeastSlice_px = 192;
-  std::int64_t longest = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto [width, height] = sliceSize(level, axis);
-    longest = std::max({longest, width, height});
-  }
-  return static_cast<int>(std::max<std::int64_t>(kLeastSlice_px / longest, 1));
+  return static_cast<int>(std::max<std::int64_t>(kLeastSlice_px / longestSide(level), 1));
 }
 
 // Returns the memory of the sheet and of its three slices. unit: bytes.
