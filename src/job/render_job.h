@@ -138,18 +138,21 @@ struct Animation {
 struct MaskChoice {
   std::filesystem::path volume;
   std::vector<std::int64_t> labels;
+  bool operator==(const MaskChoice&) const = default;
 };
 
 /// Takes the colours of a volume from the values of another volume at the same place; opacity stays the volume's own.
 struct ColorByChoice {
   std::filesystem::path volume;
   TransferFunctionChoice transfer_function = std::string("auto");
+  bool operator==(const ColorByChoice&) const = default;
 };
 
 struct Companions {
   std::optional<MaskChoice> mask;
   std::optional<ColorByChoice> color_by;
   bool any() const { return mask || color_by; }
+  bool operator==(const Companions&) const = default;
 };
 
 /// A volume of a picture with several volumes, placed by its own affine. Lights, planes through all volumes, level,

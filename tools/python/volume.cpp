@@ -97,22 +97,11 @@ std::vector<const BrickedVolume*> pointersTo(const std::vector<std::shared_ptr<c
 
 namespace {
 
-bool areEqual(const Companions& a, const Companions& b) {
-  const auto both = [](const auto& x, const auto& y, const auto& equal) {
-    return x.has_value() == y.has_value() && (!x || (x->volume == y->volume && equal(*x, *y)));
-  };
-  return both(a.mask, b.mask, [](const MaskChoice& x, const MaskChoice& y) { return x.labels == y.labels; }) &&
-         both(a.color_by, b.color_by, [](const ColorByChoice& x, const ColorByChoice& y) {
-           return x.transfer_function == y.transfer_function;
-         });
-}
-
 // Whether the jobs' volumes have equal companions, which a session opens once.
 bool haveEqualCompanions(const RenderJob& a, const RenderJob& b) {
-  return areEqual(a.companions, b.companions) &&
-         std::equal(
-             a.volumes.begin(), a.volumes.end(), b.volumes.begin(), b.volumes.end(),
-             [](const VolumeOptions& x, const VolumeOptions& y) { return areEqual(x.companions, y.companions); });
+  return a.companions == b.companions &&
+         std::equal(a.volumes.begin(), a.volumes.end(), b.volumes.begin(), b.volumes.end(),
+                    [](const VolumeOptions& x, const VolumeOptions& y) { return x.companions == y.companions; });
 }
 
 }  // namespace
