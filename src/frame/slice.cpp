@@ -120,7 +120,7 @@ void drawBrick(const BrickBlock& block, const SliceView& view, const VoxelLine& 
       const auto y = static_cast<int>(view.from_bottom ? image.height - 1 - row : row);
       for (std::int64_t x = across.begin; x < across.end; ++x) {
         v[view.right.index] = columns.voxelOf(x);
-        if (!block.shown.all() && !block.shown.at(block.shown.offsetOf(v))) continue;
+        if (!block.shown.shows(v)) continue;
         const glm::vec3* const color = colors.of(static_cast<double>(voxels[block.offsetOf(v)]));
         if (color == nullptr) continue;
         float* const pixel = image.pixel(static_cast<int>(x), y);

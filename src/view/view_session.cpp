@@ -484,9 +484,8 @@ void ViewSession::probe(const RequestBody& body, ViewClient& client) {
                       static_cast<std::int32_t>(voxel.z / edge)}};
   double value = std::numeric_limits<double>::quiet_NaN();
   if (const auto block = inTurn(client, [&](OtherStops&) { return painter_.brick({key, static_cast<int>(volume)}); })) {
-    const bool shown = block->shown.all() || block->shown.at(block->shown.offsetOf(voxel));
     withVoxelType(block->type, [&]<class T>(std::type_identity<T>) {
-      if (shown) value = static_cast<double>(block->data<T>()[block->offsetOf(voxel)]);
+      if (block->shown.shows(voxel)) value = static_cast<double>(block->data<T>()[block->offsetOf(voxel)]);
     });
   }
   sendJson(client, {{"value", std::isfinite(value) ? ordered_json(value) : ordered_json()},

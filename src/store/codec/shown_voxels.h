@@ -26,6 +26,8 @@ class ShownVoxels {
     const Extent3 size = box_.extent();
     return ((v.z - box_.lo.z) * size.y + (v.y - box_.lo.y)) * size.x + v.x - box_.lo.x;
   }
+  /// Returns whether a voxel of the box is shown.
+  bool shows(const VoxelCoord& v) const { return all() || at(offsetOf(v)); }
   /// Shows `count` voxels from `offset` on. requires: !all().
   void show(std::int64_t offset, std::int64_t count = 1);
   /// Returns whether some voxel, or every voxel, of `part` is shown. requires: `part` lies in the box.
