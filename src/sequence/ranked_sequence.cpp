@@ -61,11 +61,10 @@ void RankedSequence::findKept() {
   std::vector<int> kept;
   const std::vector<int>& numbers = frames_.numbers();
   if (resume_) {
-    video_there_ = ranks_.first() && frames_.hasVideo();
-    const bool all = video_there_ && keepsFramesForVideo(job_);
-    if (all) kept = numbers;
-    const auto count = static_cast<std::size_t>(ranks_.count());
-    for (auto i = static_cast<std::size_t>(ranks_.rank()); i < numbers.size() && !all; i += count) {
+    // One rank looks for the video, and answers for all frames in it.
+    if (ranks_.first()) frames_.findVideo();
+    const std::size_t count = frames_.areInVideo() ? 1 : static_cast<std::size_t>(ranks_.count());
+    for (auto i = static_cast<std::size_t>(ranks_.rank()); i < numbers.size(); i += count) {
       if (!frames_.isThere(numbers[i])) continue;
       frames_.removeLeftovers(numbers[i]);
       kept.push_back(numbers[i]);
@@ -135,7 +134,7 @@ void RankedSequence::finish() {
     frames_.describeMemory(s);
     std::sort(s.failed.begin(), s.failed.end());
     std::sort(s.frames.begin(), s.frames.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
-    if (s.failed.empty()) frames_.makeVideo(video_there_);
+    if (s.failed.empty()) frames_.makeVideo();
   }
   ranks_.barrier();
 }

@@ -54,7 +54,6 @@ class RankedSequence {
 
   const bool resume_;
   SequenceListener& listener_;
-  bool video_there_ = false;  // on rank 0: an earlier run has made the video
   std::vector<int> to_draw_;
   std::size_t done_ = 0;
   SequenceResult result_;

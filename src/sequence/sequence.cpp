@@ -38,12 +38,12 @@ class Sequence {
     if (checkpoint_) requireCheckpoint(job_);
     frames_.makeFolders();
     frames_.requireScenes();
-    video_there_ = resume_ && frames_.hasVideo();
+    if (resume_) frames_.findVideo();
     listener_.started(job_, frames_.numbers());
     for (const int frame : frames_.numbers()) attempt(frame, [&] { handle(frame); });
     finishWriting();
     frames_.describeMemory(result_.statistics);
-    if (result_.statistics.failed.empty()) frames_.makeVideo(video_there_);
+    if (result_.statistics.failed.empty()) frames_.makeVideo();
     return std::move(result_);
   }
 
@@ -71,7 +71,7 @@ class Sequence {
 
   void handle(int frame) {
     progress_.throwIfCancelled("rendering");
-    if (resume_ && ((video_there_ && keepsFramesForVideo(job_)) || frames_.isThere(frame))) {
+    if (resume_ && frames_.isThere(frame)) {
       frames_.removeLeftovers(frame);
       if (checkpoint_) FileSystem::real().removeAll(checkpointOf(job_, frame));
       result_.statistics.kept.push_back(frame);
@@ -127,7 +127,6 @@ class Sequence {
   Progress& progress_;
   SequenceListener& listener_;
   SequenceFrames frames_;
-  bool video_there_ = false;  // an earlier run has made the video
   std::size_t done_ = 0;
   SequenceResult result_;
   std::map<int, std::unique_ptr<FileLock>> tile_locks_;  // by frame, on checkpoints until the frame's files are written

@@ -126,6 +126,7 @@ OpenedJob& SequenceFrames::openedFor(int frame) {
 }
 
 bool SequenceFrames::isThere(int frame) {
+  if (areInVideo()) return true;
   const OpenedJob& opened = openedFor(frame);
   const FrameScene scene = sceneToWrite(opened, frame);
   const RenderJob job = jobAtFrame(job_, frame);
@@ -153,36 +154,36 @@ RenderJob SequenceFrames::jobToWrite(const OpenedJob& opened) const {
   return job;
 }
 
-// A hash of all that the frames depend on. Empty, so that no run keeps the video, where damaged bricks may be missing.
+// Returns a hash of all that the frames depend on; nothing where damaged bricks may be missing, so that no run keeps
+// such a video. The volumes of a series are opened once for it.
 std::string SequenceFrames::videoRecord() {
-  if (job_.picture.skip_damaged) return {};
+  if (job_.picture.skip_damaged || !video_record_.empty()) return video_record_;
   std::string frames = job_.output.video.rate.text();
   for (const int frame : numbers_) {
     const OpenedJob& opened = openedFor(frame);
     frames += "\n" + contentHash(jobAtFrame(job_, frame), videoFrameOf(job_, frame), sceneToWrite(opened, frame),
                                  opened.firstVolume().manifest());
   }
-  return "kiln:" + toHex(hashOf(std::string_view(frames)));
+  return video_record_ = "kiln:" + toHex(hashOf(std::string_view(frames)));
 }
 
 // A frame whose volume cannot be opened is reported when it is drawn.
-bool SequenceFrames::hasVideo() {
+void SequenceFrames::findVideo() {
   const VideoOptions& video = job_.output.video;
-  if (video.path.empty() || !kiln::isThere(video.path)) return false;
+  if (video.path.empty() || !kiln::isThere(video.path)) return;
   try {
-    return isVideoOf(video, videoRecord(), progress_);
+    video_there_ = isVideoOf(video, videoRecord(), progress_);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::kCancelled) throw interrupted(0);
-    return false;
   }
 }
 
-void SequenceFrames::makeVideo(bool there) {
+void SequenceFrames::makeVideo() {
   const VideoOptions& video = job_.output.video;
   if (video.path.empty()) return;
   std::vector<fs::path> pictures;
   for (const int frame : numbers_) pictures.push_back(videoFrameOf(job_, frame).path);
-  if (!there) writeVideo(pictures, video, videoRecord(), job_.speed.memory_bytes, progress_);
+  if (!video_there_) writeVideo(pictures, video, videoRecord(), job_.speed.memory_bytes, progress_);
   if (!keepsFramesForVideo(job_)) return;
   // Also removes the folder, unless it holds other files.
   for (const fs::path& picture : pictures) FileSystem::real().removeAll(picture);

@@ -58,17 +58,20 @@ class SequenceFrames {
   void requireScenes();
   /// Opens the job over the frame's stores and closes any other. throws: as OpenedJob.
   OpenedJob& openedFor(int frame);
-  /// Returns true if all files of a frame exist and are whole. throws: Error kExists if another job wrote a file.
+  /// Returns true if all files of a frame exist and are whole, or the frame is in the video that was found. throws:
+  /// Error kExists if another job wrote a file.
   bool isThere(int frame);
   /// Removes the temporary files of killed runs beside a frame's files, as drawing the frame does.
   void removeLeftovers(int frame) const;
   /// Return scene and job for the headers of files: without the part.
   FrameScene sceneToWrite(const OpenedJob& opened, int frame) const;
   RenderJob jobToWrite(const OpenedJob& opened) const;
-  /// Returns whether a whole video of these frames is there.
-  bool hasVideo();
-  /// Makes the job's video of the frames' files, unless `there`, and removes frames that were kept for it alone.
-  void makeVideo(bool there);
+  /// Looks for a whole video of these frames, which an earlier run made.
+  void findVideo();
+  /// Returns whether the frames have no other files, and findVideo has found their video.
+  bool areInVideo() const { return video_there_ && keepsFramesForVideo(job_); }
+  /// Makes the job's video of the frames' files, unless it was found, and removes frames that were kept for it alone.
+  void makeVideo();
   /// Adds the memory of all stores opened so far.
   void describeMemory(RenderStatistics& statistics) const;
   /// Returns the error of an interrupt, with the way to resume after `done` finished frames.
@@ -85,6 +88,8 @@ class SequenceFrames {
   std::vector<std::filesystem::path> volumes_;
   std::unique_ptr<OpenedJob> opened_;
   bool look_noted_ = false;
+  std::string video_record_;  // once it is known
+  bool video_there_ = false;
   std::set<std::string> doubted_;  // kinds of doubts already warned about
   RenderStatistics memory_;
 };

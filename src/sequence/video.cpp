@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "base/file/file.h"
-#include "base/file/path_status.h"
 #include "base/process.h"
 #include "image/file/image_file.h"
 #include "image/srgb.h"
@@ -53,7 +52,7 @@ std::vector<std::string> encoderArguments(const VideoOptions& options, int width
 }
 
 bool isVideoOf(const VideoOptions& options, const std::string& record, Progress& progress) {
-  if (record.empty() || !isThere(options.path)) return false;
+  if (record.empty()) return false;
   // Decodes the frames, and prints the tags as lines "comment=TEXT".
   constexpr std::size_t kMostTags_bytes = 1 << 16;
   const std::optional<std::string> tags =

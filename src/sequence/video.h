@@ -17,7 +17,7 @@ namespace kiln {
 void writeVideo(const std::vector<std::filesystem::path>& pictures, const VideoOptions& options,
                 const std::string& record, std::uint64_t memory_bytes, Progress& progress);
 
-/// Returns whether the video is there, is readable to its end and has the record. cost: decodes all frames. throws:
+/// Returns whether the video at the path is readable to its end and has the record. cost: decodes all frames. throws:
 /// Error kIo, kCancelled.
 bool isVideoOf(const VideoOptions& options, const std::string& record, Progress& progress);
 

@@ -50,7 +50,7 @@ class Frames {
     auto out = std::make_shared<Picture>(opened.job(), frame, std::move(drawn), opened.firstVolume().share());
     out->writeFiles();
     ++place_;
-    if (place_ == numbers_.size() && frames_ && hasFiles()) frames_->makeVideo(false);
+    if (place_ == numbers_.size() && frames_ && hasFiles()) frames_->makeVideo();
     return out;
   }
 
