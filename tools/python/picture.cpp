@@ -70,19 +70,24 @@ std::vector<std::uint8_t> Picture::srgbBytes(std::size_t view) const {
   return out;
 }
 
-std::pair<RenderJob, DrawnFrame> Picture::partOf(std::size_t view) const {
-  std::pair<RenderJob, DrawnFrame> out{job_, drawn_};
-  if (view == 0) return out;
-  out.first.picture.stereo->eye = StereoEye::kRight;
-  out.second.scene.picture.stereo->eye = StereoEye::kRight;
-  out.second.views.erase(out.second.views.begin());
+RenderJob Picture::jobOf(std::size_t view) const {
+  RenderJob out = job_;
+  if (view > 0) out.picture.stereo->eye = StereoEye::kRight;
+  return out;
+}
+
+DrawnFrame Picture::rightEye() const {
+  DrawnFrame out = drawn_;
+  out.scene.picture.stereo->eye = StereoEye::kRight;
+  out.views.erase(out.views.begin());
   return out;
 }
 
 std::vector<std::byte> Picture::png(std::size_t view) const {
-  auto [job, drawn] = partOf(view);
+  RenderJob job = jobOf(view);
   job.picture.aovs = {};  // no PNG holds planes
-  return pngOf(job, drawn, *volume_, Progress());
+  if (view > 0) return pngOf(job, rightEye(), *volume_, Progress());
+  return pngOf(job, drawn_, *volume_, Progress());
 }
 
 void Picture::save(std::size_t view, const std::filesystem::path& path, const GivenFlags& flags) const {
@@ -90,7 +95,8 @@ void Picture::save(std::size_t view, const std::filesystem::path& path, const Gi
   if (const auto other = flags.otherThan(
           {"--exr-type", "--compression", "--owner", "--comments", "--exr-statistics", "--png-bits", "--jpeg-quality"}))
     throw Error(ErrorCode::kUsage, *other + ": is no option of a file; draw the picture with it");
-  auto [job, drawn] = partOf(view);
+  DrawnFrame drawn = view > 0 ? rightEye() : drawn_;
+  RenderJob job = jobOf(view);
   if (hasEyePlace(path) && drawn.views.size() < 2)
     throw Error(ErrorCode::kUsage, path, "", "%V stands for the eyes of a pair, and no pair is drawn; leave %V out");
   flags.apply(job);

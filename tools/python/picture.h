@@ -38,8 +38,9 @@ class Picture {
   std::string jobText() const;
 
  private:
-  /// Returns the job and the frame of all views, or of the right eye alone for view 1.
-  std::pair<RenderJob, DrawnFrame> partOf(std::size_t view) const;
+  /// Return the job of all views, or of the right eye for view 1; the frame of the right eye alone.
+  RenderJob jobOf(std::size_t view) const;
+  DrawnFrame rightEye() const;
   /// Writes the files of a job of the picture.
   void write(const RenderJob& job, DrawnFrame drawn) const;
 
