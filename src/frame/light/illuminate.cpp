@@ -79,8 +79,7 @@ ShownExtent extentOf(const std::vector<const BrickedVolume*>& volumes, const std
 int edgeOf(const Light& light, const ShownExtent& extent, const ImageSize& picture) {
   if (light.shadow.resolution > 0) return std::max(light.shadow.resolution, kLeastShadowEdge);
   const int side = std::clamp(std::max(picture.width, picture.height), kLeastMapEdge, kShadowEdge);
-  const auto edge =
-      static_cast<int>(std::min<std::int64_t>(side, kMapPixelsOfVoxel * extent.longest));
+  const auto edge = static_cast<int>(std::min<std::int64_t>(side, kMapPixelsOfVoxel * extent.longest));
   // A penumbra needs fewer pixels, and each of its lights a map.
   return std::max(light.shadow.softness > 0 ? edge / 2 : edge, kLeastShadowEdge);
 }
