@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/file/chosen_disk.h"
+#include "base/file/folder.h"
 #include "base/file/path_name.h"
 #include "base/memory/large_pages.h"
 #include "base/text.h"
@@ -100,6 +101,23 @@ ExportReport exportBoxes(const ExportParts& parts) {
   return {extentText(volume), files.bytes, std::move(files.lines)};
 }
 
+std::uint64_t bytesBelow(const fs::path& folder) {
+  std::uint64_t out = 0;
+  forEachEntryBelow(folder, [&](const fs::directory_entry& entry) {
+    if (entry.is_regular_file()) out += entry.file_size();
+    return Walk::kGoOn;
+  });
+  return out;
+}
+
+ExportReport exportOmeZarr(const ExportParts& parts) {
+  const ExportRequest& request = parts.request;
+  const ExportedVolume volume = exportedVolume(parts.store, request.level, request.region);
+  if (request.resume && isWrittenOmeZarr(targetOf(parts), volume))
+    return {extentText(volume), bytesBelow(request.out), {"an earlier export finished the image, which is kept"}};
+  return exportBoxes<openOmeZarrWriter>(parts);
+}
+
 ExportReport exportGrids(const GridArchive& archive, const ExportParts& parts) {
   const ExportRequest& request = parts.request;
   const ExportedVolume whole = exportedVolume(parts.store, request.level, request.region);
@@ -147,7 +165,7 @@ constexpr ExportFormat kExportFormats[] = {
     {".raw", exportBoxes<openRawWriter>},
     {".tif", exportBoxes<openTiffWriter>},
     {".tiff", exportBoxes<openTiffWriter>},
-    {".zarr", exportBoxes<openOmeZarrWriter>, {.resumes = true}},
+    {".zarr", exportOmeZarr, {.resumes = true}},
     {".nvdb", exportNanoVdb, {.compresses = true, .holds_grids = true}},
     {".vdb", exportOpenVdb, {.holds_grids = true, .holds_half = true}},
 };

@@ -9,6 +9,7 @@
 #include "ingest/open_source.h"
 #include "ingest/slice_directory.h"
 #include "ingest/slice_names.h"
+#include "ingest/source/chosen_part.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"
 #include "ingest/volume_format.h"
@@ -23,15 +24,35 @@ void append(Volumes& out, Volumes more) {
   out.insert(out.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
 }
 
-Volumes listOfOne(const fs::path& input, const SourceOptions& options) {
+// The name of a format without the number of the only part that is described.
+std::string withoutPart(std::string format, const std::string& part) {
+  if (const std::size_t at = format.find(part); at != std::string::npos) format.erase(at, part.size());
+  return format;
+}
+
+// Of several channels or times, the first is described, with the option that chooses one.
+ListedVolume oneOf(const fs::path& input, const SourceOptions& options) try {
   const SourceInfo info = openSource(input, options)->info();
   ListedVolume out;
   out.name = input.filename().string();
   out.kind = info.format;
   out.dims = info.geometry.dims;
   out.type = info.type;
-  return {out};
+  return out;
+} catch (const UnchosenPart& several) {
+  SourceOptions first = options;
+  const bool of_times = several.kind() == UnchosenPart::Kind::kTime;
+  if (of_times)
+    first.time = 0;
+  else
+    first.channel = "0";
+  ListedVolume out = oneOf(input, first);
+  out.kind = withoutPart(out.kind, partOf(of_times ? "time" : "channel", 0, 2)) + ", " + several.parts();
+  out.option = (of_times ? "--time N" : "--channel N") + (out.option.empty() ? "" : " " + out.option);
+  return out;
 }
+
+Volumes listOfOne(const fs::path& input, const SourceOptions& options) { return {oneOf(input, options)}; }
 
 Volumes ofFile(const fs::path& file, const SourceOptions& options) {
   const std::string format = options.dims ? "" : volumeFormatOf(file).name;

@@ -369,6 +369,24 @@ TEST_F(ExportStore, AnInterruptedZarrGoesOnBehindItsLastShard) {
   EXPECT_GT(kept, 0);
 }
 
+TEST_F(ExportStore, AFinishedZarrIsKeptByResumeOnlyIfItIsOfTheSameExport) {
+  const fs::path small = store(placedAt(exactAffine(), PatientFrame::kRas, "mm", {9, 5, 3}));
+  ExportRequest request;
+  request.out = directory_ / "v.zarr";
+  const ExportReport first = exportStore(StoreReader(small), request, silent_);
+  const auto written = filesOf(directory_);
+  request.resume = true;
+  FaultyFileSystem disk;
+  request.disk = &disk;
+  const ExportReport again = exportStore(StoreReader(small), request, silent_);
+  EXPECT_EQ(disk.calls(), 0u) << "nothing is written";
+  EXPECT_EQ(again.contents, first.contents);
+  EXPECT_EQ(again.bytes, first.bytes);
+  EXPECT_TRUE(filesOf(directory_) == written);
+  request.region = VoxelBox{{0, 0, 0}, {8, 5, 3}};
+  expectError([&] { exportStore(StoreReader(small), request, silent_); }, ErrorCode::kExists, "--overwrite");
+}
+
 // A kill before the mark of an export leaves an empty folder; other folders are kept.
 TEST_F(ExportStore, AFolderInTheWayIsReplacedOnlyIfItIsEmpty) {
   const fs::path small = store(placedAt(exactAffine(), PatientFrame::kUnknown, ""));

@@ -5,8 +5,10 @@
 
 #include "ingest/open_source.h"
 #include "support/files/dicom_files.h"
+#include "support/files/nifti_files.h"
 #include "support/files/picture_files.h"
 #include "support/files/tiff_files.h"
+#include "support/files/vti_files.h"
 
 namespace kiln::test {
 namespace {
@@ -77,6 +79,29 @@ TEST(VolumeList, DamagedDicomFile_isListedWithItsReason) {
 }
 
 // Known: the second stack is cut inside its directory of tags.
+TEST(VolumeList, FileOfSeveralTimesOrChannels_HasTheOptionThatChooses) {
+  const ForeignFiles files;
+  NiftiHeader header;
+  header.dim = {4, 5, 4, 1, 3, 1, 1, 1};
+  writeBytes(files.directory() / "times.nii", niftiFile(header, Bytes(60)));
+  const ForeignVolume volume = randomVolume({5, 4, 2}, VoxelType::u8, 3);
+  VtiLayout layout;
+  layout.format = "ascii";
+  layout.scalars = "";
+  std::string sevens;
+  for (int i = 0; i < 40; ++i) sevens += " 7";
+  layout.more_arrays = "<DataArray type=\"UInt8\" Name=\"w\" format=\"ascii\">" + sevens + "</DataArray>";
+  files.write("channels.vti", vtiFile(volume, layout));
+  const auto volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 2u);
+  EXPECT_EQ(volumes[0].kind, "VTK image, 2 channels: 0 ('w'), 1 ('v')");
+  EXPECT_EQ(volumes[0].option, (files.directory() / "channels.vti").string() + " --channel N");
+  EXPECT_EQ(volumes[0].dims, (Extent3{5, 4, 2}));
+  EXPECT_EQ(volumes[1].kind, "NIfTI-1, 3 times");
+  EXPECT_EQ(volumes[1].option, (files.directory() / "times.nii").string() + " --time N");
+  EXPECT_EQ(volumes[1].refusal, "");
+}
+
 TEST(VolumeList, DamagedTiff_isListedWithItsReason) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume({5, 4, 2}, VoxelType::u8, 3);

@@ -30,4 +30,7 @@ using OpenWriter = std::unique_ptr<VolumeWriter>(const ExportTarget& target, con
 OpenWriter openNrrdWriter, openNiftiWriter, openGzipNiftiWriter, openMetaImageWriter, openMetaImagePairWriter,
     openRawWriter, openTiffWriter, openOmeZarrWriter;
 
+/// True if a finished OME-Zarr holds this volume of this store. throws: Error kIo.
+bool isWrittenOmeZarr(const ExportTarget& target, const ExportedVolume& volume);
+
 }  // namespace kiln

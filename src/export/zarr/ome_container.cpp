@@ -41,10 +41,9 @@ bool isOfImage(std::string_view name, const std::vector<std::string>& arrays) {
 }  // namespace
 
 void requireOmeContainer(const fs::path& folder) {
-  constexpr std::uint64_t kLargestHeader = 16 << 20;
   const fs::path header = folder / kZarrHeader;
   std::vector<std::string> arrays;
-  if (isThere(header)) arrays = omeArrays(readTextFile(header, kLargestHeader));
+  if (isThere(header)) arrays = omeArrays(readTextFile(header, kLargestOmeHeader));
   if (arrays.empty())
     throw Error(ErrorCode::kExists, folder, "", "is no OME-Zarr image, so it is not replaced; name another output");
   forEachEntryBelow(folder, [&](const fs::directory_entry& entry) {

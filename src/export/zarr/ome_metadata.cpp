@@ -16,6 +16,9 @@ namespace kiln {
 namespace {
 using nlohmann::ordered_json;
 
+// Attributes beside "ome" are free for other programs (OME-Zarr 0.5).
+const ordered_json::json_pointer kContentsAt("/attributes/kiln/export");
+
 constexpr std::array<const char*, 3> kAxisNames = {"x", "y", "z"};
 
 // The spelling of units in OME's list.
@@ -137,7 +140,13 @@ std::vector<std::string> omeArrays(const std::string& header) {
   return out;
 }
 
-std::string omeGroupText(const std::vector<ExportedVolume>& volumes, const std::string& name, ExportNotes& notes) {
+std::string exportedContents(const std::string& header) {
+  const ordered_json json = ordered_json::parse(header, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded() || !json.contains(kContentsAt) || !json[kContentsAt].is_string()) return {};
+  return json[kContentsAt].get<std::string>();
+}
+
+std::string omeGroupText(const std::vector<ExportedVolume>& volumes, const OmeTitle& title, ExportNotes& notes) {
   ordered_json datasets = ordered_json::array();
   for (std::size_t i = 0; i < volumes.size(); ++i) {
     const VolumeGeometry& geometry = volumes[i].geometry;
@@ -149,12 +158,14 @@ std::string omeGroupText(const std::vector<ExportedVolume>& volumes, const std::
   const bool labels = volumes.front().volume_class == VolumeClass::kLabels;
   ordered_json ome = {{"version", "0.5"},
                       {"multiscales",
-                       {{{"name", utf8OfName(name)},
+                       {{{"name", utf8OfName(title.name)},
                          {"axes", axesJson(volumes.front().geometry, notes)},
                          {"datasets", datasets},
                          {"type", labels ? "mode" : "mean"}}}}};
   if (labels) ome["image-label"] = {{"version", "0.5"}};
-  return ordered_json{{"zarr_format", 3}, {"node_type", "group"}, {"attributes", {{"ome", ome}}}}.dump(2) + "\n";
+  ordered_json out = {{"zarr_format", 3}, {"node_type", "group"}, {"attributes", {{"ome", ome}}}};
+  out[kContentsAt] = title.contents;
+  return out.dump(2) + "\n";
 }
 
 std::string zarrArrayText(const ExportedVolume& volume, const Extent3& shard, const Extent3& chunk) {

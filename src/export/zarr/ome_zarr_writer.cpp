@@ -52,7 +52,7 @@ std::vector<ExportedVolume> exportedPyramid(const ExportTarget& target, const Ex
 // An unfinished export must have the voxels of the finished export.
 std::string contentsText(const ExportTarget& target, const ExportedVolume& volume) {
   const VoxelBox& box = volume.box;
-  return fmt::format("kiln export 2, OME-Zarr, index {}, {} {}, background {}, level {}, {},{},{} to {},{},{}\n",
+  return fmt::format("kiln export 2, OME-Zarr, index {}, {} {}, background {}, level {}, {},{},{} to {},{},{}",
                      toHex(target.store.manifest().index_checksum), nameOf(volume.type),
                      static_cast<int>(volume.volume_class), volume.background, volume.level, box.lo.x, box.lo.y,
                      box.lo.z, box.hi.x, box.hi.y, box.hi.z);
@@ -69,9 +69,10 @@ class OmeZarrWriter : public VolumeWriter {
  public:
   OmeZarrWriter(const ExportTarget& target, const ExportedVolume& finest, ExportNotes& notes)
       : volumes_(exportedPyramid(target, finest)),
-        group_text_(omeGroupText(volumes_, nameOfImage(target.out), notes)),
+        group_text_(omeGroupText(volumes_, {nameOfImage(target.out), contentsText(target, finest)}, notes)),
         disk_(target.disk),
-        folder_(target.out, contentsText(target, finest), leftoverFor(target.resume, target.overwrite), target.disk) {
+        folder_(target.out, contentsText(target, finest) + "\n", leftoverFor(target.resume, target.overwrite),
+                target.disk) {
     background_.resize(inflatedChunkBytes(finest.type));
     withVoxelType(finest.type, [&]<class T>(std::type_identity<T>) {
       const T value = static_cast<T>(finest.background);
@@ -162,6 +163,11 @@ class OmeZarrWriter : public VolumeWriter {
 };
 
 }  // namespace
+
+bool isWrittenOmeZarr(const ExportTarget& target, const ExportedVolume& volume) {
+  const fs::path header = target.out / kZarrHeader;
+  return isThere(header) && exportedContents(readTextFile(header, kLargestOmeHeader)) == contentsText(target, volume);
+}
 
 std::unique_ptr<VolumeWriter> openOmeZarrWriter(const ExportTarget& target, const ExportedVolume& volume,
                                                 ExportNotes& notes) {

@@ -27,12 +27,21 @@ std::string listOf(std::span<const std::string> names) {
   throw Error(ErrorCode::kUsage, file, option, what);
 }
 
+std::string nameOf(UnchosenPart::Kind kind) { return kind == UnchosenPart::Kind::kTime ? "time" : "channel"; }
+
 }  // namespace
+
+UnchosenPart::UnchosenPart(Kind kind, const std::filesystem::path& file, std::int64_t count, const std::string& names)
+    : Error(ErrorCode::kUsage, file, "",
+            fmt::format("holds {} {}s; choose one with --{}, from 0 to {}{}", count, nameOf(kind), nameOf(kind),
+                        count - 1, names)),
+      kind_(kind),
+      parts_(fmt::format("{} {}s{}", count, nameOf(kind), names)) {}
 
 std::int64_t chosenTime(const SourceOptions& options, std::int64_t count, const std::filesystem::path& file) {
   if (!options.time) {
     if (count == 1) return 0;
-    refuseChoice(file, "", fmt::format("holds {} times; choose one with --time, from 0 to {}", count, count - 1));
+    throw UnchosenPart(UnchosenPart::Kind::kTime, file, count, "");
   }
   if (*options.time < 0 || *options.time >= count)
     refuseChoice(file, "--time", fmt::format("expected a number from 0 to {} (found {})", count - 1, *options.time));
@@ -44,9 +53,7 @@ std::int64_t chosenChannel(const SourceOptions& options, std::span<const std::st
   const auto count = static_cast<std::int64_t>(names.size());
   if (!options.channel) {
     if (count == 1) return 0;
-    refuseChoice(
-        file, "",
-        fmt::format("holds {} channels; choose one with --channel, from 0 to {}{}", count, count - 1, listOf(names)));
+    throw UnchosenPart(UnchosenPart::Kind::kChannel, file, count, listOf(names));
   }
   if (const auto number = numberOf<std::int64_t>(*options.channel); number && *number >= 0 && *number < count)
     return *number;

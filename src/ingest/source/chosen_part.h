@@ -4,12 +4,28 @@
 #include <span>
 #include <string>
 
+#include "base/error.h"
 #include "ingest/source/volume_source.h"
 
 namespace kiln {
 
+/// The refusal of a file of several parts, none of which the user chose. A list of volumes names the parts instead.
+class UnchosenPart : public Error {
+ public:
+  enum class Kind { kTime, kChannel };
+  /// `parts` is the text "4 times", with the names of channels behind it: ": 0 ('T1'), 1".
+  UnchosenPart(Kind kind, const std::filesystem::path& file, std::int64_t count, const std::string& names);
+  Kind kind() const { return kind_; }
+  const std::string& parts() const { return parts_; }
+
+ private:
+  Kind kind_;
+  std::string parts_;
+};
+
 /// Returns the number of the chosen time; 0 if the file has one time and the user chose none.
-/// throws: Error kUsage, with the legal numbers, if there are several and none is chosen, or the number is too large.
+/// throws: UnchosenPart, with the legal numbers, if there are several and none is chosen; Error kUsage if the number is
+/// too large.
 std::int64_t chosenTime(const SourceOptions& options, std::int64_t count, const std::filesystem::path& file);
 
 /// Returns the number of the chosen channel, by its number or its name; an empty name is no name. A name that is a
