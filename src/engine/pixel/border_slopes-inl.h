@@ -1,10 +1,10 @@
 // Normals of samples at the border of a volume, whose gradients would need voxels beyond it. Compiled once for each
 // instruction set; hence no #pragma once.
-#if defined(KILN_PIXEL_BORDER_SLOPES_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KILN_PIXEL_BORDER_SLOPES_INL_H
-#undef KILN_PIXEL_BORDER_SLOPES_INL_H
+#if defined(KILN_BORDER_SLOPES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_BORDER_SLOPES_INL_H
+#undef KILN_BORDER_SLOPES_INL_H
 #else
-#define KILN_PIXEL_BORDER_SLOPES_INL_H
+#define KILN_BORDER_SLOPES_INL_H
 #endif
 
 #include <hwy/highway.h>

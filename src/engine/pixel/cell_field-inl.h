@@ -5,11 +5,11 @@
 // - findSlopes(n, count), slopes(i): gradients of up to kLit samples of CellSamples::index from the n-th on, then a
 // vector of these gradients from the i-th on. unit: value per voxel.
 // Compiled once for each instruction set; hence no #pragma once.
-#if defined(KILN_SPLAT_CELL_FIELD_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KILN_SPLAT_CELL_FIELD_INL_H
-#undef KILN_SPLAT_CELL_FIELD_INL_H
+#if defined(KILN_CELL_FIELD_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_CELL_FIELD_INL_H
+#undef KILN_CELL_FIELD_INL_H
 #else
-#define KILN_SPLAT_CELL_FIELD_INL_H
+#define KILN_CELL_FIELD_INL_H
 #endif
 
 #include <hwy/highway.h>

@@ -1,10 +1,10 @@
 // Rays through a cell, and the places along them at which samples may be visible. Compiled once for each instruction
 // set; hence no #pragma once.
-#if defined(KILN_SPLAT_CELL_RAYS_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KILN_SPLAT_CELL_RAYS_INL_H
-#undef KILN_SPLAT_CELL_RAYS_INL_H
+#if defined(KILN_CELL_RAYS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_CELL_RAYS_INL_H
+#undef KILN_CELL_RAYS_INL_H
 #else
-#define KILN_SPLAT_CELL_RAYS_INL_H
+#define KILN_CELL_RAYS_INL_H
 #endif
 
 #include <hwy/highway.h>

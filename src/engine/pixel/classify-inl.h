@@ -1,11 +1,11 @@
 // Classification of interpolated values, a vector at a time: table position, extinction, and mean extinction over the
 // values that a sample of a coarser level stands for. README.md, equations (4) and (5). Compiled once for each
 // instruction set; hence no #pragma once.
-#if defined(KILN_SPLAT_CLASSIFY_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KILN_SPLAT_CLASSIFY_INL_H
-#undef KILN_SPLAT_CLASSIFY_INL_H
+#if defined(KILN_CLASSIFY_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_CLASSIFY_INL_H
+#undef KILN_CLASSIFY_INL_H
 #else
-#define KILN_SPLAT_CLASSIFY_INL_H
+#define KILN_CLASSIFY_INL_H
 #endif
 
 #include <hwy/highway.h>

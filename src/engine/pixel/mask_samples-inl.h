@@ -1,10 +1,10 @@
 // Samples of a volume of which a mask shows a part: shares of shown voxels, and normals at the surface of the mask.
 // README.md, equation (13). Compiled once for each instruction set; hence no #pragma once.
-#if defined(KILN_PIXEL_MASK_SAMPLES_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KILN_PIXEL_MASK_SAMPLES_INL_H
-#undef KILN_PIXEL_MASK_SAMPLES_INL_H
+#if defined(KILN_MASK_SAMPLES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_MASK_SAMPLES_INL_H
+#undef KILN_MASK_SAMPLES_INL_H
 #else
-#define KILN_PIXEL_MASK_SAMPLES_INL_H
+#define KILN_MASK_SAMPLES_INL_H
 #endif
 
 #include <hwy/highway.h>

@@ -1,10 +1,10 @@
 // Colours of samples: of their values, of a companion volume, and of regions of values and gradients. Compiled once for
 // each instruction set; hence no #pragma once.
-#if defined(KILN_PIXEL_SAMPLE_COLORS_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KILN_PIXEL_SAMPLE_COLORS_INL_H
-#undef KILN_PIXEL_SAMPLE_COLORS_INL_H
+#if defined(KILN_SAMPLE_COLORS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_SAMPLE_COLORS_INL_H
+#undef KILN_SAMPLE_COLORS_INL_H
 #else
-#define KILN_PIXEL_SAMPLE_COLORS_INL_H
+#define KILN_SAMPLE_COLORS_INL_H
 #endif
 
 #include <hwy/highway.h>

@@ -3,11 +3,11 @@
 // voxel is above the least visible value, or no such voxel is below the greatest. kReach: voxels beyond the nearest
 // that a sample is interpolated from along each axis; 0 linear, 1 cubic. Compiled once for each instruction set; hence
 // no #pragma once.
-#if defined(KILN_SPLAT_SHOWN_SPACES_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KILN_SPLAT_SHOWN_SPACES_INL_H
-#undef KILN_SPLAT_SHOWN_SPACES_INL_H
+#if defined(KILN_VISIBLE_SPACES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_VISIBLE_SPACES_INL_H
+#undef KILN_VISIBLE_SPACES_INL_H
 #else
-#define KILN_SPLAT_SHOWN_SPACES_INL_H
+#define KILN_VISIBLE_SPACES_INL_H
 #endif
 
 #include <hwy/highway.h>

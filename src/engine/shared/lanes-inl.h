@@ -3,11 +3,11 @@
 // AVX2: a gather is as slow as eight loads.
 // Highway 1.0.3 (Debian 12): Compress copies its table to the stack at each call; with AVX2's table of 1 KiB this took
 // a quarter of a frame of the pixel lattice.
-#if defined(KILN_SPLAT_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KILN_SPLAT_LANES_INL_H
-#undef KILN_SPLAT_LANES_INL_H
+#if defined(KILN_LANES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_LANES_INL_H
+#undef KILN_LANES_INL_H
 #else
-#define KILN_SPLAT_LANES_INL_H
+#define KILN_LANES_INL_H
 #endif
 
 #include <hwy/highway.h>

@@ -1,11 +1,11 @@
 // Vector functions of samples for all engines: exponentials, logarithm, and the light of a headlight. No approximate
 // operations, fused only where written: every instruction set returns equal bits. Compiled once for each instruction
 // set; hence no #pragma once.
-#if defined(KILN_SPLAT_SAMPLE_MATH_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KILN_SPLAT_SAMPLE_MATH_INL_H
-#undef KILN_SPLAT_SAMPLE_MATH_INL_H
+#if defined(KILN_SAMPLE_MATH_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_SAMPLE_MATH_INL_H
+#undef KILN_SAMPLE_MATH_INL_H
 #else
-#define KILN_SPLAT_SAMPLE_MATH_INL_H
+#define KILN_SAMPLE_MATH_INL_H
 #endif
 
 #include <hwy/highway.h>

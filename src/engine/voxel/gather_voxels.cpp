@@ -14,8 +14,8 @@
 
 #include "engine/voxel/voxel_batch-inl.h"
 
-#ifndef KILN_SPLAT_GATHER_VOXELS_ORDERS
-#define KILN_SPLAT_GATHER_VOXELS_ORDERS
+#ifndef KILN_GATHER_VOXELS_ORDERS
+#define KILN_GATHER_VOXELS_ORDERS
 namespace kiln {
 namespace {
 

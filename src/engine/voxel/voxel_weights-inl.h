@@ -1,10 +1,10 @@
 // Light, pixel weights and opacities of a batch of footprints; README.md, equations (2) to (5). Compiled once for each
 // instruction set; hence no #pragma once.
-#if defined(KILN_SPLAT_VOXEL_WEIGHTS_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef KILN_SPLAT_VOXEL_WEIGHTS_INL_H
-#undef KILN_SPLAT_VOXEL_WEIGHTS_INL_H
+#if defined(KILN_VOXEL_WEIGHTS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KILN_VOXEL_WEIGHTS_INL_H
+#undef KILN_VOXEL_WEIGHTS_INL_H
 #else
-#define KILN_SPLAT_VOXEL_WEIGHTS_INL_H
+#define KILN_VOXEL_WEIGHTS_INL_H
 #endif
 
 #include <hwy/highway.h>

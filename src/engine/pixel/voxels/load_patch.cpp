@@ -10,8 +10,8 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#ifndef KILN_SPLAT_UNIT_LOAD_ROWS
-#define KILN_SPLAT_UNIT_LOAD_ROWS
+#ifndef KILN_UNIT_LOAD_ROWS
+#define KILN_UNIT_LOAD_ROWS
 namespace kiln {
 namespace {
 
