@@ -56,7 +56,7 @@ glm::dvec3 tripleOfText(const std::string& text, const char* option) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::optional<double> value = parts.size() == 3 ? decimalOf<double>(parts[i]) : std::nullopt;
     if (!value)
-      throw Error(ErrorCode::kUsage, fmt::format("{}: expected three numbers X,Y,Z, found '{}'", option, text));
+      throw Error(ErrorCode::kUsage, fmt::format("{}: expected three finite numbers X,Y,Z, found '{}'", option, text));
     out[static_cast<int>(i)] = *value;
   }
   return out;

@@ -320,7 +320,7 @@ void Rate::read(const JobObject& object, std::string_view key, FrameRate& out) c
 
 OptionForm WorldVector::form() const {
   return listForm({{"$ref", "vector"}}, "X,Y,Z",
-                  direction ? "three numbers X,Y,Z, not all zero" : "three numbers X,Y,Z");
+                  direction ? "three finite numbers X,Y,Z, not all zero" : "three finite numbers X,Y,Z");
 }
 
 glm::dvec3 WorldVector::readVector(const JobObject& object, std::string_view key) const {

@@ -346,7 +346,7 @@ const ListOf<ClipPlane>& clipPlaneList() {
                                        .limit = {kMostClipPlanes, "planes"},
                                        .expected = "a list of planes [{normal, offset}, …]",
                                        .value_name = "NX,NY,NZ,D",
-                                       .flag_expected = "four numbers NX,NY,NZ,D, the normal not zero",
+                                       .flag_expected = "four finite numbers NX,NY,NZ,D, the normal not zero",
                                        .parse = &planeOfText};
   return kList;
 }

@@ -553,16 +553,22 @@ TEST_F(ExportStore, UnitFrameAndBoxThatGridsLack_areANote) {
   ExportRequest request;
   request.out = directory_ / "v.vdb";
   request.overwrite = true;
-  const auto noteFor = [&](PatientFrame frame, const char* unit) {
+  const auto noteOf = [&](const fs::path& exported) {
     Notes notes;
-    exportStore(StoreReader(store(placedAt(exactAffine(), frame, unit))), request, notes);
+    exportStore(StoreReader(exported), request, notes);
     return notes.all;
+  };
+  const auto noteFor = [&](PatientFrame frame, const char* unit) {
+    return noteOf(store(placedAt(exactAffine(), frame, unit)));
   };
   EXPECT_EQ(noteFor(PatientFrame::kUnknown, ""),
             (directory_ / "v.vdb").string() +
                 ": grids have no box; programs read the box of the active voxels, without the background around them");
   EXPECT_NE(noteFor(PatientFrame::kUnknown, "mm").find("v.vdb: grids have no unit"), std::string::npos);
   EXPECT_NE(noteFor(PatientFrame::kRas, "").find("no patient frame"), std::string::npos);
+  const DenseVolume zeros = slab({{8, 8, 8}, VoxelType::u8, exactAffine()}, 0, 0, 8, 0);
+  EXPECT_NE(noteOf(makeStore(zeros, "zeros", kSmallBrick, /*labels=*/false)).find("the grid is empty"),
+            std::string::npos);
 }
 
 }  // namespace

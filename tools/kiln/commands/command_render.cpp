@@ -43,6 +43,8 @@ namespace kiln::tool {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr int kMostRepeats = 1'000'000;
+
 struct RenderArguments {
   std::string input, stats, progress = "auto";
   std::optional<std::string> store_local, share;
@@ -361,7 +363,6 @@ void applyProgress(const std::string& kind, TerminalProgress& progress) {
 }
 
 void run(const RenderArguments& a, Context& context) {
-  if (a.repeat < 1) throw Error(ErrorCode::kUsage, "--repeat: expected at least 1");
   applyProgress(a.quiet && a.progress == "auto" ? "none" : a.progress, context.progress);
   shareHeaps();
   StandardOutput standard_output;
@@ -447,7 +448,7 @@ class RenderCommandLine {
     flag("--dry-run", a_.dry_run, "Print the bricks, the disk reads and the memory of the job; draw nothing.");
     option("--stats", "FILE", a_.stats, "Write counts and times of the rendering as JSON.");
     option("--repeat", "N", a_.repeat, "Draw the frame this many times; from the second on bricks are in memory.")
-        ->check(decimalNumber<int>())
+        ->check(wholeNumberFrom(1, kMostRepeats))
         ->capture_default_str();
     flag("--strict", a_.strict,
          "Exit with 1 after a warning: an empty picture or one colour, damaged bricks, an unknown frame or unit, an "

@@ -120,7 +120,8 @@ void drawSlices(const SliceArguments& a, const StoreReader& store, SliceRequest 
 void setPlane(const std::string& text, PlaneSliceRequest& request) {
   const nlohmann::json numbers = numbersOfText(text);
   if (numbers.size() != 4)
-    throw Error(ErrorCode::kUsage, fmt::format("--plane: expected four numbers NX,NY,NZ,OFFSET (found '{}')", text));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--plane: expected four finite numbers NX,NY,NZ,OFFSET (found '{}')", text));
   for (int axis = 0; axis < 3; ++axis) request.normal[axis] = numbers[static_cast<std::size_t>(axis)].get<double>();
   request.offset = numbers[3].get<double>();
 }
