@@ -124,11 +124,19 @@ bool namesStore(const ForeignVolume& volume) {
   return true;
 }
 
-// True if the store can be used. A store of amounts cannot serve a rendering of labels.
-bool serves(const fs::path& store, const SourceInfo& info, const ConvertOptions& options) {
-  return isStoreOf(store, info, options.memory_bytes) &&
-         (!options.labels || readManifest(store).volume_class == VolumeClass::kLabels);
-}
+// A store, and the class of its values: labels are averaged and drawn in another way than amounts.
+struct ExpectedStore {
+  fs::path path;
+  bool labels = false;
+
+  ExpectedStore(const ForeignVolume& volume, const SourceInfo& info, bool by_user)
+      : path(storePathOf(volume, by_user && info.volume_class != VolumeClass::kLabels)),
+        labels(by_user || info.volume_class == VolumeClass::kLabels) {}
+
+  bool isMade(const SourceInfo& info, std::uint64_t memory_bytes) const {
+    return isStoreOf(path, info, memory_bytes) && (readManifest(path).volume_class == VolumeClass::kLabels) == labels;
+  }
+};
 
 }  // namespace
 
@@ -144,23 +152,24 @@ std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const For
   return openSource(volume.input, options);
 }
 
-fs::path storePathOf(const ForeignVolume& volume) {
-  if (volume.store_directory.empty()) return baseOf(volume.input).string() + ".kiln";
+fs::path storePathOf(const ForeignVolume& volume, bool as_labels) {
+  const std::string ending = as_labels ? ".labels" : "";
+  if (volume.store_directory.empty()) return baseOf(volume.input).string() + ending + ".kiln";
   const fs::path file = wholeNameOf(containerOf(volume.input));
   const std::string part = partOf(volume.input);
   const std::string whole = part.empty() ? file.string() : file.string() + ":" + part;
   const std::string hash = toHex(hashOf(whole)).substr(0, kStoreHashDigits);
-  return volume.store_directory / hashedStoreName(file.filename().string() + dotted(part), hash);
+  return volume.store_directory / hashedStoreName(file.filename().string() + dotted(part) + ending, hash);
 }
 
-fs::path madeStoreFor(const ForeignVolume& volume, std::uint64_t memory_bytes,
+fs::path madeStoreFor(const ForeignVolume& volume, std::uint64_t memory_bytes, bool labels,
                       const std::function<void(const SourceInfo&)>& opened) {
   const fs::path& input = volume.input;
   if (namesStore(volume)) return input;
-  fs::path store = storePathOf(volume);
   const std::unique_ptr<VolumeSource> source = openedWithin(memory_bytes, volume);
   if (opened) opened(source->info());
-  if (isStoreOf(store, source->info(), memory_bytes)) return store;
+  const ExpectedStore store(volume, source->info(), labels);
+  if (store.isMade(source->info(), memory_bytes)) return store.path;
   throw Error(
       ErrorCode::kUsage, input, "",
       "is no store, and none of it is there; what its pictures cost is known once it is converted: kiln convert " +
@@ -173,8 +182,9 @@ fs::path storeFor(const ForeignVolume& volume, const ConvertOptions& options, Pr
   if (namesStore(volume)) return input;
   std::unique_ptr<VolumeSource> source = openedWithin(options.memory_bytes, volume);
   if (opened) opened(source->info());
-  const fs::path store = storePathOf(volume);
-  if (serves(store, source->info(), options)) {
+  const ExpectedStore expected(volume, source->info(), options.labels);
+  const fs::path& store = expected.path;
+  if (expected.isMade(source->info(), options.memory_bytes)) {
     progress.note("using the store " + store.string() + " made from it before");
     return store;
   }
@@ -184,7 +194,7 @@ fs::path storeFor(const ForeignVolume& volume, const ConvertOptions& options, Pr
     if (!std::exchange(waits, true)) progress.note("waiting for another process that converts " + input.string());
     progress.throwIfCancelled("waiting for another process");
   });
-  if (serves(store, source->info(), options)) return store;
+  if (expected.isMade(source->info(), options.memory_bytes)) return store;
   for (const char* const of_name : {"", ".partial"}) requireOwn(store.string() + of_name, input);
   // Tests the budget before any note, so that an error about the budget stands alone.
   planConversion(*source, options);

@@ -23,8 +23,9 @@ struct ForeignVolume {
 
 /// Returns the name of the store that is made of a volume file. Beside the file: the file's name with ".kiln" appended.
 /// In a `store_directory`: NAME-HASH.kiln, so that files of one name in several folders have a store each. HASH is 12
-/// digits of the hash of the file's absolute path without links. Both contain the part of FILE:/PATH.
-std::filesystem::path storePathOf(const ForeignVolume& volume);
+/// digits of the hash of the file's absolute path without links. Both contain the part of FILE:/PATH. A file whose
+/// values are labels by the user's word alone (`as_labels`) has a second store, NAME.labels.kiln.
+std::filesystem::path storePathOf(const ForeignVolume& volume, bool as_labels = false);
 
 /// Opens the file of a volume. throws: as openSource.
 std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const ForeignVolume& volume);
@@ -38,9 +39,9 @@ std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const For
 std::filesystem::path storeFor(const ForeignVolume& volume, const ConvertOptions& options, Progress& progress,
                                const std::function<void(const SourceInfo&)>& opened = {});
 
-/// Returns the store without making it; the source is opened in at most `memory_bytes`.
+/// Returns the store without making it; the source is opened in at most `memory_bytes`. `labels`: as ConvertOptions.
 /// throws: Error kUsage if a foreign file has no such store yet; kBudget.
-std::filesystem::path madeStoreFor(const ForeignVolume& volume, std::uint64_t memory_bytes,
+std::filesystem::path madeStoreFor(const ForeignVolume& volume, std::uint64_t memory_bytes, bool labels,
                                    const std::function<void(const SourceInfo&)>& opened = {});
 
 }  // namespace kiln

@@ -24,8 +24,7 @@ constexpr CapabilityRow kCapabilityRows[] = {
     {&EngineCapabilities::cubic, "`--interpolation cubic`, `catmull-rom`"},
     {&EngineCapabilities::sample_distance, "`--sample-distance`"},
     {&EngineCapabilities::coarser_levels, "`--level auto+N`"},
-    {&EngineCapabilities::two_samples, "`--samples 2`"},
-    {&EngineCapabilities::filters_rays, "pixel filter, automatic `--samples`"},
+    {&EngineCapabilities::filters_rays, "pixel filter, automatic `--samples`, `--samples 2`"},
     {&EngineCapabilities::depth_and_normal, "`--aov depth,normal`"},
     {&EngineCapabilities::value, "`--aov value`"},
     {&EngineCapabilities::companions, "`--mask`, `--color-by`"},
@@ -64,7 +63,6 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .cubic = true,
        .sample_distance = true,
        .coarser_levels = true,
-       .two_samples = true,
        .filters_rays = true,
        .depth_and_normal = true,
        .companions = true,
@@ -82,7 +80,6 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .chosen_by = "--mode mip, minip, average or attenuated-mip",
        .several_volumes = true,
        .coarser_levels = true,
-       .two_samples = true,
        .value = true},
       {.kind = EngineKind::kMultiVolume,
        .chosen_by = "several volumes",
@@ -94,7 +91,6 @@ const std::vector<EngineCapabilities>& engineCapabilities() {
        .cubic = true,
        .sample_distance = true,
        .coarser_levels = true,
-       .two_samples = true,
        .filters_rays = true,
        .depth_and_normal = true,
        .companions = true,
@@ -151,7 +147,7 @@ void requireOptions(const EngineChoice& engine, const EngineOptions& options) {
                       fmt::format("--interpolation {}: needs", nameIn(kInterpolationNames, options.interpolation)),
                       "leave --interpolation out");
   if (options.samples == 2)
-    requireCapability(engine, &EngineCapabilities::two_samples, "--samples 2: needs", "choose 1, 4 or 16 samples");
+    requireCapability(engine, &EngineCapabilities::filters_rays, "--samples 2: needs", "choose 1, 4 or 16 samples");
   const double distance = options.sample_distance;
   if (!(distance >= kLeastSampleDistance && distance <= kMostSampleDistance))
     throw Error(ErrorCode::kUsage,

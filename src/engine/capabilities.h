@@ -29,8 +29,7 @@ struct EngineCapabilities {
   bool cubic = false;             // interpolates by cubics, besides linearly
   bool sample_distance = false;   // the distance of samples along a ray can be chosen
   bool coarser_levels = false;    // the automatic level can be made coarser
-  bool two_samples = false;       // a pixel can have two samples, on a diagonal
-  bool filters_rays = false;      // samples of a pixel are rays of light: automatic number, pixel filter
+  bool filters_rays = false;      // samples of a pixel are rays of light: automatic number, pixel filter, two a pixel
   bool depth_and_normal = false;  // has planes of depth and normals
   bool value = false;             // has a plane of values
   bool companions = false;        // draws volumes with masks or colours of another volume

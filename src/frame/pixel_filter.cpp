@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/error.h"
 #include "base/thread/parallel.h"
 #include "base/thread/profile_scope.h"
 #include "job/job_facts.h"
@@ -97,7 +96,6 @@ PixelFilter::PixelFilter(int samples, bool of_rays) : edge_(subPixelsAlongEdge(s
     reach_ = 1;
     weights_ = {3 / 32.0f, 26 / 32.0f, 3 / 32.0f};
   } else if (samples == 2) {
-    if (!of_rays) throw Error(ErrorCode::kUsage, "--samples 2: only rays are two a pixel; choose 1, 4 or 16");
     reach_ = 1;
     quincunx_ = true;
   } else if (of_rays && samples == 4) {

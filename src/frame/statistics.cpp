@@ -103,6 +103,7 @@ void RankStatistics::add(const FrameStatistics& share) {
 }
 
 void RankStatistics::setReads(const SharedReadCounts& shared) {
+  if (shared.read + shared.received == 0) return;
   bricks_read = shared.read;
   bricks_read_bytes = shared.read_bytes;
   bricks_received = shared.received;

@@ -28,7 +28,8 @@ struct RankStatistics {
   std::uint64_t voxels_visited = 0, voxels_splats = 0;
   std::uint64_t peak_cache_bytes = 0, peak_rss_bytes = 0;
   void add(const FrameStatistics& share);
-  /// Sets the bricks read for all ranks (shared reads) instead of the bricks of the rank's frames.
+  /// Sets the bricks read for all ranks (shared reads) instead of the bricks of the rank's frames. Without shared reads
+  /// the bricks of the frames stay.
   void setReads(const SharedReadCounts& shared);
 };
 

@@ -37,9 +37,11 @@ FrameMemory withBehind(FrameMemory memory, bool writes_behind, const RenderJob& 
   return memory;
 }
 
+// Volumes with companions are no plain stores, and are read by each rank for itself.
 FrameMemory withShared(FrameMemory memory, std::uint64_t budget, const std::vector<const StoreReader*>& stores) {
   const std::uint64_t taken = memory.besideBricks() + memory.brick;
-  if (taken < budget) memory.shared = SharedReads::shareOf(budget, budget - taken, SharedReads::largestFileOf(stores));
+  if (!stores.empty() && taken < budget)
+    memory.shared = SharedReads::shareOf(budget, budget - taken, SharedReads::largestFileOf(stores));
   return memory;
 }
 

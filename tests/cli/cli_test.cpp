@@ -153,6 +153,8 @@ TEST_F(Cli, InfoOfAPictureIsTheJobThatDrawsIt) {
     FileSystem::real().writeAtomic(in("job.json"), expectDone({"info", picture, "--json"}).out);
     expectDone({"render", in("job.json"), "-o", again});
     EXPECT_EQ(readFile(again), readFile(picture)) << stored[0];
+    expectDone({"render", picture, "-o", again});
+    EXPECT_EQ(readFile(again), readFile(picture)) << stored[0];
     // The job also allows another file type.
     expectDone({"render", in("job.json"), "-o", in("other.exr")});
   }

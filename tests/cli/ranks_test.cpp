@@ -116,7 +116,9 @@ TEST_F(RanksRender, AFrameInTilesIsTheSameToTheBit) {
            {"-o", "OUT/b.exr", "--size", "200x220", "--crop", "10,20,150,180", "--azimuth", "30", "--background",
             "1,0,0:0,0,1", "--samples", "4", "--tf", "ct-skin"},
            {"-o", "OUT/c.exr", "--size", "200x140", "--mode", "mip", "--aov", "value"},
-           {"-o", "OUT/d.exr", "--size", "200x130", "--eye", "0,0,0", "--target", "1,5,0", "--tf", "ct-skin"}}) {
+           {"-o", "OUT/d.exr", "--size", "200x130", "--eye", "0,0,0", "--target", "1,5,0", "--tf", "ct-skin"},
+           // Bricks of volumes with companions are not sent to other ranks.
+           {"-o", "OUT/e.exr", "--size", "200x130", "--color-by", volume_, "--tf", "ct-skin"}}) {
     const auto one = drawn(0, "one", look);
     const auto many = drawn(3, "many", look);
     EXPECT_TRUE(filesOf(directory_ / "one") == filesOf(directory_ / "many")) << look[1];

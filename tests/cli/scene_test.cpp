@@ -296,8 +296,8 @@ TEST_F(SceneCli, SamplesOfAPixel) {
   EXPECT_EQ(drawn({"--samples", "4", "--repeat", "2", "--visibility", "none"}).rgba, four.rgba);
   expectRefused({"--samples", "9"}, "--samples: expected auto, 1, 2, 4 or 16");
   expectRefused({"--samples", "2", "--lattice", "voxel"},
-                "--samples 2: needs --lattice pixel, --mode mip, minip, average or attenuated-mip, or several volumes "
-                "(found --lattice voxel)");
+                "--samples 2: needs --lattice pixel, or several volumes (found --lattice voxel)");
+  expectRefused({"--samples", "2", "--mode", "mip"}, "--samples 2: needs --mode composite (found --mode mip)");
 }
 
 TEST_F(SceneCli, DepthAndNormalsAreChannelsBesideTheColours) {

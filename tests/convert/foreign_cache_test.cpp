@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "base/error.h"
+#include "store/manifest/read_manifest.h"
 #include "support/files/foreign_files.h"
+#include "support/files/nifti_files.h"
 
 namespace kiln::test {
 namespace {
@@ -22,6 +25,32 @@ TEST(StoreOfAFile, InANamedFolder_IsOneForAPartOfAFileByAllItsNames) {
   EXPECT_EQ(store_of((folder / "." / "scan.h5").string() + ":/entry/data"), store);
   EXPECT_NE(store_of(file + ":/entry/other"), store);
   EXPECT_NE(store_of(file), store);
+}
+
+// A drawing of a file as labels changes no later drawing of its values.
+TEST(StoreOfAFile, AsLabels_IsASecondStore) {
+  const ForeignFiles files;
+  const fs::path file = files.directory() / "f.nii";
+  writeBytes(file, niftiFile({}, Bytes(60, 7)));
+  Progress silent;
+  const auto stored = [&](bool labels) {
+    ConvertOptions options;
+    options.command = "kiln render f.nii";
+    options.labels = labels;
+    return storeFor({file, {}, {}}, options, silent);
+  };
+  const fs::path values = stored(false), labels = stored(true);
+  EXPECT_EQ(values, file.string() + ".kiln");
+  EXPECT_EQ(labels, file.string() + ".labels.kiln");
+  EXPECT_EQ(readManifest(values).volume_class, VolumeClass::kUnknown);
+  EXPECT_EQ(readManifest(labels).volume_class, VolumeClass::kLabels);
+  EXPECT_EQ(madeStoreFor({file, {}, {}}, UINT64_MAX, true), labels);
+  // A store of values by the name of the labels' store, as a rename makes it, is made anew.
+  fs::remove_all(labels);
+  fs::rename(values, labels);
+  EXPECT_THROW(madeStoreFor({file, {}, {}}, UINT64_MAX, true), Error);
+  EXPECT_EQ(stored(true), labels);
+  EXPECT_EQ(readManifest(labels).volume_class, VolumeClass::kLabels);
 }
 
 }  // namespace

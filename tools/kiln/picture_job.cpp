@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "base/file/path_name.h"
 #include "base/file/path_status.h"
 #include "image/file/image_file.h"
+#include "job/job_names.h"
 #include "sequence/sequence_frames.h"
 
 namespace kiln::tool {
@@ -60,20 +62,49 @@ RenderJob parsedFrom(const fs::path& picture, const std::string& job) {
   }
 }
 
+// Returns the type of the colours, else of the first channel.
+std::string exrTypeOf(const PixelLayout& layout) {
+  for (const auto& [name, type] : layout.channels) {
+    if (name == "R") return type;
+  }
+  return layout.channels.empty() ? "" : layout.channels.front().second;
+}
+
+// Adds the file's pixel type and compression to the job, so that the job draws an equal file.
+void addLayout(const PixelLayout& layout, nlohmann::ordered_json& job) {
+  if (layout.png_bits > 0) {
+    if (layout.png_bits == 16) job["png"] = {{"bits", 16}};
+    return;
+  }
+  nlohmann::ordered_json& exr = job["exr"];
+  if (!exr.is_object()) exr = nlohmann::ordered_json::object();
+  if (const std::string type = exrTypeOf(layout); type == "half" || type == "float") exr["type"] = type;
+  if (std::ranges::find(kExrCompressionNames, layout.compression) != kExrCompressionNames.end())
+    exr["compression"] = layout.compression;
+}
+
+std::optional<std::string> jobTextIn(const std::map<std::string, std::string>& texts, const fs::path& picture) {
+  const auto text = texts.find(ImageMetadata::kJob);
+  if (text == texts.end()) return std::nullopt;
+  auto job = nlohmann::ordered_json::parse(text->second, nullptr, /*allow_exceptions=*/false);
+  if (!job.is_object()) return text->second;
+  addLayout(readPixelLayout(picture), job);
+  return job.dump(2);
+}
+
 }  // namespace
 
 std::optional<std::string> jobTextOf(const fs::path& picture, std::uint64_t memory_bytes) {
-  const std::map<std::string, std::string> texts = readImageText(picture, memory_bytes);
-  const auto text = texts.find(ImageMetadata::kJob);
-  return text == texts.end() ? std::nullopt : std::optional(text->second);
+  return jobTextIn(readImageText(picture, memory_bytes), picture);
 }
 
 RenderJob jobOfPicture(const fs::path& picture, std::uint64_t memory_bytes) {
   const std::map<std::string, std::string> texts = readImageText(picture, memory_bytes);
-  if (!texts.contains(ImageMetadata::kJob))
+  const std::optional<std::string> text = jobTextIn(texts, picture);
+  if (!text)
     throw Error(ErrorCode::kUsage, picture, "",
                 "is a picture without a job of Kiln; name a store, a volume file or a job");
-  RenderJob job = parsedFrom(picture, texts.at(ImageMetadata::kJob));
+  RenderJob job = parsedFrom(picture, *text);
   const auto folder = texts.find(ImageMetadata::kFolder);
   const fs::path drawn_from = folder == texts.end() ? fs::path() : fs::path(folder->second);
   forEachVolume(job, [&](const fs::path& volume) { return foundVolume(volume, picture, drawn_from); });

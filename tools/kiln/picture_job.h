@@ -10,7 +10,8 @@
 
 namespace kiln::tool {
 
-/// Returns the JSON of the job in the picture's header, if any. throws: Error kBudget if the header exceeds
+/// Returns the JSON of the job in the picture's header, if any, with the type and the compression of the file, so that
+/// the job draws an equal file. throws: Error kBudget if the header exceeds
 /// `memory_bytes`; kFormat.
 std::optional<std::string> jobTextOf(const std::filesystem::path& picture, std::uint64_t memory_bytes);
 

@@ -191,13 +191,6 @@ std::string sourceForPrograms(const SourceInfo& info, const VolumeValues& values
 }
 
 // Returns the pixel type of the colours, or of the first channel of a file without colours.
-std::string exrTypeOf(const PixelLayout& layout) {
-  for (const auto& [name, type] : layout.channels) {
-    if (name == "R") return type;
-  }
-  return layout.channels.empty() ? "" : layout.channels.front().second;
-}
-
 void printLayout(const PixelLayout& layout) {
   say("pixels       {} x {}", layout.width, layout.height);
   if (layout.png_bits > 0) return say(" of {} bits a channel\n", layout.png_bits);
@@ -225,30 +218,13 @@ void printPicture(const fs::path& path, std::uint64_t memory_bytes) {
   if (!job.empty()) sayLines(fmt::format("{:<12}\n{}\n", ImageMetadata::kJob, job));
 }
 
-// Adds the file's pixel type and compression to the job, so that the job draws an equal file.
-void addLayout(const PixelLayout& layout, nlohmann::ordered_json& job) {
-  if (layout.png_bits > 0) {
-    if (layout.png_bits == 16) job["png"] = {{"bits", 16}};
-    return;
-  }
-  nlohmann::ordered_json& exr = job["exr"];
-  if (!exr.is_object()) exr = nlohmann::ordered_json::object();
-  if (const std::string type = exrTypeOf(layout); type == "half" || type == "float") exr["type"] = type;
-  if (std::find(kExrCompressionNames.begin(), kExrCompressionNames.end(), layout.compression) !=
-      kExrCompressionNames.end())
-    exr["compression"] = layout.compression;
-}
-
 // Returns the job of a picture as JSON, which `kiln render` reads from a file.
-std::string jobTextOfPicture(const fs::path& path, std::uint64_t memory_bytes) {
+std::string jobForPrograms(const fs::path& path, std::uint64_t memory_bytes) {
   const std::optional<std::string> job = jobTextOf(path, memory_bytes);
   if (!job)
     throw Error(ErrorCode::kUnsupported, path, ImageMetadata::kJob,
                 "is not there: a picture that Kiln drew has its job in it");
-  auto out = nlohmann::ordered_json::parse(*job, nullptr, false);
-  if (!out.is_object()) return *job + "\n";
-  addLayout(readPixelLayout(path), out);
-  return out.dump(2) + "\n";
+  return *job + "\n";
 }
 
 // Prints the header first, as the values of a damaged file are an error.
@@ -285,7 +261,7 @@ void addInfo(CLI::App& app, Context& context) {
       if (fs::is_regular_file(*path, ignored)) {
         if (!isPicture(*path)) openSource(*path, {});  // throws: the file is no volume either
         if (*json)
-          sayJson(jobTextOfPicture(*path, memory_bytes));
+          sayJson(jobForPrograms(*path, memory_bytes));
         else
           printPicture(*path, memory_bytes);
         return;

@@ -239,7 +239,7 @@ void sayCost(const RenderArguments& a, RenderJob job, const InputOptions& input,
   forEachVolume(job, [&](const fs::path& volume) {
     const fs::path of_first = series ? pathOfFrame(volume, first) : volume;
     const auto opened = [&](const SourceInfo& info) { outputs.requireNoneOf(info.files); };
-    const fs::path store = madeStoreFor(input.of(of_first), job.speed.memory_bytes, opened);
+    const fs::path store = madeStoreFor(input.of(of_first), job.speed.memory_bytes, input.areLabels(volume), opened);
     outputs.requireNone(store);
     return store == of_first ? volume : store;
   });

@@ -34,6 +34,13 @@ struct Subject {
   VolumeValues values;
   TransferFunctionChoice choice;
   bool volume = false;
+  bool unit_is_voxel = false;  // without a volume, a function without a unit of its own counts in voxels
+
+  std::string lengthUnit() const {
+    if (unit_is_voxel) return "voxel";
+    const std::string& stated = values.manifest.geometry().unit;
+    return stated.empty() ? "world unit" : stated;
+  }
 };
 
 Manifest withoutVolume(const TransferFunctionChoice& choice) {
@@ -102,7 +109,7 @@ void printPlane(const TransferFunction& f, std::string_view unit) {
 
 void print(const TransferFunction& f, const Subject& subject) {
   const Manifest& manifest = subject.values.manifest;
-  const std::string unit = manifest.geometry().unit.empty() ? "world unit" : manifest.geometry().unit;
+  const std::string unit = subject.lengthUnit();
   if (subject.volume && manifest.range.empty()) {
     say("volume       no value is a number\n");
   } else if (subject.volume) {
@@ -124,12 +131,12 @@ void print(const TransferFunction& f, const Subject& subject) {
   say("{} points; extinction is per {}\n", f.points.size(), unit);
 }
 
-void printLabels(const TransferFunction& f) {
+void printLabels(const TransferFunction& f, const Subject& subject) {
   say("{:>9}  {:>8}  {:>12}  {:>7}  {}\n", "label", "opacity", "extinction", "sRGB", "name");
   for (const LabelStyle& look : f.labels)
     say("{:>9.0f}  {:>8.5f}  {:>12.5g}  {}  {}\n", look.label, look.opacity, extinctionOf(look.opacity, f.unit),
         hexText(look.color), look.name);
-  say("{} labels; opacity is per {:.6g}\n", f.labels.size(), f.unit);
+  say("{} labels; opacity is per {:.6g} {}\n", f.labels.size(), f.unit, subject.lengthUnit());
 }
 
 void run(const TfArguments& a, Context& context) {
@@ -143,11 +150,12 @@ void run(const TfArguments& a, Context& context) {
     outputs.requireNone(read);
     outputs.requireNone(fileOf(read));
   }
-  const Subject subject = subjectOf(a, outputs, context);
+  Subject subject = subjectOf(a, outputs, context);
   const Manifest& manifest = subject.values.manifest;
   std::optional<Window> window;
   if (!a.window.empty()) window = parseWindow(a.window, "--window");
   const TransferFunction function = resolve(subject.choice, window, manifest);
+  subject.unit_is_voxel = !subject.volume && functionFor(subject.choice, window, manifest).unit == 0;
   if (!function.labels.empty() && !a.output.empty())
     throw Error(ErrorCode::kUsage, "-o: labels have no curve to draw; leave -o out");
   if (!a.output.empty()) writeImage(transferFunctionPicture(function, manifest.histogram), {}, {}, a.output);
@@ -157,7 +165,7 @@ void run(const TfArguments& a, Context& context) {
   else if (function.labels.empty())
     print(function, subject);
   else
-    printLabels(function);
+    printLabels(function, subject);
 }
 
 }  // namespace
