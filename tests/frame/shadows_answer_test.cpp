@@ -242,6 +242,31 @@ TEST(AmbientOcclusion, OfPlaneAndCornerAreKnown) {
   }
 }
 
+// Each point of the middle of a face sees equal matter, wherever zones of slabs and slabs divide cells of the lattice.
+// Stripes were 0.05 of the light deep.
+TEST(AmbientOcclusion, OfAnEvenBlockIsEven) {
+  constexpr int kBlockEdge = 128;
+  const auto store = makeStore(
+      fill({{kBlockEdge, kBlockEdge, kBlockEdge}, VoxelType::u8}, [](auto, auto, auto) { return 100; }), "block", 64);
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.target = glm::dvec3(kBlockEdge / 2), camera.eye = {kBlockEdge / 2, -200, kBlockEdge / 2},
+  camera.up = {0, 0, 1};
+  camera.height = kBlockEdge;
+  FrameRequest request;
+  request.view = resolve(camera, {128, 128});
+  request.transfer_function.points = {{99, glm::dvec3(1), 0.3}, {101, glm::dvec3(1), 0.3}};
+  request.shading.ambient = 1, request.shading.diffuse = request.shading.specular = 0;
+  request.shading.occlusion = {1, 12, false};
+  const Image image = draw(store, request);
+  float least = 1, most = 0;
+  for (int y = 24; y < 104; ++y)
+    least = std::min(least, image.pixel(64, y)[0]), most = std::max(most, image.pixel(64, y)[0]);
+  std::printf("  block: light from %.4f to %.4f\n", static_cast<double>(least), static_cast<double>(most));
+  EXPECT_GT(least, 0.99f * most);
+  EXPECT_GT(least, 0.1f);
+}
+
 // A ball, and its radius on pictures of 256 pixels.
 constexpr double kBallRadius = 50.3, kBallRadiusPx = 2 * kBallRadius;
 std::filesystem::path ballStore() {

@@ -96,6 +96,10 @@ TEST_F(ViewSessionTest, FinalPicture_isTheFileOfABatchRender) {
       {{"stereo", {{"eye", "both"}, {"interocular", 4}}}},
       {{"camera", {{"turntable", {{"frames", 1}}}}},
        {"lights", {{{"type", "directional"}, {"direction", {1, -1, 1}}, {"shadow", true}}}}},
+      // Shadow maps have samples of this distance, and are drawn anew.
+      {{"sampleDistance", 0.25},
+       {"camera", {{"turntable", {{"frames", 1}}}}},
+       {"lights", {{{"type", "directional"}, {"direction", {1, -1, 1}}, {"shadow", true}}}}},
       {{"worldRegion", {0, 0, 0, 20, 30, 50}}, {"clip", {{{"normal", {1, 0, 0}}, {"offset", -4}}}}},
   };
   for (const json& keys : jobs) {

@@ -1,7 +1,7 @@
 #include "engine/pixel/multi_volume.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <set>
 
 #include "base/thread/profile_scope.h"
@@ -75,23 +75,23 @@ class MultiVolume::ZoneEngine final : public Engine {
     }
   }
 
-  // Adds the optical depths of a square's slabs to the lattice, all slabs of a cell together.
+  // Adds the optical depths of a square's slabs to the lattice. A slab's depth is divided between the cells that the
+  // slab meets, by its thickness in each: else a cell that meets one more slab than the next would be darker.
   void addExtinction(const SlabSums& sums, ExtinctionLattice& lattice) const {
     const SlabZone& zone = zone_.slabs.front();
     const PixelRect& rect = sums.rect();
-    const auto cellOf = [&](int slab) { return lattice.cellAt(zone.near + (slab + 0.5) * zone.thickness); };
-    for (int row = 0; row < rect.height(); ++row) {
-      for (int slab = 0, next = 0; slab < sums.slabs(); slab = next) {
-        const int cell = cellOf(slab);
-        std::array<float, kSquareEdge> depths{};
-        for (next = slab; next < sums.slabs() && cellOf(next) == cell; ++next) {
-          if (!sums.has(next, row)) continue;
-          const float* const light = sums.lightRow(next, row);
-          for (int x = 0; x < rect.width(); ++x) depths[static_cast<std::size_t>(x)] += light[4 * x + 3];
-        }
-        for (int x = 0; cell >= 0 && x < rect.width(); ++x) {
-          const float depth = depths[static_cast<std::size_t>(x)];
-          if (depth > 0) lattice.add(rect.x0 + x, rect.y0 + row, cell, depth);
+    for (int slab = 0; slab < sums.slabs(); ++slab) {
+      const double near = lattice.placeAlong(zone.near + slab * zone.thickness);
+      const double far = lattice.placeAlong(zone.near + (slab + 1) * zone.thickness);
+      for (int cell = static_cast<int>(std::floor(near)); cell < far; ++cell) {
+        const double inside = std::min<double>(cell + 1, far) - std::max<double>(cell, near);
+        const auto share = static_cast<float>(inside / (far - near));
+        for (int row = 0; row < rect.height(); ++row) {
+          if (!sums.has(slab, row)) continue;
+          const float* const light = sums.lightRow(slab, row);
+          for (int x = 0; x < rect.width(); ++x)
+            if (const float depth = light[4 * x + 3]; depth > 0)
+              lattice.add(rect.x0 + x, rect.y0 + row, cell, share * depth);
         }
       }
     }

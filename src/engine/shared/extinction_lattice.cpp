@@ -24,7 +24,30 @@ LatticeView turned(const LatticeView& lattice) {
   return out;
 }
 
+ExtinctionLattice::ExtinctionLattice(const LatticeView& lattice)
+    : lattice_(lattice), sums_(static_cast<std::size_t>(lattice.cells().count()), 0) {
+  beginView();
+}
+
+// A turned view has the rays of another side.
+std::uint64_t ExtinctionLattice::bytesOf(const LatticeView& lattice) {
+  const std::int64_t edges[3] = {lattice.view.size.width, lattice.view.size.height, lattice.depth};
+  const std::int64_t rays = std::max({edges[0] * edges[1], edges[1] * edges[2], edges[2] * edges[0]});
+  return static_cast<std::uint64_t>(lattice.cells().count()) * (sizeof(std::uint16_t) + sizeof(std::uint8_t)) +
+         static_cast<std::uint64_t>(rays) * sizeof(LastCell);
+}
+
+void ExtinctionLattice::beginView() {
+  const std::int64_t edges[3] = {lattice_.view.size.width, lattice_.view.size.height, lattice_.depth};
+  rays_across_ = static_cast<std::size_t>(edges[turns_ % 3]);
+  const Extent3 n = lattice_.cells();
+  cells_along_ = static_cast<int>((turns_ % 3 == 0 ? n.z : turns_ % 3 == 1 ? n.x : n.y));
+  rays_.assign(rays_across_ * static_cast<std::size_t>(edges[(turns_ + 1) % 3]), {});
+}
+
 void ExtinctionLattice::turn() {
+  for (std::size_t ray = 0; ray < rays_.size(); ++ray)
+    end(static_cast<int>(ray % rays_across_), static_cast<int>(ray / rays_across_), rays_[ray]);
   if (open_.empty()) open_.assign(sums_.size(), 255);
   const auto slice = static_cast<std::size_t>(lattice_.cells().x * lattice_.cells().y);
   parallelFor(sums_.size() / slice, [&](std::size_t z) {
@@ -35,6 +58,7 @@ void ExtinctionLattice::turn() {
     }
   });
   ++turns_;
+  beginView();
 }
 
 }  // namespace kiln

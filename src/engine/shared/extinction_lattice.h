@@ -1,9 +1,10 @@
 // Opacities of a lattice of cells, drawn as a picture is: the cells of a pixel lie behind each other.
 // Problem. Ambient occlusion needs the extinction around any point, of all volumes, after classification and clipping.
 // Method. An engine draws a parallel view with kRaysOfCell² rays through a cell; the opacity of a cell is the mean over
-// the rays. One ray misses structures smaller than a cell, which shows as stripes.
+// the rays. One ray misses structures smaller than a cell, which shows as stripes. Zones of slabs divide cells: the
+// optical depth of a ray's last cell is kept until the ray reaches the next cell.
 // Invariant. A cell depends on its rays' slabs only, in any order of rays.
-// Memory: three bytes a cell.
+// Memory: three bytes a cell, eight a ray.
 #pragma once
 
 #include <algorithm>
@@ -42,8 +43,9 @@ class ExtinctionLattice {
   template <class T>
   using Cells = std::vector<T, UnsetAllocator<T>>;
 
-  explicit ExtinctionLattice(const LatticeView& lattice)
-      : lattice_(lattice), sums_(static_cast<std::size_t>(lattice.cells().count()), 0) {}
+  explicit ExtinctionLattice(const LatticeView& lattice);
+  /// unit: bytes.
+  static std::uint64_t bytesOf(const LatticeView& lattice);
 
   const LatticeView& lattice() const { return lattice_; }
   /// Edge of a cell. unit: world.
@@ -52,21 +54,19 @@ class ExtinctionLattice {
   /// Ends a view. The next view is turned once more. A cell keeps the largest of the opacities along all axes.
   void turn();
 
-  /// Returns the cell, along the drawn view, of a depth; -1 outside.
-  int cellAt(double depth) const {
-    const Extent3 n = lattice_.cells();
-    const std::int64_t cells[3] = {n.z, n.x, n.y};
-    const double at = std::floor((depth - lattice_.near) * lattice_.view.focal_px / kRaysOfCell);
-    return at >= 0 && at < static_cast<double>(cells[turns_]) ? static_cast<int>(at) : -1;
-  }
-  /// Adds the optical depth of the ray of pixel (x, y) in a cell along the drawn view. thread: one thread at a time for
-  /// each cell.
-  void add(int x, int y, int z, float optical_depth) {
-    x /= kRaysOfCell, y /= kRaysOfCell;
-    std::uint16_t& cell = sums_[turns_ == 0 ? placeOf(x, y, z) : turns_ == 1 ? placeOf(z, x, y) : placeOf(y, z, x)];
-    constexpr int kRays = kRaysOfCell * kRaysOfCell;
-    const long closed = std::lround((1 - std::exp(-optical_depth)) * (float{kClosed} / kRays));
-    cell = static_cast<std::uint16_t>(std::min<long>(cell + closed, kClosed));
+  /// Returns the place of a depth along the drawn view. unit: cells; depth: world.
+  double placeAlong(double depth) const { return (depth - lattice_.near) * lattice_.view.focal_px / kRaysOfCell; }
+  /// Adds the optical depth of the ray of pixel (x, y) in a cell along the drawn view; cells outside are left out.
+  /// requires: the cells of a ray in their order along the view. thread: one thread at a time for each column of cells.
+  void add(int x, int y, int cell, float optical_depth) {
+    if (cell < 0 || cell >= cells_along_) return;
+    LastCell& last = rays_[static_cast<std::size_t>(y) * rays_across_ + static_cast<std::size_t>(x)];
+    if (last.cell == cell) {
+      last.optical_depth += optical_depth;
+      return;
+    }
+    end(x, y, last);
+    last = {cell, optical_depth};
   }
   /// Transmittances of paths as long as the edge of a cell, of all views that have ended. unit: 1 / 255. shape:
   /// lattice().cells().
@@ -75,6 +75,24 @@ class ExtinctionLattice {
  private:
   static constexpr std::uint16_t kClosed = std::numeric_limits<std::uint16_t>::max();
 
+  /// The last cell that a ray has met.
+  struct LastCell {
+    int cell = -1;
+    float optical_depth = 0;
+  };
+
+  void beginView();
+  // Adds the opacity of a ray's last cell.
+  void end(int x, int y, const LastCell& last) {
+    if (last.cell < 0) return;
+    const int z = last.cell;
+    x /= kRaysOfCell, y /= kRaysOfCell;
+    std::uint16_t& cell = sums_[turns_ == 0 ? placeOf(x, y, z) : turns_ == 1 ? placeOf(z, x, y) : placeOf(y, z, x)];
+    constexpr int kRays = kRaysOfCell * kRaysOfCell;
+    const long closed = std::lround((1 - std::exp(-last.optical_depth)) * (float{kClosed} / kRays));
+    cell = static_cast<std::uint16_t>(std::min<long>(cell + closed, kClosed));
+  }
+
   std::size_t placeOf(int x, int y, int z) const {
     const Extent3 n = lattice_.cells();
     return static_cast<std::size_t>((z * n.y + y) * n.x + x);
@@ -82,7 +100,10 @@ class ExtinctionLattice {
 
   LatticeView lattice_;
   int turns_ = 0;
-  Cells<std::uint16_t> sums_;  // opacities, of the drawn view
+  std::size_t rays_across_ = 0;
+  int cells_along_ = 0;
+  std::vector<LastCell> rays_;  // of the drawn view
+  Cells<std::uint16_t> sums_;   // opacities, of the drawn view
   Cells<std::uint8_t> open_;
 };
 

@@ -39,6 +39,7 @@ struct ShadowScene {
   std::optional<int> level;
   int coarser = 0;
   Interpolation interpolation = Interpolation::kLinear;
+  double sample_distance = 0;  // of the maps' own samples. unit: voxels
   double opacity_threshold = 1;
   bool operator==(const ShadowScene&) const = default;
 };

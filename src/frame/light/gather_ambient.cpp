@@ -224,11 +224,11 @@ AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius, const
   return AmbientGrid(gathering.dims(), grid_from_view * view.view_from_world, gathering.run());
 }
 
-std::uint64_t ambientBytes(const Extent3& cells) {
-  const auto fine = static_cast<std::uint64_t>(cells.count());
-  const auto grid = static_cast<std::uint64_t>(gridOf(cells).count());
-  // Sums and transmittances of the lattice, levels, marks and the grid.
-  return 3 * fine + fine + fine / 4 + 2 * grid + grid * sizeof(AmbientCell);
+std::uint64_t ambientBytes(const LatticeView& lattice) {
+  const auto fine = static_cast<std::uint64_t>(lattice.cells().count());
+  const auto grid = static_cast<std::uint64_t>(gridOf(lattice.cells()).count());
+  // The lattice, levels, marks and the grid.
+  return ExtinctionLattice::bytesOf(lattice) + fine + fine / 4 + 2 * grid + grid * sizeof(AmbientCell);
 }
 
 }  // namespace kiln

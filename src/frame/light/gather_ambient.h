@@ -19,6 +19,6 @@ namespace kiln {
 AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius, const Progress& progress);
 
 /// Memory of the lattice, of what gathering takes, and of the grid, for a lattice of so many cells. unit: bytes.
-std::uint64_t ambientBytes(const Extent3& cells);
+std::uint64_t ambientBytes(const LatticeView& lattice);
 
 }  // namespace kiln

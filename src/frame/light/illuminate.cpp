@@ -49,6 +49,7 @@ ShadowScene sceneOf(const FrameRequest& request) {
   out.level = request.level;
   out.coarser = request.coarser;
   out.interpolation = request.interpolation;
+  out.sample_distance = request.sample_distance;
   out.opacity_threshold = request.opacity_threshold;
   return out;
 }
@@ -213,7 +214,7 @@ std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes
   }
   if (shading.occlusion.strength > 0) {
     const LatticeView lattice = latticeOf(volumes.front()->manifest().geometry(), extent);
-    kept += ambientBytes(lattice.cells()) + bandBytes(lattice.view.size.width, lattice.view.size.height);
+    kept += ambientBytes(lattice) + bandBytes(lattice.view.size.width, lattice.view.size.height);
   }
   return kept + drawing;
 }
