@@ -80,6 +80,25 @@ INSTANTIATE_TEST_SUITE_P(OfLattices, ScatteringOf, ::testing::ValuesIn(kLattices
                          [](const auto& tested) { return std::string(nameOf(tested.param)); });
 
 // A medium in a single headlight that scatters evenly has the colours of the function, whatever its gradients.
+// A light has no direction at its own place, where samples of voxels may lie.
+TEST_P(ScatteringOf, ALightAtAVoxel_isFinite) {
+  const auto store = makeStore(fill({{32, 32, 32}, VoxelType::u8}, [](auto, auto, auto) { return 0; }), "medium", 32);
+  FrameRequest request = slabRequest(mediumOf(0.05, 0.3));
+  Camera camera;
+  camera.projection = Projection::kOrthographic;
+  camera.target = {16, 16, 16}, camera.eye = {16, 16, 200}, camera.up = {0, 1, 0};
+  camera.height = 32;
+  request.view = resolve(camera, {64, 64});
+  request.lattice = GetParam();
+  request.shading.shadows = false;
+  Light light;
+  light.kind = LightKind::kPoint, light.place = {16, 16, 16};
+  request.shading.lights = {light};
+  const Image image = draw(store, request);
+  ASSERT_TRUE(showsSomething(image));
+  for (const float number : image.rgba) ASSERT_TRUE(std::isfinite(number));
+}
+
 TEST(Scattering, InAHeadlight_isFlat) {
   const DenseVolume cloud = ball({{40, 40, 40}, VoxelType::u8}, {20, 20, 20}, 14, 200);
   const auto store = makeStore(cloud, "ball_fog", 32);

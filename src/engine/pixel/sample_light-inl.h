@@ -177,10 +177,14 @@ class SampleLight {
     colors.blue = hn::Mul(colors.blue, sum[2]);
   }
 
+  // Shader::PlacedLight::towards.
   static HWY_INLINE Vector towardsOf(const Shader::PlacedLight& light, const Vector& at) {
     const Vector place = vectorOf(light.place);
     if (!light.point) return place;
-    return unitOf({hn::Sub(place.x, at.x), hn::Sub(place.y, at.y), hn::Sub(place.z, at.z)});
+    const Vector way = {hn::Sub(place.x, at.x), hn::Sub(place.y, at.y), hn::Sub(place.z, at.z)}, unit = unitOf(way);
+    const D d;
+    const M apart = hn::Gt(dotOf(way, way), hn::Zero(d));
+    return {hn::IfThenElseZero(apart, unit.x), hn::IfThenElseZero(apart, unit.y), hn::IfThenElseZero(apart, unit.z)};
   }
 
   // Share of its colour that a sample without direction keeps: see Shader::withoutDirection.

@@ -77,7 +77,12 @@ class Shader {
     glm::vec3 place;  // unit vector towards the light, or its position
     glm::vec3 color;
     ShadowLookup shadow;
-    glm::vec3 towards(const glm::vec3& at) const { return point ? glm::normalize(place - at) : place; }
+    /// Returns a unit vector; zero at the light itself, which has no direction there.
+    glm::vec3 towards(const glm::vec3& at) const {
+      if (!point) return place;
+      const glm::vec3 way = place - at;
+      return glm::dot(way, way) > 0 ? glm::normalize(way) : glm::vec3(0);
+    }
   };
   /// Scattered light by direction: (1 - g²) / (1 + g² - 2 g cosine)^(3/2).
   struct Phase {
