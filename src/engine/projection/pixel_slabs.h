@@ -1,7 +1,5 @@
-// A pixel's ray through a level's lattice, and the slabs of a zone that lie on one side of a lattice plane. A slab's
-// position is the point where the ray meets its middle.
-// Invariant. All callers compute the crossing of a plane with the same operations, so that every slab of a pixel lies
-// on exactly one side of the plane.
+// A pixel's ray through a level's lattice, and a span of a zone's slabs. A slab's position is the point where the ray
+// meets its middle.
 #pragma once
 
 #include <algorithm>
@@ -41,20 +39,6 @@ class PixelRay {
 struct SlabSpan {
   int first = 0, end = 0;
   bool empty() const { return first >= end; }
-
-  /// Keeps the slabs whose index coordinate along `axis` is at least `at` (with `above`) or less than `at`.
-  void cut(const SlabZone& zone, const PixelRay& ray, int axis, double at, bool above) {
-    const double base = ray.base()[axis], slope = ray.slope()[axis];
-    if (slope == 0) {
-      if ((base >= at) != above) end = first;
-      return;
-    }
-    const int slab = zone.slabFrom((at - base) / slope);
-    if ((slope > 0) == above)
-      first = std::max(first, slab);
-    else
-      end = std::min(end, slab);
-  }
 };
 
 }  // namespace kiln

@@ -165,7 +165,7 @@ void ValueProjection::draw(std::span<const PreparedBrick* const> bricks, const T
   }
 }
 
-void ValueProjection::finish(const TransferFunction& transfer_function, const TilePixels& target) const {
+void ValueProjection::finish(const TransferFunction& transfer_function, const TilePixels& target) {
   parallelFor(static_cast<std::size_t>(target.rect.height()), [&](std::size_t row) {
     const int y = target.rect.y0 + static_cast<int>(row);
     const Silhouette::Row outline = outline_.row(y);
@@ -181,6 +181,7 @@ void ValueProjection::finish(const TransferFunction& transfer_function, const Ti
       if (target.aovs.value != nullptr) target.aovs.value[place] = static_cast<float>(value);
     }
   });
+  values_.reset();
 }
 
 }  // namespace kiln

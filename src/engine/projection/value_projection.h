@@ -47,8 +47,9 @@ class ValueProjection final : public VolumeEngine {
   std::vector<BrickInView> ordered(std::vector<BrickInView> front_to_back) const;
   /// Returns whether the brick can change no pixel. requires: `begin`.
   bool hidden(const BrickInView& brick) const;
-  /// Writes the colours and values of the pixels. requires: all bricks are drawn; `begin` with the target's pixels.
-  void finish(const TransferFunction& transfer_function, const TilePixels& target) const;
+  /// Writes the colours and values of the pixels, and releases the values: other volumes are drawn after this volume.
+  /// requires: all bricks are drawn; `begin` with the target's pixels.
+  void finish(const TransferFunction& transfer_function, const TilePixels& target);
 
  private:
   struct Prepared;

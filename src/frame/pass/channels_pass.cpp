@@ -44,6 +44,7 @@ ChannelsPass::ChannelsPass(const std::vector<const BrickedVolume*>& stores, cons
 
 std::vector<BrickOfFrame> ChannelsPass::inView(const PixelRect& pixels, BrickWalkCounts& counts) const {
   std::vector<BrickOfFrame> out;
+  counts = {};
   for (const Channel& channel : channels_) {
     BrickWalkCounts walked;
     const std::vector<BrickOfFrame> bricks = channel.pass->inView(pixels, walked);

@@ -5,10 +5,8 @@
 namespace kiln {
 
 void FrameStatistics::addView(const FrameStatistics& view) {
-  const std::uint64_t interesting = bricks_interesting + view.bricks_interesting;
   merge(view);
   wall_s += view.wall_s, output_s += view.output_s;
-  bricks_interesting = interesting;
 }
 
 void FrameStatistics::addContributing(const StoredBrick& brick, std::uint64_t file_bytes) {
