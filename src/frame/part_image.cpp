@@ -17,7 +17,7 @@ void layPixelBehind(const float* behind, const AovPixels& planes_behind, float o
   for (int c = 0; c < 4; ++c) front[c] += open * behind[c];
   const bool closes = front[3] >= opacity_threshold;
   const float scale = closes ? 1 / front[3] : 1;
-  if (planes.first != nullptr && before < kHitAlpha && front[3] >= kHitAlpha)
+  if (planes.first != nullptr && hitsFirst(before, front[3], closes))
     *planes.first = behind[3] >= kHitAlpha ? *planes_behind.first : *planes_behind.mean / behind[3];
   glm::vec3 normal(0);
   for (int axis = 0; axis < 3 && planes.normal[0] != nullptr; ++axis) normal[axis] = open * *planes_behind.normal[axis];

@@ -161,6 +161,23 @@ TEST_P(PartialImages, OfABodyMeetAtItsEdges) {
   }
 }
 
+// The depth of a pixel that closes before its alpha reaches one half is where the pixel closes.
+using PartialImagesOfRays = PartialImages;
+TEST_P(PartialImagesOfRays, ThatCloseEarly_HaveTheDepthsOfTheWhole) {
+  PictureOptions& picture = job_.picture;
+  picture.camera = specOf(cameraFrom(volume_.geometry, {1, 0.4, 0.7}, Projection::kOrthographic));
+  picture.transfer_function = TransferFunction{0, {{60, {0.9, 0.5, 0.3}, 0}, {200, {0.9, 0.5, 0.3}, 0.05}}};
+  picture.opacity_threshold = 0.3;
+  picture.aovs.depth = picture.aovs.normal = true;
+  const Image whole = drawn("whole.exr", std::nullopt);
+  std::size_t hits = 0;
+  for (const float depth : whole.planes[1].values) hits += std::isfinite(depth) ? 1 : 0;
+  EXPECT_GT(hits, 500u);
+  const fs::path below = drawnPart({{0, 0, 0}, {40, 51, 17}}), above = drawnPart({{0, 0, 17}, {40, 51, 37}});
+  expectPlanesOf(whole, compositeParts({below, above}, silent_).image);
+}
+INSTANTIATE_TEST_SUITE_P(Rays, PartialImagesOfRays, ::testing::Values(Lattice::kPixel));
+
 TEST_P(PartialImages, NightlyOfOctantsMakeTheWholeForManyScenes) {
   for (std::uint64_t seed = 9000; seed < 9200; ++seed) checkOctants(seed, seed % 3 == 1);
   EXPECT_GT(with_something_, 100);

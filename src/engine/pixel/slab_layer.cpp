@@ -25,8 +25,8 @@ void addLayer(const SlabLayer& layer, const AovPixels& aovs, std::ptrdiff_t pixe
     return static_cast<float>(layer.middle + (static_cast<double>(from_begin) - 0.5) * layer.thickness);
   };
   aovs.add(pixel, layer.added * depthOf(meanOf(x)), layer.normal, layer.closes ? 1 / (layer.before + layer.added) : 1);
-  if (aovs.first == nullptr || layer.before >= kHitAlpha) return;
-  if (layer.closes || layer.before + layer.added >= kHitAlpha) aovs.first[pixel] = depthOf(hitOf(layer, x));
+  if (aovs.first != nullptr && hitsFirst(layer.before, layer.before + layer.added, layer.closes))
+    aovs.first[pixel] = depthOf(hitOf(layer, x));
 }
 
 }  // namespace kiln

@@ -11,6 +11,11 @@ namespace kiln {
 /// Alpha at which a pixel has its first hit.
 inline constexpr float kHitAlpha = 0.5f;
 
+/// True if a pixel whose alpha rises from `before` to `after` has its first hit: a pixel that closes earlier, too.
+inline bool hitsFirst(float before, float after, bool closes) {
+  return before < kHitAlpha && (after >= kHitAlpha || closes);
+}
+
 /// AOV planes of a tile; null if not requested. shape: pointers to the tile's first pixel, one float per pixel, rows
 /// `stride` / 4 floats apart (the tile's stride).
 struct AovPixels {

@@ -248,7 +248,7 @@ class FootprintRasterizer {
     const AovPixels& aovs = planes_.aovs();
     const float after = before + added;
     aovs.add(at, added * voxel.depth, added * voxel.normal, closes ? 1 / after : 1);
-    if (aovs.first != nullptr && before < kHitAlpha && (after >= kHitAlpha || closes)) aovs.first[at] = voxel.depth;
+    if (aovs.first != nullptr && hitsFirst(before, after, closes)) aovs.first[at] = voxel.depth;
   }
 
   const VoxelView& view_;
