@@ -59,6 +59,21 @@ def _is_json(value: Any) -> bool:
     )
 
 
+def _key_of(word: str) -> str:
+    """Returns the key of a job for the word of an option: `colorBy` for `color_by`, `lights` for `light`."""
+    first, *others = ("lights" if word == "light" else word).split("_")
+    return first + "".join(part.capitalize() for part in others)
+
+
+def _points_text(points: Any) -> str | None:
+    """Returns points such as [(1000, 0), (1300, 0.5, "orange")] as --tf writes them; None for other values."""
+    if not isinstance(points, (list, tuple)) or not points:
+        return None
+    if not all(isinstance(point, (list, tuple)) for point in points):
+        return None
+    return ",".join(":".join(text_of(part) for part in point) for point in points)
+
+
 def _is_one(row: Option, value: Any) -> bool:
     """Returns whether a list holds the numbers of one value, such as [1, 0, 0, 0] of a clip plane."""
     if row.arguments != "several":
@@ -95,7 +110,13 @@ def job_words(words: dict[str, Any], value_range: tuple[float, float] | None = N
         function = tf.json(value_range)
         if not function:
             words["tf"] = tf.name
-    objects = {word: words.pop(word) for word, value in list(words.items()) if _is_json(value)}
+    elif isinstance(words.get("tf"), dict):
+        function = json.dumps(words.pop("tf"))
+    elif (text := _points_text(words.get("tf"))) is not None:
+        words["tf"] = text
+    objects = {_key_of(word): words.pop(word) for word, value in list(words.items()) if _is_json(value)}
+    if isinstance(objects.get("lights"), dict):
+        objects["lights"] = [objects["lights"]]
     text = json.dumps({"kiln": _kiln.job_format, "volume": "volume", **objects}) if objects else ""
     return _kiln.JobWords(text, flag_texts(words), function)
 
