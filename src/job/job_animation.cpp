@@ -42,7 +42,7 @@ std::vector<Key<T>> onlyKeysFrom(const JobObject& owner, const Options<Key<T>>& 
 
 // Refuses the second of two neighbouring keys without a transition between their values.
 template <class T, class Matches>
-void requireAlike(const JobObject& owner, const std::vector<Key<std::vector<T>>>& keys, const char* things,
+void requireAlike(const JobObject& owner, const std::vector<Key<std::vector<T>>>& keys, const char* rule,
                   const Matches& matches) {
   for (std::size_t k = 1; k < keys.size(); ++k) {
     const auto &before = keys[k - 1].value, &here = keys[k].value;
@@ -51,9 +51,9 @@ void requireAlike(const JobObject& owner, const std::vector<Key<std::vector<T>>>
     if (alike) continue;
     owner.complain(
         "keyframes",
-        fmt::format("expected as many {} in each key, each of the same kind and shadow as in the key before and "
-                    "not in the opposite direction; that at frame {} differs",
-                    things, keys[k].frame));
+        fmt::format(
+            "expected as many {} turned to the opposite direction; the key at frame {} differs from the key before",
+            rule, keys[k].frame));
   }
 }
 
@@ -144,9 +144,10 @@ void readLights(const JobObject& root, RenderJob& job) {
   if (!root.isObject("lights")) return lightList().read(root, "lights", job.picture.shading.lights);
   const JobObject owner = *root.object("lights");
   job.animation.lights = onlyKeysFrom(owner, lightsKeyOptions());
-  requireAlike(owner, job.animation.lights, "lights", [](const Light& a, const Light& b) {
-    return a.kind == b.kind && a.shadow == b.shadow && (!isFar(a.kind) || mayMix(a.place, b.place));
-  });
+  requireAlike(owner, job.animation.lights, "lights in each key, of equal types and shadows, none",
+               [](const Light& a, const Light& b) {
+                 return a.kind == b.kind && a.shadow == b.shadow && (!isFar(a.kind) || mayMix(a.place, b.place));
+               });
 }
 
 void readClipPlanes(const JobObject& root, RenderJob& job) {
@@ -154,7 +155,7 @@ void readClipPlanes(const JobObject& root, RenderJob& job) {
   if (!root.isObject("clip")) return replaceClipPlanes(root, job.picture.clipping);
   const JobObject owner = *root.object("clip");
   job.animation.clip = onlyKeysFrom(owner, clipKeyOptions());
-  requireAlike(owner, job.animation.clip, "planes",
+  requireAlike(owner, job.animation.clip, "planes in each key, none",
                [](const ClipPlane& a, const ClipPlane& b) { return mayMix(a.normal, b.normal); });
 }
 

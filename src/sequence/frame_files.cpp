@@ -302,6 +302,9 @@ OutputFile videoFrameOf(const RenderJob& job, int frame) {
 }
 
 void requireOutputs(const RenderJob& job, const std::vector<int>& frames) {
+  PictureOptions drawn = job.picture;
+  drawn.aovs = drawnAovs(job);
+  requireEngineOptions(drawn);
   for (const OutputFile& file : patternsOf(job)) {
     requireKnownEnding(file.path);
     requireOpaqueJpeg(job, file.path);

@@ -97,7 +97,7 @@ std::vector<Doubt> doubtsOf(const RenderJob& job, const OpenedVolumes& volumes, 
   }
   for (const std::string& assumption : volumes.assumptions()) out.push_back({assumption, assumption});
   const Shading shading = shadingOf(job);
-  const bool lit = engineOf(job).capabilities().composites;
+  const bool lit = engineOf(job).capabilities().composites && shading.phong;
   if (lit && shading.shadows && std::none_of(shading.lights.begin(), shading.lights.end(), [&](const Light& light) {
         return castsShadows(shading, light);
       }))

@@ -206,9 +206,11 @@ TransferFunction labelPalette(const Manifest& manifest) {
     for (const LabelCount& count : *known) add(count.label);
   } else if (!manifest.range.empty()) {
     if (manifest.range.hi - manifest.range.lo >= static_cast<double>(kMostLabels))
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("labels from {:.0f} to {:.0f} are too many to choose colours for; name those to draw",
-                              manifest.range.lo, manifest.range.hi));
+      throw Error(
+          ErrorCode::kUsage,
+          fmt::format("--tf auto: has colours for labels within a range of {} (found {:.0f} to {:.0f}); list the "
+                      "labels to draw in a file, as --tf labels.txt",
+                      kMostLabels, manifest.range.lo, manifest.range.hi));
     for (double label = manifest.range.lo; label <= manifest.range.hi; ++label) add(label);
   }
   // A function without labels would be a function of points.

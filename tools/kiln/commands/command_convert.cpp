@@ -247,7 +247,8 @@ void addConvert(CLI::App& app, Context& context) {
   command
       ->add_option("--levels", a->levels, "The most levels of resolution; as many as it takes to one brick by default.")
       ->check(wholeNumberFrom(1));
-  command->add_flag("--half", a->half, "Round values to 16-bit floats: smaller bricks; the largest error is printed.");
+  command->add_flag("--half", a->half,
+                    "Round values to 16-bit floats: smaller bricks of 32-bit floats; the largest error is printed.");
   command
       ->add_flag("--labels", a->labels,
                  "Values are labels, whole numbers: a coarser voxel is the most frequent of those below it (of equally "
