@@ -71,6 +71,9 @@ class SharedSequence : public RankedSequence {
     while (!allDone()) serveOrWait();
     own_.busy_s = secondsSince(begin_) - own_.idle_s;
     ranks_.barrier();
+    // Tiles of a frame that failed: their senders wait until all are received.
+    while (serve()) {
+    }
     counters_.reset();
   }
 
