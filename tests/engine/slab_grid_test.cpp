@@ -65,6 +65,23 @@ TEST(SlabGrid, SlabsAreBetweenHalfAPixelAndAPixelThick) {
   }
 }
 
+// Zones of a far eye are much deeper than the volume; slabs about the volume stay as thick as samples need.
+TEST(SlabGrid, SlabsOfAFarEyeAreNoThicker) {
+  const Manifest volume = pyramid(glm::dvec3(1));
+  View view = viewAt(volume, Projection::kPerspective, 1.5);
+  for (const double depth : {1e6, 1e8, 1e10}) {
+    view.view_from_world[3].z = depth - 511.5;
+    view.focal_px = 1.5 * depth;
+    double covered = depth - 512;
+    for (const SlabZone& zone : slabZones({&volume, 1e-3}, view, {})) {
+      if (zone.near <= covered) covered = std::max(covered, zone.far);
+      EXPECT_LE(thicknessPx(zone, view), 1.01) << depth;
+      EXPECT_LE(zone.slabs, kMostRaySlabs);
+    }
+    EXPECT_GE(covered, depth + 512) << depth;
+  }
+}
+
 // Slabs have the requested thickness, but at least half a pixel; by default at most a pixel or a quarter of a voxel.
 TEST(SlabGrid, SlabsAreAsThickAsIsAskedFor) {
   const Manifest volume = pyramid(glm::dvec3(1));

@@ -227,6 +227,12 @@ TEST(TransferFunctionFade, LiesBetween) {
   // Opacity 0.75 per 2 is 0.5 per 1.
   const TransferFunction thin{2, {{0, {1, 1, 1}, 0.75}}}, none{1, {{0, {1, 1, 1}, 0}}};
   EXPECT_NEAR(faded(none, thin, 0.5).at(0).opacity, 0.25, 1e-12);
+  // The last step of a fade is small, also between points: 0.65132 per 10 is 0.1 per 1.
+  const TransferFunction ramp{1, {{0, {1, 1, 1}, 0}, {1000, {1, 1, 1}, 0.1}}},
+      long_ramp{10, {{0, {1, 1, 1}, 0}, {1000, {1, 1, 1}, 0.65132}}};
+  const TransferFunction last = faded(ramp, long_ramp, 0.999);
+  for (const double value : {100, 500, 900})
+    EXPECT_NEAR(last.at(value).opacity, 1 - std::pow(1 - long_ramp.at(value).opacity, 0.1), 3e-4) << value;
   const TransferFunction edges{1, {{0, {1, 1, 1}, 1}}, {{1, 0}, {3, 1}}};
   EXPECT_NEAR(faded(none, edges, 0.5).gradientFactor(0, 1), 0.5, 1e-12);
 }

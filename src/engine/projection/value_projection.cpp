@@ -22,7 +22,10 @@ std::vector<SlabZone> rayZones(const Manifest& volume, const View& view, const P
   for (SlabZone& zone : out) {
     const glm::dvec3 edges = volume.levels[static_cast<std::size_t>(zone.level)].geometry.spacing();
     const double most = 0.5 * std::min({edges.x, edges.y, edges.z});
-    const int parts = std::max(1, static_cast<int>(std::ceil(zone.thickness / most - 1e-9)));
+    // Zones are far deeper than a volume that is smaller than a pixel.
+    constexpr int kMostSamples = 1 << 30;
+    const int parts = std::clamp(static_cast<int>(std::min(std::ceil(zone.thickness / most - 1e-9), 1e9)), 1,
+                                 std::max(kMostSamples / std::max(zone.slabs, 1), 1));
     zone.thickness /= parts;
     zone.slabs *= parts;
   }

@@ -1,6 +1,7 @@
 #include "engine/shared/slab_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -65,9 +66,27 @@ SlabZone slabsAt(double scale, const ZonedVolume& zoned, std::optional<int> leve
   return out;
 }
 
-// Number of slabs of about `thickness` that fill a zone.
-int slabsIn(double width, double thickness) {
-  return std::max(1, static_cast<int>(std::lround(std::min(width / thickness, double{kMostRaySlabs}))));
+struct ZoneSlabs {
+  double near, far, thickness;
+  int count;
+};
+
+// Slabs of about `thickness` that fill the depths [near, near + width). Zones of an eye far away are deeper than any
+// volume: of more than kMostRaySlabs slabs only those about the volumes' depths are kept.
+ZoneSlabs slabsOfZone(double near, double width, double thickness, const std::array<double, 2>& depths) {
+  const double all = std::max(1.0, std::round(width / thickness));
+  ZoneSlabs out{near, near + width, width / all, 0};
+  double kept = all;
+  if (all > kMostRaySlabs) {
+    const auto slabAt = [&](double depth) { return std::clamp(std::floor((depth - near) / out.thickness), 0.0, all); };
+    const double first = std::max(slabAt(depths[0]) - SlabZone::kOverlap, 0.0);
+    const double end = std::min(slabAt(depths[1]) + SlabZone::kOverlap, all);
+    out.near = near + first * out.thickness, out.far = near + end * out.thickness;
+    kept = end - first;
+  }
+  out.count = static_cast<int>(std::min(kept, double{kMostRaySlabs}));
+  if (kept > kMostRaySlabs) out.thickness = (out.far - out.near) / kMostRaySlabs;
+  return out;
 }
 
 }  // namespace
@@ -96,10 +115,9 @@ std::vector<SlabZone> slabZones(const ZonedVolume& volume, const View& view, std
       // level, whose voxels may have any size.
       if (!level && (near + width) * 1.25 < depths[0]) continue;
       SlabZone zone = slabsAt(view.focal_px / near, volume, level);
-      zone.near = near;
-      zone.far = near + width;
-      zone.slabs = slabsIn(width, zone.thickness);
-      zone.thickness = width / zone.slabs;
+      const ZoneSlabs slabs = slabsOfZone(near, width, zone.thickness, depths);
+      zone.near = slabs.near, zone.far = slabs.far;
+      zone.slabs = slabs.count, zone.thickness = slabs.thickness;
       zone.behind_finer = !out.empty() && out.back().level < zone.level;
       out.push_back(zone);
     }
@@ -189,8 +207,8 @@ std::vector<std::vector<SlabZone>> sharedZones(std::span<const ZonedVolume> volu
       const double near = std::ldexp(1.0, exponent) + eighth * width;
       const SharedSlabs shared = sharedSlabs(view.focal_px / near, near, near + width, volumes, depths, level);
       if (std::isinf(shared.thickness)) continue;
-      const int slabs = slabsIn(width, shared.thickness);
-      addShared(shared, near, near + width, width / slabs, slabs, out);
+      const ZoneSlabs slabs = slabsOfZone(near, width, shared.thickness, {all.near, all.far});
+      addShared(shared, slabs.near, slabs.far, slabs.thickness, slabs.count, out);
     }
   }
   return out;

@@ -40,7 +40,7 @@ struct SlabZone {
   }
 };
 
-/// Most slabs in a zone; in views of larger volumes slabs are thicker.
+/// Most slabs in a zone. Slabs of a volume of more slabs are thicker.
 inline constexpr int kMostRaySlabs = 1 << 17;
 
 /// A volume and the parameters of its slabs.

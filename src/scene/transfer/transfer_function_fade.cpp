@@ -32,6 +32,22 @@ double inUnit(double opacity, double from, double to) {
   return from == to ? opacity : 1 - std::pow(1 - opacity, to / from);
 }
 
+// Divides the spaces between values: opacity that is linear per one unit of length is curved per another. Between units
+// of ratio ten, 16 parts miss at most 0.03 of an opacity of 0.99 and 0.0001 of 0.65; one part misses 0.15 and 0.012.
+std::vector<double> divided(const std::vector<double>& values) {
+  constexpr std::size_t kMostParts = 16, kMostValues = 4096;
+  const std::size_t parts =
+      std::clamp<std::size_t>(kMostValues / std::max<std::size_t>(values.size(), 1), 1, kMostParts);
+  std::vector<double> out;
+  for (std::size_t i = 0; i + 1 < values.size(); ++i) {
+    for (std::size_t part = 0; part < parts; ++part)
+      out.push_back(std::lerp(values[i], values[i + 1], static_cast<double>(part) / static_cast<double>(parts)));
+  }
+  if (!values.empty()) out.push_back(values.back());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
+  return out;
+}
+
 TransferPoint mixedPoint(double value, const Classified& a, const Classified& b, double t) {
   const double opacity_a = (1 - t) * a.opacity, opacity_b = t * b.opacity, opacity = opacity_a + opacity_b;
   const glm::dvec3 color =
@@ -131,7 +147,9 @@ TransferFunction faded(const TransferFunction& a, const TransferFunction& b, dou
     c.opacity = inUnit(c.opacity, b.unit, a.unit);
     return c;
   };
-  for (const double value : valuesOf(a.points, b.points, [](const TransferPoint& point) { return point.value; })) {
+  std::vector<double> values = valuesOf(a.points, b.points, [](const TransferPoint& point) { return point.value; });
+  if (a.unit != b.unit) values = divided(values);
+  for (const double value : values) {
     const Classified before_a = before(a, value), before_b = before(b, value), at_a = a.at(value), at_b = b.at(value);
     out.points.push_back(mixedPoint(value, before_a, in_a_unit(before_b), t));
     if (!same(before_a, at_a) || !same(before_b, at_b))
