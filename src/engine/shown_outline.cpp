@@ -1,25 +1,20 @@
 #include "engine/shown_outline.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
-#include <numbers>
 #include <tuple>
 
 #include "base/thread/parallel.h"
+#include "grid/spirals.h"
 
 namespace kiln {
 namespace {
 
-glm::dvec3 directionOf(int i) {
-  const double z = 1 - (2 * i + 1.0) / kOutlineDirections, r = std::sqrt(1 - z * z);
-  const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
-  return {r * std::cos(angle), r * std::sin(angle), z};
-}
+glm::dvec3 directionOf(int i) { return pointOfSphere(i, kOutlineDirections); }
 
 // The corner of some box that reaches farthest along a direction of index space, in voxels' edges.
 VoxelCoord farthestCorner(const std::vector<VoxelBox>& boxes, const glm::dvec3& along) {

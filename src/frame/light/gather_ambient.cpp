@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "base/thread/parallel.h"
 #include "frame/light/march_cones.h"
+#include "grid/spirals.h"
 
 namespace kiln {
 namespace {
@@ -74,14 +74,9 @@ OpenLevel coarser(const OpenLevel& fine, const Progress& progress) {
   return out;
 }
 
-// Evenly over the sphere: a spiral. Source: Swinbank and Purser 2006.
 std::array<glm::vec3, kCones> coneDirections() {
   std::array<glm::vec3, kCones> out;
-  for (int i = 0; i < kCones; ++i) {
-    const double z = 1 - (2 * i + 1.0) / kCones, r = std::sqrt(1 - z * z);
-    const double angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
-    out[static_cast<std::size_t>(i)] = glm::vec3(glm::dvec3(r * std::cos(angle), r * std::sin(angle), z));
-  }
+  for (int i = 0; i < kCones; ++i) out[static_cast<std::size_t>(i)] = glm::vec3(pointOfSphere(i, kCones));
   return out;
 }
 

@@ -235,6 +235,68 @@ std::vector<FrameRequest> latticeRequests(const std::vector<const BrickedVolume*
   return out;
 }
 
+namespace {
+
+// Returns the maps of light i in an earlier frame of the same scene; null if the light differs or casts no shadows.
+const ShadowedLight* knownShadow(const FrameRequest& request, std::size_t i, const Illumination* earlier) {
+  const Light& light = request.shading.lights[i];
+  if (earlier == nullptr || i >= earlier->lights.size() || !castsShadows(request.shading, light)) return nullptr;
+  const ShadowedLight& known = earlier->lights[i];
+  return known.light == light && known.place == standing(light, request.view).place ? &known : nullptr;
+}
+
+// Draws the views of lights of a frame.
+struct LightDrawing {
+  BrickCache& cache;
+  const FrameRequest& request;
+  const ShownExtent extent;
+  Progress& progress;
+  FrameStatistics& statistics;
+
+  std::shared_ptr<const AmbientGrid> ambient(double radius) const {
+    ExtinctionLattice lattice(latticeOf(cache.stores().front()->manifest().geometry(), extent));
+    std::vector<FrameRequest> views = latticeRequests(cache.stores(), request);
+    ViewsProgress of_views("ambient occlusion", rowsOf(views), progress);
+    for (FrameRequest& along : views) {
+      along.extinction = &lattice;
+      drawOpacities(cache, along, of_views, statistics);
+      lattice.turn();
+    }
+    return std::make_shared<AmbientGrid>(gatherAmbient(lattice, radius, progress));
+  }
+
+  // Without maps if the light casts no shadows.
+  ShadowedLight shadow(std::size_t i, int edge_px) const {
+    const Light& light = request.shading.lights[i];
+    ShadowedLight out;
+    if (!castsShadows(request.shading, light)) return out;
+    out.light = light;
+    out.place = standing(light, request.view).place;
+    out.edge_px = edge_px;
+    const std::vector<std::vector<ShadowView>> points = mapsOf(light, request, extent);
+    std::uint64_t rows = 0;
+    for (const std::vector<ShadowView>& point : points) rows += rowsOf(point);
+    const std::string step = fmt::format("shadows of light {}", i + 1);
+    ViewsProgress of_maps(step.c_str(), rows, progress);
+    for (const std::vector<ShadowView>& point : points) {
+      std::vector<std::shared_ptr<const DeepShadowMap>> maps;
+      for (const ShadowView& view : point) {
+        auto map = std::make_shared<DeepShadowMap>(view.view, view.depths);
+        FrameRequest of_light = ofOpacities(request, view.view);
+        of_light.shadows = map.get();
+        drawOpacities(cache, of_light, of_maps, statistics);
+        map->finish();
+        out.start = std::max(out.start, kShadowStart * std::max(extent.voxel, pixelEdge(view)));
+        maps.push_back(std::move(map));
+      }
+      out.points.push_back(std::move(maps));
+    }
+    return out;
+  }
+};
+
+}  // namespace
+
 std::shared_ptr<const Illumination> knownIllumination(const FrameRequest& request, const Illumination* earlier) {
   auto out = std::make_shared<Illumination>();
   out->scene = sceneOf(request);
@@ -242,12 +304,8 @@ std::shared_ptr<const Illumination> knownIllumination(const FrameRequest& reques
   if (earlier == nullptr || earlier->scene.functions != out->scene.functions ||
       earlier->scene.clippings != out->scene.clippings)
     return out;
-  for (std::size_t i = 0; i < std::min(out->lights.size(), earlier->lights.size()); ++i) {
-    const Light& light = request.shading.lights[i];
-    const ShadowedLight& known = earlier->lights[i];
-    if (castsShadows(request.shading, light) && known.light == light &&
-        known.place == standing(light, request.view).place)
-      out->lights[i] = known;
+  for (std::size_t i = 0; i < out->lights.size(); ++i) {
+    if (const ShadowedLight* const known = knownShadow(request, i, earlier)) out->lights[i] = *known;
   }
   if (request.shading.occlusion.strength > 0) {
     out->ambient = earlier->ambient;
@@ -271,7 +329,6 @@ std::vector<FrameRequest> lightRequests(const std::vector<const BrickedVolume*>&
 
 void illuminate(BrickCache& cache, Progress& progress, FrameRequest& request, FrameStatistics& statistics) {
   if (request.illumination || !isIlluminated(request)) return;
-  const std::vector<Light>& lights = request.shading.lights;
   const AmbientOcclusion& occlusion = request.shading.occlusion;
   auto out = std::make_shared<Illumination>();
   out->scene = sceneOf(request);
@@ -280,59 +337,20 @@ void illuminate(BrickCache& cache, Progress& progress, FrameRequest& request, Fr
     previous = nullptr;
     request.last_illumination->reset();
   }
-  const ShownExtent extent = extentOf(cache.stores(), out->scene.clippings);
-  if (extent.corners.empty()) return;
+  const LightDrawing drawing{cache, request, extentOf(cache.stores(), out->scene.clippings), progress, statistics};
+  if (drawing.extent.corners.empty()) return;
   if (occlusion.strength > 0) {
-    out->ambient_radius = radiusOf(occlusion, extent);
-    if (previous != nullptr && previous->ambient && previous->ambient_radius == out->ambient_radius) {
-      out->ambient = previous->ambient;
-    } else {
-      ExtinctionLattice lattice(latticeOf(cache.stores().front()->manifest().geometry(), extent));
-      std::vector<FrameRequest> views = latticeRequests(cache.stores(), request);
-      ViewsProgress of_views("ambient occlusion", rowsOf(views), progress);
-      for (FrameRequest& along : views) {
-        along.extinction = &lattice;
-        drawOpacities(cache, along, of_views, statistics);
-        lattice.turn();
-      }
-      out->ambient = std::make_shared<AmbientGrid>(gatherAmbient(lattice, out->ambient_radius, progress));
-    }
+    out->ambient_radius = radiusOf(occlusion, drawing.extent);
+    const bool known = previous != nullptr && previous->ambient && previous->ambient_radius == out->ambient_radius;
+    out->ambient = known ? previous->ambient : drawing.ambient(out->ambient_radius);
   }
   // A cancelled frame leaves the occlusion to the next frame: often only lights differ.
   if (previous == nullptr && request.last_illumination != nullptr)
     *request.last_illumination = std::make_shared<Illumination>(*out);
-  for (std::size_t i = 0; i < lights.size(); ++i) {
-    const Light& light = lights[i];
-    ShadowedLight& shadowed = out->lights.emplace_back();
-    if (!castsShadows(request.shading, light)) continue;
-    shadowed.light = light;
-    shadowed.place = standing(light, request.view).place;
-    shadowed.edge_px = edgeOf(light, extent, request.view.size);
-    if (previous != nullptr && i < previous->lights.size()) {
-      const ShadowedLight& known = previous->lights[i];
-      if (known.light == light && known.place == shadowed.place && known.edge_px == shadowed.edge_px) {
-        shadowed = known;
-        continue;
-      }
-    }
-    const std::vector<std::vector<ShadowView>> points = mapsOf(light, request, extent);
-    std::uint64_t rows = 0;
-    for (const std::vector<ShadowView>& point : points) rows += rowsOf(point);
-    const std::string step = fmt::format("shadows of light {}", i + 1);
-    ViewsProgress of_maps(step.c_str(), rows, progress);
-    for (const std::vector<ShadowView>& point : points) {
-      std::vector<std::shared_ptr<const DeepShadowMap>> maps;
-      for (const ShadowView& view : point) {
-        auto map = std::make_shared<DeepShadowMap>(view.view, view.depths);
-        FrameRequest of_light = ofOpacities(request, view.view);
-        of_light.shadows = map.get();
-        drawOpacities(cache, of_light, of_maps, statistics);
-        map->finish();
-        shadowed.start = std::max(shadowed.start, kShadowStart * std::max(extent.voxel, pixelEdge(view)));
-        maps.push_back(std::move(map));
-      }
-      shadowed.points.push_back(std::move(maps));
-    }
+  for (std::size_t i = 0; i < request.shading.lights.size(); ++i) {
+    const ShadowedLight* const known = knownShadow(request, i, previous);
+    const int edge_px = edgeOf(request.shading.lights[i], drawing.extent, request.view.size);
+    out->lights.push_back(known != nullptr && known->edge_px == edge_px ? *known : drawing.shadow(i, edge_px));
   }
   request.illumination = std::move(out);
   if (request.last_illumination != nullptr) *request.last_illumination = request.illumination;

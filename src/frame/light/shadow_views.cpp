@@ -6,9 +6,9 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <limits>
-#include <numbers>
 
 #include "grid/point_bounds.h"
+#include "grid/spirals.h"
 
 namespace kiln {
 namespace {
@@ -121,10 +121,9 @@ std::vector<Light> pointsOf(const Light& soft, const View& eye, const glm::dvec3
   const glm::dmat3 axes = glm::transpose(glm::dmat3(viewAlong(centre, towards).view_from_world));
   std::vector<Light> out;
   for (int i = 0; i < kSoftLights; ++i) {
-    // A spiral with equal areas. Source: Vogel 1979.
-    const double r = radius * std::sqrt((i + 0.5) / kSoftLights), angle = i * std::numbers::pi * (3 - std::sqrt(5.0));
+    const glm::dvec2 moved = pointOfDisc(i, kSoftLights, radius);
     out.push_back(light);
-    out.back().place += r * (std::cos(angle) * axes[0] + std::sin(angle) * axes[1]);
+    out.back().place += moved.x * axes[0] + moved.y * axes[1];
     if (far) out.back().place = towards + (out.back().place - light.place);
   }
   return out;

@@ -1,10 +1,9 @@
 #include "scene/camera/lens.h"
 
-#include <cmath>
 #include <glm/geometric.hpp>
-#include <numbers>
 
 #include "base/error.h"
+#include "grid/spirals.h"
 
 namespace kiln {
 
@@ -25,12 +24,8 @@ std::vector<View> viewsThrough(const Lens& lens, const View& view, const Camera&
   if (view.projection != Projection::kPerspective)
     throw Error(ErrorCode::kUsage, "--aperture: only a perspective camera has a lens; choose perspective");
   const double focus = lens.focus.value_or(glm::dot(camera.target - camera.eye, view.forward_world));
-  // Vogel's spiral ("A better way to construct the sunflower head", 1979): equal areas, no direction preferred.
-  const double turn = std::numbers::pi * (3 - std::sqrt(5.0));
-  for (int i = 0; i < lens.eyes; ++i) {
-    const double radius = 0.5 * lens.aperture * std::sqrt((i + 0.5) / lens.eyes), angle = i * turn;
-    out.push_back(fromMovedEye(view, radius * glm::dvec2(std::cos(angle), std::sin(angle)), focus));
-  }
+  for (int i = 0; i < lens.eyes; ++i)
+    out.push_back(fromMovedEye(view, pointOfDisc(i, lens.eyes, 0.5 * lens.aperture), focus));
   return out;
 }
 
