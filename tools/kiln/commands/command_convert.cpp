@@ -172,12 +172,12 @@ void list(const ConvertArguments& a, Context& context) {
 }
 
 void run(const ConvertArguments& a, Context& context) {
-  if (a.list) return list(a, context);
-  if (a.output.empty() && !a.dry_run) throw Error(ErrorCode::kUsage, "OUT: name the store to write, NAME.kiln");
   // A folder of slices may hold a file of that name, too.
   if (std::error_code ignored; isStore(a.input) && std::filesystem::exists(a.input + "/index.bin", ignored))
     throw Error(ErrorCode::kUsage, a.input, "",
                 "is a store already: kiln render draws it, kiln export makes a file of another format of it");
+  if (a.list) return list(a, context);
+  if (a.output.empty() && !a.dry_run) throw Error(ErrorCode::kUsage, "OUT: name the store to write, NAME.kiln");
   if (a.quiet) context.progress.silence();
   keepFreedMemory();
   const ThreadLimit threads(a.threads);

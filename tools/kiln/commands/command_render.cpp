@@ -453,7 +453,7 @@ class RenderCommandLine {
     flag("--strict", a_.strict,
          "Exit with 1 after a warning: an empty picture or one colour, damaged bricks, an unknown frame or unit, an "
          "option without effect.");
-    command_.add_flag("--quiet", a_.quiet, "Print warnings and errors only.")
+    command_.add_flag("--quiet", a_.quiet, "Print notes, warnings and errors only.")
         ->group(nameOf(group_))
         ->excludes(command_.add_flag("--verbose", a_.verbose, "Print counts of bricks and voxels of each frame.")
                        ->group(nameOf(group_)));
