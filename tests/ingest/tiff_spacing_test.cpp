@@ -138,6 +138,7 @@ TEST(IngestTiff, TifffilesSpacingAndUnit_MeanWhatTheyMeanInImageJ) {
            SaidUnits{shape + R"("axes": "ZYX", "spacing": 1.5, "unit": "um"})", {0.5, 0.5, 1.5}, "um", ""},
            {shape + R"("spacing": 1.5, "unit": "\u00b5m"})", {0.5, 0.5, 1.5}, "um", ""},
            {shape + R"("unit": "mm", "spacing": [1.5, 0.25, 0.75]})", {0.75, 0.25, 1.5}, "mm", ""},
+           {R"({"axes": "ZYX", "spacing": 1.5, "unit": "um", "shape": [4, 19, 21]})", {0.5, 0.5, 1.5}, "um", ""},
            {shape + R"("spacing": 3})", {1, 1, 3}, "", ""},
            {shape + R"("unit": "nm"})", {0.5, 0.5, 0.5}, "nm", "tifffile's description has 0.5 nm a pixel and no"},
            {shape + R"("unit": "furlong", "spacing": 3})", {0.5, 0.5, 3}, "", "'furlong', which is no known unit"},

@@ -464,6 +464,8 @@ TEST(IngestTiff, ChannelAndTimeChooseOneStackOfSeveral) {
       {R"({"shape": [2, 1, 6, 19, 21]})", 2, 1, [](auto z, auto c, auto) { return z + 6 * c; }},
       {R"({"shape": [2, 3, 2, 19, 21], "axes": "TZCYX"})", 2, 2,
        [](auto z, auto c, auto t) { return c + 2 * z + 6 * t; }},
+      {R"({"axes": "CZYX", "spacing": 2.0, "unit": "um", "shape": [2, 6, 19, 21]})", 2, 1,
+       [](auto z, auto c, auto) { return z + 6 * c; }},
   };
   const fs::path path = files.directory() / "a.tif";
   for (const Hyperstack& stack : stacks) {

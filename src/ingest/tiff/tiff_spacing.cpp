@@ -256,9 +256,10 @@ StackNotes notesOfTifffile(const JsonNode& description, int samples) {
   return out;
 }
 
-// A text that only resembles tifffile's says nothing.
+// A JSON object with a list "shape" is tifffile's; metadata of its user may stand in front of the list. A text that
+// only resembles tifffile's says nothing.
 std::optional<StackNotes> tifffileNotes(std::string_view description, int samples) {
-  if (!description.starts_with("{\"shape\": [")) return std::nullopt;
+  if (!description.starts_with('{')) return std::nullopt;
   try {
     return notesOfTifffile(JsonNode({}, std::string(description), UINT64_MAX), samples);
   } catch (const Error&) {
