@@ -415,6 +415,32 @@ TEST(IngestHdf5, NexusCoordinatesOfAnotherLength_areNotUsed) {
                         "the coordinates /entry/x are 3 numbers for 4 voxels and are not used") != notes.end());
 }
 
+// Known: Tomviz writes the axes as x, y, z, and nanometres as [n_m].
+TEST(IngestHdf5, EmdNamesItsAxes) {
+  const ForeignFiles files;
+  const ForeignVolume stored = randomVolume({5, 3, 4}, VoxelType::u8, 528);
+  const auto write = [&](const std::string& name, const std::vector<std::string>& names) {
+    Hdf5File out(files.directory() / name);
+    out.add("/data/tomography/data", stored);
+    const std::vector<double> numbers[] = {{0, 0.5, 1, 1.5}, {0, 2, 4}, {0, 3, 6, 9, 12}};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::string dim = "/data/tomography/dim" + std::to_string(i + 1);
+      out.addNumbers(dim, numbers[i]);
+      out.setText(dim, "name", names[i]);
+      out.setText(dim, "units", "[n_m]");
+    }
+  };
+  write("a.emd", {"x", "y", "z"});
+  const auto source = openSource(files.directory() / "a.emd");
+  EXPECT_EQ(source->info().geometry.dims, (Extent3{4, 3, 5}));
+  EXPECT_EQ(source->info().geometry.spacing(), glm::dvec3(0.5, 2, 3));
+  EXPECT_EQ(source->info().geometry.unit, "nm");
+  EXPECT_EQ(readWhole(*source)[1], stored.voxels[15]);
+  // Names of other axes place nothing: the last axis is x.
+  write("b.emd", {"x", "y", "angles"});
+  EXPECT_TRUE(readWhole(*openSource(files.directory() / "b.emd")) == stored.voxels);
+}
+
 // Known: the axes of the data set are x, y, z, so that the library gives what a raw file could not.
 TEST(IngestHdf5, ContiguousDataOfOtherAxesOrTypesReadBack) {
   const ForeignFiles files;

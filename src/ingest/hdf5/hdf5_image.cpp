@@ -194,6 +194,13 @@ Hdf5Image ofMinc(const fs::path& file, const Hdf5Objects& objects) {
   return out;
 }
 
+// EMD writes nanometres as "[n_m]".
+std::string unitOf(const Hdf5Object& coordinates) {
+  std::string out = coordinates.text("units").value_or("");
+  std::erase_if(out, [](char c) { return c == '[' || c == ']' || c == '_'; });
+  return out;
+}
+
 // Gives an axis the distance and the begin of its coordinates, if these are equally spaced.
 bool placeByCoordinates(const Hdf5Object* coordinates, ArrayAxis& axis) {
   if (!coordinates || coordinates->values.size() < 2) return false;
@@ -204,7 +211,7 @@ bool placeByCoordinates(const Hdf5Object* coordinates, ArrayAxis& axis) {
   if (!(step > 0)) return false;
   axis.scale = step;
   axis.translation = at.front();
-  axis.unit = coordinates->text("units").value_or("");
+  axis.unit = unitOf(*coordinates);
   return true;
 }
 
@@ -220,6 +227,21 @@ std::string parentOf(const std::string& path) {
   return slash == 0 ? "" : path.substr(0, slash);
 }
 
+// The names of EMD's axes x, y, z, t and c: attributes of dim1, dim2, …. None unless x, y and z are named.
+std::vector<std::string> emdNames(const Hdf5Objects& objects, const std::string& group, std::size_t axes) {
+  std::vector<std::string> out(axes);
+  std::string space;
+  for (std::size_t i = 0; i < axes; ++i) {
+    const Hdf5Object* const dim = objects.find(group + fmt::format("/dim{}", i + 1));
+    const std::string name = lowered(dim ? dim->text("name").value_or("") : "");
+    const bool of_space = name == "x" || name == "y" || name == "z";
+    if (of_space) space += name;
+    if (of_space || name == "t" || name == "c") out[i] = name;
+  }
+  std::sort(space.begin(), space.end());
+  return space == "xyz" ? out : std::vector<std::string>();
+}
+
 // Axes of a data set by the attributes around it: NeXus and EMD (coordinates), h5py (labels), ilastik (element sizes).
 void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
   const Hdf5Object& dataset = *objects.find(out.path);
@@ -228,7 +250,8 @@ void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
   const std::string group = parentOf(out.path);
   const Hdf5Object* const above = objects.find(group.empty() ? "/" : group);
   std::vector<std::string> names = above ? above->texts("axes") : std::vector<std::string>();
-  const std::vector<std::string> labels = dataset.texts("DIMENSION_LABELS");
+  std::vector<std::string> labels = dataset.texts("DIMENSION_LABELS");
+  if (labels.size() != count) labels = emdNames(objects, group, count);
   std::size_t placed = 0, space = 0;
   for (std::size_t i = 0; i < count; ++i) {
     ArrayAxis& axis = out.axes[i];
@@ -236,7 +259,7 @@ void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
     const std::string coordinates = named ? group + "/" + names[i] : group + fmt::format("/dim{}", i + 1);
     if (named) axis.name = names[i];
     if (!named && labels.size() == count) axis.name = labels[i];
-    const bool of_space = i + 3 >= count;
+    const bool of_space = i + 3 >= count && axis.name != "t" && axis.name != "c";
     const Hdf5Object* const list = objects.find(coordinates);
     const bool fits = isForAxis(list, dataset.shape[i], !named);
     const bool has_place = fits && placeByCoordinates(list, axis);
