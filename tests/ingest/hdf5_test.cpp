@@ -415,6 +415,50 @@ TEST(IngestHdf5, NexusCoordinatesOfAnotherLength_areNotUsed) {
                         "the coordinates /entry/x are 3 numbers for 4 voxels and are not used") != notes.end());
 }
 
+// A NeXus file of 4 x 3 x 5 voxels; coordinates without entries are left out.
+struct NexusCoordinates {
+  std::vector<double> x, y, z;
+};
+
+void writeNexus(const fs::path& file, const ForeignVolume& volume, const NexusCoordinates& coordinates) {
+  Hdf5File out(file);
+  out.add("/entry/data", volume);
+  const std::pair<const char*, std::vector<double>> lists[] = {
+      {"/entry/z", coordinates.z}, {"/entry/y", coordinates.y}, {"/entry/x", coordinates.x}};
+  for (const auto& [path, numbers] : lists) {
+    if (numbers.empty()) continue;
+    out.addNumbers(path, numbers);
+    out.setText(path, "units", "mm");
+  }
+  out.setText("/", "default", "entry");
+  out.setText("/entry", "signal", "data");
+  out.setTexts("/entry", "axes", {"z", "y", "x"});
+}
+
+// Known: the coordinates of y fall, so that its step is negative.
+TEST(IngestHdf5, NexusCoordinatesThatFall_areANegativeStep) {
+  const ForeignFiles files;
+  const fs::path file = files.directory() / "a.nxs";
+  writeNexus(file, randomVolume({4, 3, 5}, VoxelType::u8, 526), {{0, 0.5, 1, 1.5}, {2.5, 1.25, 0}, {0, 3, 6, 9, 12}});
+  const auto source = openSource(file);
+  EXPECT_EQ(at(*source, {0, 0, 0}), glm::dvec3(0, 2.5, 0));
+  EXPECT_EQ(at(*source, {1, 2, 1}), glm::dvec3(0.5, 0, 3));
+  EXPECT_TRUE(source->info().notes.empty()) << source->info().notes.front();
+}
+
+TEST(IngestHdf5, NexusCoordinatesThatAreUnequalOrMissing_areNotedByTheirAxis) {
+  const ForeignFiles files;
+  const fs::path file = files.directory() / "a.nxs";
+  writeNexus(file, randomVolume({4, 3, 5}, VoxelType::u8, 527), {{}, {0, 1.25, 2.5}, {0, 3, 7, 9, 12}});
+  const auto source = openSource(file);
+  EXPECT_EQ(source->info().geometry.spacing(), glm::dvec3(1, 1.25, 3));
+  EXPECT_EQ(source->info().geometry.unit, "mm");
+  const std::vector<std::string>& notes = source->info().notes;
+  ASSERT_EQ(notes.size(), 2u);
+  EXPECT_NE(notes[0].find("/entry/z are not equally spaced; their mean distance, 3 mm"), std::string::npos) << notes[0];
+  EXPECT_NE(notes[1].find("along the axis 'x', which is taken as 1 mm"), std::string::npos) << notes[1];
+}
+
 // Known: Tomviz writes the axes as x, y, z, and nanometres as [n_m].
 TEST(IngestHdf5, EmdNamesItsAxes) {
   const ForeignFiles files;

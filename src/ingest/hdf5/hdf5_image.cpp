@@ -201,17 +201,24 @@ std::string unitOf(const Hdf5Object& coordinates) {
   return out;
 }
 
-// Gives an axis the distance and the begin of its coordinates, if these are equally spaced.
-bool placeByCoordinates(const Hdf5Object* coordinates, ArrayAxis& axis) {
-  if (!coordinates || coordinates->values.size() < 2) return false;
-  const std::vector<double>& at = coordinates->values;
+// Gives an axis the mean distance, the begin and the unit of its coordinates, which may fall.
+bool placeByCoordinates(const std::string& path, const Hdf5Object& coordinates, ArrayAxis& axis,
+                        std::vector<std::string>& notes) {
+  const std::vector<double>& at = coordinates.values;
+  if (at.size() < 2) return false;
   const double step = (at.back() - at.front()) / static_cast<double>(at.size() - 1);
-  for (std::size_t i = 0; i < at.size(); ++i)
-    if (!(std::abs(at.front() + step * static_cast<double>(i) - at[i]) <= std::abs(step) * 1e-3)) return false;
-  if (!(step > 0)) return false;
+  if (step == 0 || !std::isfinite(step)) return false;
   axis.scale = step;
   axis.translation = at.front();
-  axis.unit = unitOf(*coordinates);
+  axis.unit = unitOf(coordinates);
+  bool equal = true;
+  for (std::size_t i = 0; i < at.size(); ++i)
+    equal = equal && std::abs(at.front() + step * static_cast<double>(i) - at[i]) <= std::abs(step) * 1e-3;
+  if (!equal)
+    notes.push_back(
+        fmt::format("the coordinates {} are not equally spaced; their mean distance, {:.6g}{}, is used; "
+                    "--spacing sets another size",
+                    shown(path), step, axis.unit.empty() ? "" : " " + axis.unit));
   return true;
 }
 
@@ -252,7 +259,8 @@ void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
   std::vector<std::string> names = above ? above->texts("axes") : std::vector<std::string>();
   std::vector<std::string> labels = dataset.texts("DIMENSION_LABELS");
   if (labels.size() != count) labels = emdNames(objects, group, count);
-  std::size_t placed = 0, space = 0;
+  const ArrayAxis* placed = nullptr;
+  std::vector<std::size_t> unplaced;
   for (std::size_t i = 0; i < count; ++i) {
     ArrayAxis& axis = out.axes[i];
     const bool named = names.size() == count;
@@ -262,14 +270,21 @@ void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
     const bool of_space = i + 3 >= count && axis.name != "t" && axis.name != "c";
     const Hdf5Object* const list = objects.find(coordinates);
     const bool fits = isForAxis(list, dataset.shape[i], !named);
-    const bool has_place = fits && placeByCoordinates(list, axis);
+    const bool has_place = fits && placeByCoordinates(coordinates, *list, axis, out.notes);
     if (list && !list->values.empty() && !fits)
       out.notes.push_back(fmt::format("the coordinates {} are {} numbers for {} voxels and are not used",
                                       shown(coordinates), list->values.size(), dataset.shape[i]));
-    space += of_space ? 1 : 0;
-    placed += of_space && has_place ? 1 : 0;
+    if (of_space && has_place && !placed) placed = &axis;
+    if (of_space && !has_place) unplaced.push_back(i);
   }
-  out.has_scale = placed == space && placed > 0;
+  out.has_scale = placed != nullptr;
+  for (const std::size_t i : placed ? unplaced : std::vector<std::size_t>()) {
+    ArrayAxis& axis = out.axes[i];
+    axis.unit = placed->unit;
+    out.notes.push_back(fmt::format(
+        "no coordinates give a distance along the axis {}, which is taken as {}; --spacing sets another size",
+        axis.name.empty() ? std::to_string(i) : inQuotes(axis.name), axis.unit.empty() ? "1" : "1 " + axis.unit));
+  }
   const std::vector<double> sizes = dataset.numbers("element_size_um");
   if (sizes.size() == 3 && count >= 3 && std::all_of(sizes.begin(), sizes.end(), [](double s) { return s > 0; })) {
     for (std::size_t i = 0; i < 3; ++i) {
