@@ -196,6 +196,19 @@ TEST(IngestHdf5, VirtualDataAndUserBlocksReadBack) {
   }
 }
 
+TEST(IngestHdf5, VirtualDataOfAMissingFile_areRefused) {
+  const ForeignFiles files;
+  const fs::path file = files.directory() / "virtual.h5";
+  Hdf5File(file).addVirtual("/v", kDims, "source.h5", "/v");
+  expectRefused(file, ErrorCode::kNotFound, "'source.h5' with voxels of this data set is missing");
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 444);
+  Hdf5File(files.directory() / "source.h5").add("/v", volume);
+  EXPECT_TRUE(readWhole(*openSource(file)) == volume.voxels);
+  fs::create_directory(files.directory() / "linked");
+  fs::create_symlink(file, files.directory() / "linked/virtual.h5");
+  EXPECT_TRUE(readWhole(*openSource(files.directory() / "linked/virtual.h5")) == volume.voxels);
+}
+
 TEST(IngestHdf5, ChunksThatWereNeverWritten_areTheFillValue) {
   const ForeignFiles files;
   ForeignVolume volume = randomVolume(kDims, VoxelType::i16, 451);

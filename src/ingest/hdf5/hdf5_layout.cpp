@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "ingest/chunks/fill_value.h"
 #include "ingest/codec/hdf5_codecs.h"
+#include "ingest/source/header_text.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -82,13 +83,27 @@ std::vector<hdf5::ChunkEntry> tableOf(Hdf5Reader& reader, const Hdf5Layout& layo
   return out;
 }
 
-// The library looks for relative names beside the file first.
-std::vector<fs::path> filesOf(const JsonNode& header, const fs::path& file) {
+// Finds a file as the library does: by its path, beside the data set's file, beside the target of a link to that file.
+std::optional<fs::path> foundFile(const fs::path& name, const fs::path& file) {
+  std::error_code ignored;
+  const fs::path linked = fs::canonical(file, ignored).parent_path();
+  for (const fs::path& path :
+       {file.parent_path() / name, fs::path(name), file.parent_path() / name.filename(), linked / name})
+    if (fs::is_regular_file(path, ignored)) return path;
+  return std::nullopt;
+}
+
+// Voxels of a missing file would become the fill value. "." is the file itself; "%b" numbers files that may be missing.
+std::vector<fs::path> filesOf(const JsonNode& header, const fs::path& file, const std::string& dataset) {
   std::vector<fs::path> out;
   for (const std::string& name : header.at("files").texts()) {
-    const fs::path path = file.parent_path() / name;
-    std::error_code ignored;
-    if (name != "." && fs::is_regular_file(path, ignored)) out.push_back(path);
+    if (name == "." || name.find('%') != std::string::npos) continue;
+    const std::optional<fs::path> found = foundFile(name, file);
+    if (!found)
+      throw Error(ErrorCode::kNotFound, file, shown(dataset),
+                  fmt::format("the file {} with voxels of this data set is missing; put the file beside this one",
+                              inQuotes(name)));
+    out.push_back(*found);
   }
   return out;
 }
@@ -146,7 +161,7 @@ Hdf5Layout readHdf5Layout(Hdf5Reader& reader, const fs::path& file, const std::s
   if (known) out.table = tableOf(reader, out, file);
   // Too many chunks are not listed.
   if (known && out.table.empty()) out.number = out.served;
-  out.files = filesOf(header, file);
+  out.files = filesOf(header, file, path);
   readFill(header.find("fill"), out);
   return out;
 }
