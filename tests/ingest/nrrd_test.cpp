@@ -78,6 +78,36 @@ TEST(IngestNrrd, EveryTypeOrderEncodingAndPlaceReadsBack) {
   }
 }
 
+// Known: 500 um are half a millimetre.
+TEST(IngestNrrd, UnitsOfAxes_AreConvertedToTheUnitOfX) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 72);
+  SourceInfo info;
+  const auto open = [&](const std::string& fields, const SourceOptions& options = {}) {
+    info = openSource(
+               files.write("g.nrrd", nrrdHeader(volume, false, fields + "encoding: raw\n\n") + volume.stored(false)),
+               options)
+               ->info();
+  };
+  const std::string axes = "units: \"mm\" \"mm\" \"um\"\nspacings: 0.5 0.25 500\naxis mins: 1 2 3000\n";
+  open(axes);
+  expectAffine(info, {{0.5, 0, 0, 0}, {0, 0.25, 0, 0}, {0, 0, 0.5, 0}, {1, 2, 3, 1}});
+  EXPECT_EQ(info.geometry.unit, "mm");
+  EXPECT_TRUE(info.notes.empty());
+  SourceOptions options;
+  options.spacing = glm::dvec3(2, 3, 4);
+  open(axes, options);
+  EXPECT_EQ(info.geometry.spacing(), glm::dvec3(2, 3, 4));
+  open(
+      "space dimension: 3\nspace units: \"mm\" \"mm\" \"um\"\n"
+      "space directions: (0,0,500) (0,0.5,250) (2,0,0)\nspace origin: (1,2,3000)\n");
+  expectAffine(info, {{0, 0, 0.5, 0}, {0, 0.5, 0.25, 0}, {2, 0, 0, 0}, {1, 2, 3, 1}});
+  open("units: \"mm\" \"mm\" \"furlong\"\nspacings: 1 2 3\n");
+  EXPECT_EQ(info.geometry.spacing(), glm::dvec3(1, 2, 3));
+  ASSERT_EQ(info.notes.size(), 1u);
+  EXPECT_NE(info.notes[0].find("along z are in 'furlong' and along x in 'mm'"), std::string::npos) << info.notes[0];
+}
+
 TEST(IngestNrrd, GeometryIsAsTheFormatSays) {
   // Known: columns of the affine are the directions, its last column the origin; -x is left in RAS.
   const ForeignFiles files;

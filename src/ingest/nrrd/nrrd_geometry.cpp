@@ -3,11 +3,15 @@
 // Source: teem.sourceforge.net/nrrd/format.html.
 #include "ingest/nrrd/nrrd_geometry.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/text.h"
+#include "grid/length_unit.h"
 
 namespace kiln {
 namespace {
@@ -61,27 +65,53 @@ PatientFrame frameOf(const HeaderFields& fields, bool& mirror_x) {
   fields.fail(*space, inQuotes(space->value) + " is not a space of NRRD");
 }
 
-// Returns the unit if all axes have equal units, else nothing.
-std::string unitOf(const HeaderFields& fields) {
-  const HeaderField* field = fields.find("space units");
-  if (!field) field = fields.find("units");
+// The unit of x, and the ratios that convert lengths along each axis to this unit.
+struct AxisUnits {
   std::string unit;
-  for (std::size_t at = 0; field && (at = field->value.find('"', at)) != std::string::npos;) {
-    const std::size_t end = field->value.find('"', at + 1);
-    if (end == std::string::npos) fields.fail(*field, "a quotation mark is not closed");
-    const std::string one = field->value.substr(at + 1, end - at - 1);
-    if (!unit.empty() && unit != one) return "";
-    unit = one;
+  std::array<LengthRatio, 3> to_unit;
+  glm::dvec3 of(const glm::dvec3& lengths) const {
+    return {to_unit[0].of(lengths.x), to_unit[1].of(lengths.y), to_unit[2].of(lengths.z)};
+  }
+};
+
+std::vector<std::string> quotedTexts(const HeaderFields& fields, const HeaderField& field) {
+  std::vector<std::string> out;
+  for (std::size_t at = 0; (at = field.value.find('"', at)) != std::string::npos;) {
+    const std::size_t end = field.value.find('"', at + 1);
+    if (end == std::string::npos) fields.fail(field, "a quotation mark is not closed");
+    out.push_back(field.value.substr(at + 1, end - at - 1));
     at = end + 1;
   }
-  return unit;
+  return out;
+}
+
+// Units of axes that have directions in the world cannot be converted.
+AxisUnits unitsOf(const HeaderFields& fields, std::vector<std::string>& notes) {
+  const HeaderField* const of_space = fields.find("space units");
+  const HeaderField* const field = of_space ? of_space : fields.find("units");
+  std::vector<std::string> units = field ? quotedTexts(fields, *field) : std::vector<std::string>();
+  AxisUnits out;
+  if (units.empty()) return out;
+  units.resize(3, units.front());
+  out.unit = units[0];
+  for (std::size_t axis = 1; axis < 3; ++axis) {
+    const std::optional<LengthRatio> ratio = lengthRatio(units[axis], units[0]);
+    const bool legal = of_space || !fields.find("space directions") || ratio == LengthRatio();
+    if (ratio && legal) out.to_unit[axis] = *ratio;
+    if (!ratio || !legal)
+      notes.push_back(
+          fmt::format("lengths along {} are in {} and along x in {}, and cannot be converted; they are taken as equal",
+                      "xyz"[axis], inQuotes(units[axis]), inQuotes(units[0])));
+  }
+  return out;
 }
 
 // Builds the affine from spacings and ranges of the axes, for headers without directions.
-glm::dmat4 affineOfAxes(const HeaderFields& fields, const Extent3& dims, const SourceOptions& options) {
+glm::dmat4 affineOfAxes(const HeaderFields& fields, const Extent3& dims, const AxisUnits& units,
+                        const SourceOptions& options) {
   const auto optional = [&](const char* key) {
     const HeaderField* field = fields.find(key);
-    return field ? fields.vector(*field) : glm::dvec3(std::nan(""));
+    return field ? units.of(fields.vector(*field)) : glm::dvec3(std::nan(""));
   };
   const glm::dvec3 mins = optional("axis mins"), maxs = optional("axis maxs");
   glm::dvec3 spacing = optional("spacings"), origin(0);
@@ -98,16 +128,17 @@ glm::dmat4 affineOfAxes(const HeaderFields& fields, const Extent3& dims, const S
     // The range of a cell-centred axis starts at the first cell's face; of a node-centred axis at the first sample.
     if (!std::isnan(mins[axis])) origin[axis] = mins[axis] + (cell ? spacing[axis] / 2 : 0);
   }
-  if (const HeaderField* field = fields.find("space origin")) origin = vectorsOf(fields, *field, 1)[0];
+  if (const HeaderField* field = fields.find("space origin")) origin = units.of(vectorsOf(fields, *field, 1)[0]);
   return axesAffine(spacing, origin);
 }
 
 }  // namespace
 
-VolumeGeometry nrrdGeometry(const HeaderFields& fields, const SourceOptions& options) {
+VolumeGeometry nrrdGeometry(const HeaderFields& fields, const SourceOptions& options, std::vector<std::string>& notes) {
   VolumeGeometry geometry;
   geometry.dims = fields.extent(fields.require("sizes"));
-  geometry.unit = unitOf(fields);
+  const AxisUnits units = unitsOf(fields, notes);
+  geometry.unit = units.unit;
   bool mirror_x = false;
   geometry.frame = frameOf(fields, mirror_x);
   const HeaderField* directions = fields.find("space directions");
@@ -125,10 +156,10 @@ VolumeGeometry nrrdGeometry(const HeaderFields& fields, const SourceOptions& opt
     }
     const std::vector<glm::dvec3> v = vectorsOf(fields, *directions, 3);
     const HeaderField* origin = fields.find("space origin");
-    geometry.world_from_index =
-        directionsAffine({v[0], v[1], v[2]}, origin ? vectorsOf(fields, *origin, 1)[0] : glm::dvec3(0));
+    geometry.world_from_index = directionsAffine({units.of(v[0]), units.of(v[1]), units.of(v[2])},
+                                                 origin ? units.of(vectorsOf(fields, *origin, 1)[0]) : glm::dvec3(0));
   } else {
-    geometry.world_from_index = affineOfAxes(fields, geometry.dims, options);
+    geometry.world_from_index = affineOfAxes(fields, geometry.dims, units, options);
   }
   if (mirror_x) {
     for (int column = 0; column < 4; ++column) geometry.world_from_index[column].x *= -1;

@@ -219,7 +219,7 @@ std::unique_ptr<VolumeSource> openNrrd(const std::filesystem::path& input, const
   info.format = "NRRD";
   const StoredType type = typeOf(header.fields);
   info.type = type.voxel();
-  info.geometry = nrrdGeometry(header.fields, options);
+  info.geometry = nrrdGeometry(header.fields, options, info.notes);
   if (std::string note = noteOfNarrow(header.fields, info.geometry.dims); !note.empty())
     info.notes.push_back(std::move(note));
   if (std::string note = noteOfMirrored(header.fields, info.geometry); !note.empty())
