@@ -336,6 +336,19 @@ TEST_F(ExportStore, UnitsThatAFormatLacksAreConverted) {
   }
 }
 
+// Known: stores keep a unit as their source spelled the unit.
+TEST_F(ExportStore, UnitOfAnotherSpelling_isTheUnitOfTheFormat) {
+  const fs::path micron = store(placedAt(spacingAffine({0.25, 0.5, 1}), PatientFrame::kUnknown, "micron"));
+  for (const char* const name : {"v.mha", "v.nii", "v.nrrd", "v.tif", "v.zarr"}) {
+    ExportRequest request;
+    request.out = directory_ / name;
+    exportStore(StoreReader(micron), request, silent_);
+    const VolumeGeometry found = openSource(request.out)->info().geometry;
+    EXPECT_EQ(found.unit, "um") << name;
+    EXPECT_EQ(found.spacing(), glm::dvec3(0.25, 0.5, 1)) << name;
+  }
+}
+
 std::vector<std::byte> voxelsIn(const fs::path& path) { return readWhole(*openSource(path)); }
 
 // Two shards along x and one of the next level. After a fault at a call the export goes on behind its whole shards; a

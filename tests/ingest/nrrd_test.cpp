@@ -108,6 +108,16 @@ TEST(IngestNrrd, UnitsOfAxes_AreConvertedToTheUnitOfX) {
   EXPECT_NE(info.notes[0].find("along z are in 'furlong' and along x in 'mm'"), std::string::npos) << info.notes[0];
 }
 
+TEST(IngestNrrd, UnitsHaveTheirShortNames) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 73);
+  for (const auto& [written, unit] : {std::pair{"\xc2\xb5m", "um"}, {"micron", "um"}, {"furlong", "furlong"}}) {
+    const std::string units = fmt::format("units: \"{0}\" \"{0}\" \"{0}\"\nencoding: raw\n\n", written);
+    const auto path = files.write("g.nrrd", nrrdHeader(volume, false, units) + volume.stored(false));
+    EXPECT_EQ(openSource(path)->info().geometry.unit, unit);
+  }
+}
+
 TEST(IngestNrrd, GeometryIsAsTheFormatSays) {
   // Known: columns of the affine are the directions, its last column the origin; -x is left in RAS.
   const ForeignFiles files;

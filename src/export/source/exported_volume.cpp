@@ -20,6 +20,7 @@ ExportedVolume exportedVolume(const StoreReader& store, int level, const std::op
   const VolumeGeometry& geometry = store.level(level).geometry;
   const VoxelBox whole = boxOf(manifest.geometry().dims);
   ExportedVolume out{level, boxOf(geometry.dims), geometry, manifest.type, manifest.volume_class, manifest.background};
+  if (const std::string unit = unitName(geometry.unit); !unit.empty()) out.geometry.unit = unit;
   if (!region) return out;
   const VoxelBox shown = intersection(*region, whole);
   if (shown.empty())

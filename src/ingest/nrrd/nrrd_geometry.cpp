@@ -85,7 +85,7 @@ std::vector<std::string> quotedTexts(const HeaderFields& fields, const HeaderFie
   return out;
 }
 
-// Units of axes that have directions in the world cannot be converted.
+// An unknown unit stays as written. Units of axes that have directions in the world cannot be converted.
 AxisUnits unitsOf(const HeaderFields& fields, std::vector<std::string>& notes) {
   const HeaderField* const of_space = fields.find("space units");
   const HeaderField* const field = of_space ? of_space : fields.find("units");
@@ -93,7 +93,8 @@ AxisUnits unitsOf(const HeaderFields& fields, std::vector<std::string>& notes) {
   AxisUnits out;
   if (units.empty()) return out;
   units.resize(3, units.front());
-  out.unit = units[0];
+  const std::string name = unitName(units[0]);
+  out.unit = name.empty() ? units[0] : name;
   for (std::size_t axis = 1; axis < 3; ++axis) {
     const std::optional<LengthRatio> ratio = lengthRatio(units[axis], units[0]);
     const bool legal = of_space || !fields.find("space directions") || ratio == LengthRatio();
