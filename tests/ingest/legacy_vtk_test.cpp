@@ -90,6 +90,20 @@ TEST(IngestLegacyVtk, ArrayAmongOthersIsFound) {
   expectRefused(path, ErrorCode::kUsage, "'x' is none of the channels 0 to 1: 0 ('w'), 1 ('v')", options);
 }
 
+// Known: VTK writes the names "b b" and "50% x" so.
+TEST(IngestLegacyVtk, NamesOfArraysAreDecoded) {
+  const ForeignFiles files;
+  const ForeignVolume first = randomVolume(kFewVoxels, VoxelType::u16, 527);
+  const ForeignVolume second = randomVolume(kFewVoxels, VoxelType::i16, 528);
+  const auto path = files.write("a.vtk", legacyStart(first.dims, true) + legacyScalars(first, true, "b%20b") +
+                                             legacyScalars(second, true, "50%25%20x%2"));
+  SourceOptions options;
+  options.channel = "b b";
+  EXPECT_TRUE(readWhole(*openSource(path, options)) == first.voxels);
+  options.channel = "50% x%2";
+  EXPECT_TRUE(readWhole(*openSource(path, options)) == second.voxels);
+}
+
 // Known: VTK writes facts about the whole image in front of its dimensions.
 TEST(IngestLegacyVtk, FieldOfTheWholeImage_IsPassedOver) {
   const ForeignFiles files;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <charconv>
 #include <glm/mat3x3.hpp>
 
 #include "base/error.h"
@@ -32,9 +33,23 @@ constexpr VtkTypeName kLegacyTypes[] = {{"unsigned_char", VoxelType::u8},
 constexpr std::pair<std::string_view, std::size_t> kPassedTypes[] = {
     {"long", 8}, {"unsigned_long", 8}, {"vtkidtype", 4}};
 
+// VTK writes blanks, quotation marks, percent signs and bytes beyond ASCII as %20.
+std::string decodedName(std::string_view written) {
+  std::string out;
+  for (std::size_t at = 0; at < written.size(); ++at) {
+    const std::string_view digits = written.substr(at + 1, 2);
+    unsigned char letter = 0;
+    const bool is_code = written[at] == '%' && digits.size() == 2 &&
+                         std::from_chars(digits.data(), digits.data() + 2, letter, 16).ptr == digits.data() + 2;
+    out += is_code ? static_cast<char>(letter) : written[at];
+    at += is_code ? 2 : 0;
+  }
+  return out;
+}
+
 struct LegacyArray : VtkArray {
-  LegacyArray(std::string array_name, const std::string& written, std::int64_t values) {
-    name = std::move(array_name);
+  LegacyArray(const std::string& written_name, const std::string& written, std::int64_t values) {
+    name = decodedName(written_name);
     type_text = lowered(written);
     type = vtkTypeNamed(kLegacyTypes, type_text);
     components = values;
