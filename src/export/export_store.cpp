@@ -200,6 +200,15 @@ const ExportFormat& exportFormatOf(const ExportRequest& request) {
   return *found;
 }
 
+// A region without a voxel is refused later.
+void noteCutRegion(const StoreReader& store, const ExportRequest& request, Progress& progress) {
+  const VoxelBox inside = intersection(*request.region, boxOf(store.manifest().geometry().dims));
+  if (inside.empty() || inside == *request.region) return;
+  progress.note(
+      fmt::format("{}: --region reaches beyond the volume; the box that is written is {},{},{},{},{},{} of level 0",
+                  request.out.string(), inside.lo.x, inside.lo.y, inside.lo.z, inside.hi.x, inside.hi.y, inside.hi.z));
+}
+
 }  // namespace
 
 std::string exportEndings() {
@@ -211,6 +220,7 @@ std::string exportEndings() {
 void requireExportFormat(const ExportRequest& request) { exportFormatOf(request); }
 
 ExportReport exportStore(const StoreReader& store, const ExportRequest& request, Progress& progress) {
+  if (request.region) noteCutRegion(store, request, progress);
   return exportFormatOf(request).write({store, request, progress, chosenDisk(request.disk)});
 }
 

@@ -557,12 +557,31 @@ TEST_F(ExportStore, ZarrNameOutsideUtf8_isEscapedInTheHeader) {
   EXPECT_TRUE(voxelsIn(request.out) == noiseOf(VoxelType::u8, geometry).voxels);
 }
 
+struct Notes : Progress {
+  void note(const std::string& sentence) override { all += sentence; }
+  std::string all;
+};
+
+// The volume is from 0,0,0 to 19,17,18.
+TEST_F(ExportStore, RegionBeyondTheVolume_isANoteWithTheBox) {
+  const fs::path whole = store(placedAt(exactAffine(), PatientFrame::kUnknown, ""));
+  ExportRequest request;
+  request.out = directory_ / "v.nrrd";
+  request.overwrite = true;
+  const auto noteFor = [&](const VoxelBox& region) {
+    Notes notes;
+    request.region = region;
+    exportStore(StoreReader(whole), request, notes);
+    return notes.all;
+  };
+  EXPECT_EQ(noteFor({{-5, 3, 7}, {15, 90, 18}}),
+            request.out.string() +
+                ": --region reaches beyond the volume; the box that is written is 0,3,7,15,17,18 of level 0");
+  EXPECT_EQ(noteFor({{0, 0, 0}, {19, 17, 18}}), "");
+}
+
 // OpenVDB has neither; a volume without both loses nothing.
 TEST_F(ExportStore, UnitFrameAndBoxThatGridsLack_areANote) {
-  struct Notes : Progress {
-    void note(const std::string& sentence) override { all += sentence; }
-    std::string all;
-  };
   ExportRequest request;
   request.out = directory_ / "v.vdb";
   request.overwrite = true;
