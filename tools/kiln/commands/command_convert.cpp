@@ -120,11 +120,13 @@ void printReport(const ConvertArguments& a, const SourceInfo& info, const Conver
 // Pictures draw labels up to kLargestLabel; a store may hold more, for export and statistics.
 void warnOfLabels(const std::string& store, Context& context) {
   const ValueRange range = readManifest(store).range;
-  if (!areDistinct(range))
-    context.progress.warn(fmt::format(
-        "{}: labels from {:.0f} to {:.0f} cannot be drawn: pictures distinguish labels up to {:.0f}; number the labels "
-        "anew",
-        store, range.lo, range.hi, kLargestLabel));
+  if (areDistinct(range)) return;
+  const std::string beyond =
+      range.hi > kLargestLabel
+          ? fmt::format("above {:.0f} cannot be drawn (largest found: {:.0f})", kLargestLabel, range.hi)
+          : fmt::format("below {:.0f} cannot be drawn (smallest found: {:.0f})", -kLargestLabel, range.lo);
+  context.progress.warn(
+      fmt::format("{}: labels {}, and kiln render refuses the store; number the labels anew", store, beyond));
 }
 
 std::string sizeText(const ListedVolume& volume) {
