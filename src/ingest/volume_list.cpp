@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/file/file.h"
+#include "base/file/folder.h"
 #include "ingest/hdf5/bdv_xml.h"
 #include "ingest/open_source.h"
 #include "ingest/slice_directory.h"
@@ -78,14 +79,33 @@ Volumes listedOrRefused(const std::string& name, const std::string& kind, List&&
   }
 }
 
-Volumes ofFileInFolder(const fs::path& file, const SourceOptions& options) {
-  Volumes out = ofFile(file, options);
-  for (ListedVolume& volume : out) {
-    if (volume.name != file.filename()) volume.kind += " in " + inQuotes(file.filename().string());
+// Names the volumes of a file or folder in the listed folder by its path.
+Volumes namedByPath(Volumes volumes, const fs::path& path) {
+  for (ListedVolume& volume : volumes) {
+    if (volume.name != path.filename()) volume.kind += " in " + inQuotes(path.filename().string());
     // A data set of HDF5 is named by its file already.
     if (volume.refusal.empty() && (volume.option.empty() || volume.option.starts_with("--")))
-      volume.option = file.string() + (volume.option.empty() ? "" : " " + volume.option);
+      volume.option = path.string() + (volume.option.empty() ? "" : " " + volume.option);
   }
+  return volumes;
+}
+
+Volumes zarrFoldersIn(const fs::path& folder, const SourceOptions& options) {
+  std::vector<fs::path> folders;
+  forEachEntry(folder, [&](const fs::directory_entry& entry) {
+    std::error_code ignored;
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with('.') && entry.is_directory(ignored)) folders.push_back(entry.path());
+    return Walk::kGoOn;
+  });
+  std::sort(folders.begin(), folders.end(), [](const fs::path& a, const fs::path& b) {
+    return naturallyBefore(a.filename().string(), b.filename().string());
+  });
+  Volumes out;
+  for (const fs::path& path : folders)
+    append(out, listedOrRefused(path.filename().string(), "Zarr", [&] {
+             return isZarrFolder(path, options) ? namedByPath(listZarr(path, options), path) : Volumes();
+           }));
   return out;
 }
 
@@ -97,11 +117,13 @@ Volumes ofFolder(const fs::path& folder, const SourceOptions& options) {
     append(out, listedOrRefused(nameOfStack(stack), "TIFF", [&] { return listTiff(stack); }));
   for (const auto& [format, pictures] : files.pictures)
     for (const std::vector<fs::path>& stack : stacksByName(pictures)) out.push_back(listPictures(format, stack));
+  append(out, zarrFoldersIn(folder, options));
   for (const fs::path& file : files.other) {
     const VolumeFormat format = volumeFormatOf(file);
     // The image of a description is listed itself.
     if (!format.read || format.name == "a BigDataViewer") continue;
-    append(out, listedOrRefused(file.filename().string(), "file", [&] { return ofFileInFolder(file, options); }));
+    append(out,
+           listedOrRefused(file.filename().string(), "file", [&] { return namedByPath(ofFile(file, options), file); }));
   }
   if (out.empty()) slicesIn(folder);  // throws with the name of a subfolder that has slices
   if (out.empty()) throw Error(ErrorCode::kUnsupported, folder, "", "a directory without a volume; name another");

@@ -9,6 +9,7 @@
 #include "support/files/picture_files.h"
 #include "support/files/tiff_files.h"
 #include "support/files/vti_files.h"
+#include "support/files/zarr_files.h"
 
 namespace kiln::test {
 namespace {
@@ -111,6 +112,24 @@ TEST(VolumeList, DamagedTiff_isListedWithItsReason) {
   ASSERT_EQ(volumes.size(), 2u);
   EXPECT_TRUE(volumes[0].refusal.empty());
   EXPECT_NE(volumes[1].refusal.find("z.tif"), std::string::npos);
+}
+
+// Known: the folder holds nothing but two arrays, and then a file, too.
+TEST(VolumeList, ZarrInAFolder_isListedByItsPath) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u16, 54);
+  for (const char* const name : {"a10.zarr", "a9.zarr"}) writeZarr(files.directory() / name, volume);
+  auto volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 2u);
+  EXPECT_EQ(volumes[0].name, "a9.zarr");
+  EXPECT_EQ(volumes[0].option, (files.directory() / "a9.zarr").string());
+  EXPECT_EQ(volumes[0].dims, kFewVoxels);
+  EXPECT_EQ(volumes[0].type, VoxelType::u16);
+  EXPECT_EQ(volumes[1].name, "a10.zarr");
+  writeTiff(files.directory() / "t.tif", volume, 0, 1);
+  volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 3u);
+  EXPECT_EQ(volumes[0].kind, "TIFF");
 }
 
 TEST(VolumeList, HostileCountOfImages_HasNoOverflow) {
