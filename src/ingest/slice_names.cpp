@@ -240,6 +240,17 @@ std::vector<std::vector<std::filesystem::path>> stacksByName(const std::vector<s
   return out;
 }
 
+std::vector<std::string> numbersOfStacks(const std::vector<std::filesystem::path>& files,
+                                         const std::vector<std::vector<std::filesystem::path>>& stacks) {
+  std::vector<std::string> out;
+  const std::optional<std::size_t> second = secondNumber(NumberedNames(files));
+  for (std::size_t i = 0; second && i < stacks.size(); ++i) {
+    const std::string number = numberedName(stacks[i].front()).numbers[*second];
+    out.push_back(number.empty() ? "0" : number);
+  }
+  return out;
+}
+
 void requireOneStack(SliceFiles& slices, const SourceOptions& options) {
   if (slices.files.size() < 2) return;
   NumberedNames numbered(slices.files);

@@ -1,6 +1,9 @@
 // Tests that the names of a folder's slices form one stack without gaps.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "ingest/slice_directory.h"
 #include "ingest/source/volume_source.h"
 
@@ -18,5 +21,10 @@ void requireOneStack(SliceFiles& slices, const SourceOptions& options);
 /// Groups files whose names differ in one number only: the number that has the most values. A file of another name is a
 /// group of its own.
 std::vector<std::vector<std::filesystem::path>> stacksByName(const std::vector<std::filesystem::path>& files);
+
+/// Returns the second number by which the names of `files` differ, for each stack; nothing if the names differ in fewer
+/// numbers or more. requires: `stacks` are the groups of the files by stacksByName.
+std::vector<std::string> numbersOfStacks(const std::vector<std::filesystem::path>& files,
+                                         const std::vector<std::vector<std::filesystem::path>>& stacks);
 
 }  // namespace kiln

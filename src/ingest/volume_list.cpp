@@ -90,6 +90,40 @@ Volumes namedByPath(Volumes volumes, const fs::path& path) {
   return volumes;
 }
 
+// The reason why a conversion refuses slices by their names; empty if the slices are one stack.
+std::string reasonAgainst(SliceFiles slices, const SourceOptions& options) {
+  try {
+    requireOneStack(slices, options);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// The stacks of the slices in a folder. A single TIFF file among other slices is named by its path.
+Volumes stacksIn(const SliceFiles& all, bool is_alone, const SourceOptions& options) {
+  Volumes out;
+  const std::vector<std::vector<fs::path>> stacks = stacksByName(all.files);
+  const std::vector<std::string> numbers = numbersOfStacks(all.files, stacks);
+  const std::string reason = numbers.empty() ? reasonAgainst(all, options) : "";
+  const bool is_tiff = all.format == SliceFormat::kTiff;
+  for (std::size_t i = 0; i < stacks.size(); ++i) {
+    Volumes volumes = listedOrRefused(nameOfStack(stacks[i]), nameOf(all.format), [&] {
+      return is_tiff ? listTiff(stacks[i]) : Volumes{listPictures(all.format, stacks[i])};
+    });
+    if (is_tiff && stacks[i].size() == 1 && !(is_alone && stacks.size() == 1)) {
+      append(out, namedByPath(std::move(volumes), stacks[i].front()));
+      continue;
+    }
+    ListedVolume& volume = volumes.front();
+    if (!numbers.empty()) volume.option = "--channel " + numbers[i];
+    if (volume.refusal.empty())
+      volume.refusal = numbers.empty() ? reason : reasonAgainst({all.input, all.format, stacks[i], {}, {}}, options);
+    append(out, std::move(volumes));
+  }
+  return out;
+}
+
 Volumes zarrFoldersIn(const fs::path& folder, const SourceOptions& options) {
   std::vector<fs::path> folders;
   forEachEntry(folder, [&](const fs::directory_entry& entry) {
@@ -113,10 +147,9 @@ Volumes ofFolder(const fs::path& folder, const SourceOptions& options) {
   const FolderFiles files = filesIn(folder);
   Volumes out;
   if (!files.dicom.empty()) append(out, listDicom(files.dicom));
-  for (const std::vector<fs::path>& stack : stacksByName(files.tiff))
-    append(out, listedOrRefused(nameOfStack(stack), "TIFF", [&] { return listTiff(stack); }));
+  append(out, stacksIn({folder, SliceFormat::kTiff, files.tiff, {}, {}}, files.dicom.empty(), options));
   for (const auto& [format, pictures] : files.pictures)
-    for (const std::vector<fs::path>& stack : stacksByName(pictures)) out.push_back(listPictures(format, stack));
+    append(out, stacksIn({folder, format, pictures, {}, {}}, true, options));
   append(out, zarrFoldersIn(folder, options));
   for (const fs::path& file : files.other) {
     const VolumeFormat format = volumeFormatOf(file);

@@ -132,6 +132,55 @@ TEST(VolumeList, ZarrInAFolder_isListedByItsPath) {
   EXPECT_EQ(volumes[0].kind, "TIFF");
 }
 
+TEST(VolumeList, TiffFileAmongOthers_isListedByItsPath) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({5, 4, 2}, VoxelType::u8, 55);
+  writeTiff(files.directory() / "one.tif", volume, 0, 2);
+  EXPECT_EQ(volumesIn(files.directory())[0].option, "");
+  writeTiff(files.directory() / "two.tif", volume, 0, 2);
+  const auto volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 2u);
+  EXPECT_EQ(volumes[0].option, (files.directory() / "one.tif").string());
+  EXPECT_EQ(openSource(volumes[1].option)->info().geometry.dims, volumes[1].dims);
+}
+
+// Known: a conversion refuses the folder for the same reason.
+TEST(VolumeList, StackWithAGap_isListedWithTheReason) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({5, 4, 4}, VoxelType::u8, 56);
+  for (const int z : {0, 1, 3}) writeTiff(files.directory() / ("s" + std::to_string(z) + ".tif"), volume, z, z + 1);
+  const auto volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 1u);
+  EXPECT_NE(volumes[0].refusal.find("'s2.tif' is missing"), std::string::npos) << volumes[0].refusal;
+  SourceOptions options;
+  options.allow_irregular = true;
+  EXPECT_EQ(volumesIn(files.directory(), options)[0].refusal, "");
+}
+
+TEST(VolumeList, StacksOfChannels_areListedWithTheOptionThatChoosesEach) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({5, 4, 6}, VoxelType::u8, 57);
+  for (int z = 0; z < 3; ++z)
+    for (int c = 0; c < 2; ++c)
+      writeTiff(files.directory() / ("z" + std::to_string(z) + "_c0" + std::to_string(c) + ".tif"), volume, 3 * c + z,
+                3 * c + z + 1);
+  const auto volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 2u);
+  for (std::int64_t c = 0; c < 2; ++c) {
+    const ListedVolume& stack = volumes[static_cast<std::size_t>(c)];
+    EXPECT_EQ(stack.option, "--channel " + std::to_string(c));
+    EXPECT_EQ(stack.refusal, "");
+    SourceOptions options;
+    options.channel = std::to_string(c);
+    EXPECT_TRUE(readWhole(*openSource(files.directory(), options)) == volume.box({{0, 0, 3 * c}, {5, 4, 3 * c + 3}}));
+  }
+  // Stacks of other names are no volume.
+  writeTiff(files.directory() / "other1.tif", volume, 0, 1);
+  writeTiff(files.directory() / "other2.tif", volume, 0, 1);
+  for (const ListedVolume& stack : volumesIn(files.directory()))
+    EXPECT_NE(stack.refusal.find("form 2 groups, not one numbered stack"), std::string::npos) << stack.refusal;
+}
+
 TEST(VolumeList, HostileCountOfImages_HasNoOverflow) {
   const ForeignFiles files;
   TiffLayout layout;
