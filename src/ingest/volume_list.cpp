@@ -59,7 +59,7 @@ Volumes ofFile(const fs::path& file, const SourceOptions& options) {
   const std::string format = options.dims ? "" : volumeFormatOf(file).name;
   if (format == "an OpenVDB") return listVdb(file, options);
   if (format == "a TIFF") return listTiff({file});
-  if (format == "a DICOM") return listDicom({file});
+  if (format == "a DICOM") return listDicom({file}, options);
   if (format == "an HDF5") return listHdf5(file, options);
   if (format == "a BigDataViewer") return listHdf5(imageOfBdv(file), options);
   return listOfOne(file, options);
@@ -146,7 +146,7 @@ Volumes zarrFoldersIn(const fs::path& folder, const SourceOptions& options) {
 Volumes ofFolder(const fs::path& folder, const SourceOptions& options) {
   const FolderFiles files = filesIn(folder);
   Volumes out;
-  if (!files.dicom.empty()) append(out, listDicom(files.dicom));
+  if (!files.dicom.empty()) append(out, listDicom(files.dicom, options));
   append(out, stacksIn({folder, SliceFormat::kTiff, files.tiff, {}, {}}, files.dicom.empty(), options));
   for (const auto& [format, pictures] : files.pictures)
     append(out, stacksIn({folder, format, pictures, {}, {}}, true, options));

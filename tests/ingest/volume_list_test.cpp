@@ -181,6 +181,17 @@ TEST(VolumeList, StacksOfChannels_areListedWithTheOptionThatChoosesEach) {
     EXPECT_NE(stack.refusal.find("form 2 groups, not one numbered stack"), std::string::npos) << stack.refusal;
 }
 
+TEST(VolumeList, DicomImagesAtOnePlace_areListedWithTheReason) {
+  const ForeignFiles files;
+  DicomSpec spec;
+  spec.pixel_bytes = std::string(40, '\0');
+  files.write("a.dcm", dicomFile(spec));
+  files.write("b.dcm", dicomFile(spec));
+  const auto volumes = volumesIn(files.directory());
+  ASSERT_EQ(volumes.size(), 1u);
+  EXPECT_NE(volumes[0].refusal.find("lie at the same place"), std::string::npos) << volumes[0].refusal;
+}
+
 TEST(VolumeList, HostileCountOfImages_HasNoOverflow) {
   const ForeignFiles files;
   TiffLayout layout;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 
 #include "base/error.h"
@@ -220,13 +221,16 @@ class PassedOver {
   std::map<std::string, std::vector<const DicomHeader*>> files_;
 };
 
-}  // namespace
+std::vector<DicomHeader> headersOf(const std::vector<fs::path>& files) {
+  std::vector<DicomHeader> out;
+  out.reserve(files.size());
+  for (const fs::path& path : files) out.push_back(readDicomHeader(path));
+  return out;
+}
 
-std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions& options,
-                                    std::vector<std::string>& notes) {
-  std::vector<DicomHeader> all;
-  all.reserve(input.files.size());
-  for (const fs::path& path : input.files) all.push_back(readDicomHeader(path));
+// The headers among `all` that readSeries returns.
+std::vector<DicomHeader> chosenSeries(const fs::path& input, std::vector<DicomHeader> all, const SourceOptions& options,
+                                      std::vector<std::string>& notes) {
   const std::map<std::string, Series> series = seriesOf(all);
   for (const DicomHeader& header : all) {
     if (header.damage && (series.empty() || header.series == options.series)) throw *header.damage;
@@ -235,8 +239,8 @@ std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions
     throw Error(ErrorCode::kUnsupported, all.front().path, "",
                 "has no pixel data; it is a DICOM file of another kind than an image");
   }
-  const std::string chosen = theSeries(input.input, series, all, options);
-  const Majority most = majorityOf(all, chosen, input.input);
+  const std::string chosen = theSeries(input, series, all, options);
+  const Majority most = majorityOf(all, chosen, input);
   PassedOver passed_over;
   std::vector<std::size_t> taken;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -267,7 +271,20 @@ std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions
   return out;
 }
 
-namespace {
+// The reason why the slices of one series form no volume; empty if the slices do.
+std::string reasonAgainstSlices(std::vector<DicomHeader> files, SourceOptions options) {
+  options.series.reset();
+  const fs::path folder = files.front().path.parent_path();
+  std::vector<std::string> notes;
+  std::vector<DicomSlice> slices;
+  try {
+    files = chosenSeries(folder, std::move(files), options, notes);
+    arrangeSlices(folder, files, options, slices, notes);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
 
 // A segmentation object is a volume of its own, whose planes decide its size.
 ListedVolume listed(const DicomHeader& first, std::int64_t slices) {
@@ -289,9 +306,13 @@ ListedVolume listed(const DicomHeader& first, std::int64_t slices) {
 
 }  // namespace
 
-std::vector<ListedVolume> listDicom(const std::vector<fs::path>& files) {
-  std::vector<DicomHeader> all;
-  for (const fs::path& path : files) all.push_back(readDicomHeader(path));
+std::vector<DicomHeader> readSeries(const SliceFiles& input, const SourceOptions& options,
+                                    std::vector<std::string>& notes) {
+  return chosenSeries(input.input, headersOf(input.files), options, notes);
+}
+
+std::vector<ListedVolume> listDicom(const std::vector<fs::path>& files, const SourceOptions& options) {
+  const std::vector<DicomHeader> all = headersOf(files);
   const std::map<std::string, Series> series = seriesOf(all);
   std::vector<ListedVolume> out;
   for (const DicomHeader& header : all) {
@@ -314,6 +335,11 @@ std::vector<ListedVolume> listDicom(const std::vector<fs::path>& files) {
     }
     out.push_back(listed(*entry.first, entry.slices));
     if (series.size() > 1 && !uid.empty()) out.back().option = "--series " + uid;
+    if (!out.back().refusal.empty() || !entry.first->segments.empty()) continue;
+    std::vector<DicomHeader> whole;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(whole),
+                 [&](const DicomHeader& header) { return header.series == uid && !header.damage; });
+    if (!whole.empty()) out.back().refusal = reasonAgainstSlices(std::move(whole), options);
   }
   return out;
 }

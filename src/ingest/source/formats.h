@@ -36,7 +36,7 @@ std::unique_ptr<VolumeSource> openHdf5(const std::filesystem::path& file, const 
 std::vector<ListedVolume> listVdb(const std::filesystem::path& input, const SourceOptions& options);
 /// The scales of a folder of Zarr or N5.
 std::vector<ListedVolume> listZarr(const std::filesystem::path& folder, const SourceOptions& options);
-std::vector<ListedVolume> listDicom(const std::vector<std::filesystem::path>& files);
+std::vector<ListedVolume> listDicom(const std::vector<std::filesystem::path>& files, const SourceOptions& options);
 std::vector<ListedVolume> listTiff(const std::vector<std::filesystem::path>& stack);
 ListedVolume listPictures(SliceFormat format, const std::vector<std::filesystem::path>& stack);
 
