@@ -171,13 +171,13 @@ def test_words_take_objects_of_a_job(head):
     size = {"size": (48, 40)}
     points = [{"value": 1000, "opacity": 0, "color": "white"}, {"value": 1300, "opacity": 0.5, "color": "orange"}]
     lamp = {"type": "point", "position": [0, -500, 0]}
-    with kiln.open(head) as s:
-        pictures = lambda *words: [numpy.asarray(s.render(**each, **size)) for each in words]
-        by_option, by_key = pictures({"tf": {"points": points}}, {"transferFunction": {"points": points}})
-        assert (by_option == by_key).all()
-        tuples, text = pictures({"tf": [(1000, 0), (1300, 0.5, "orange")]}, {"tf": "1000:0,1300:0.5:orange"})
-        assert (tuples == text).all()
-        one, several = pictures({"tf": "ct-bone", "light": lamp}, {"tf": "ct-bone", "lights": [lamp]})
-        assert (one == several).all()
-        by_option, by_key = pictures(*({key: {"volume": str(head)}} for key in ("color_by", "colorBy")))
-        assert (by_option == by_key).all()
+    s = kiln.open(head)
+    pictures = lambda *words: [numpy.asarray(s.render(**each, **size)) for each in words]
+    by_option, by_key = pictures({"tf": {"points": points}}, {"transferFunction": {"points": points}})
+    assert (by_option == by_key).all()
+    tuples, text = pictures({"tf": [(1000, 0), (1300, 0.5, "orange")]}, {"tf": "1000:0,1300:0.5:orange"})
+    assert (tuples == text).all()
+    one, several = pictures({"tf": "ct-bone", "light": lamp}, {"tf": "ct-bone", "lights": [lamp]})
+    assert (one == several).all()
+    by_option, by_key = pictures(*({key: {"volume": str(head)}} for key in ("color_by", "colorBy")))
+    assert (by_option == by_key).all()
