@@ -197,13 +197,23 @@ ClipRegion::Overlap ClipRegion::classify(const VoxelBox& voxels) const noexcept 
   return out;
 }
 
+namespace {
+
+// False for a face that is seen edge-on: its normal, turned to the eye, may point into the matter. True without an eye.
+bool facesEye(const glm::dvec3& inwards, const glm::dvec3& to_eye) {
+  const double along = glm::dot(inwards, to_eye);
+  return along <= -ClipRegion::kEdgeOn * std::sqrt(glm::dot(inwards, inwards) * glm::dot(to_eye, to_eye));
+}
+
+}  // namespace
+
 const glm::vec3* ClipRegion::cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept {
   const glm::vec3* gradient = nullptr;
   double nearest = std::numeric_limits<double>::infinity();
   const auto compare = [&](const std::vector<HalfSpace>& faces) {
     for (const HalfSpace& h : faces) {
       const double inside = glm::dot(h.normal, index) + h.offset;
-      if (!(inside < h.voxel) || !(inside * h.world_distance < nearest) || glm::dot(h.normal, to_eye) > 0) continue;
+      if (!(inside < h.voxel) || !(inside * h.world_distance < nearest) || !facesEye(h.normal, to_eye)) continue;
       nearest = inside * h.world_distance;
       gradient = &h.gradient;
     }

@@ -71,10 +71,14 @@ class ClipRegion {
   /// `cutGradient`; else kCut.
   Overlap classify(const VoxelBox& voxels) const noexcept;
 
+  /// Cosine of the angle to the eye below which a face counts as seen edge-on.
+  static constexpr double kEdgeOn = 1e-6;
+
   /// Returns the shading gradient of a sample that lies less than a voxel's extent (along the normal) inside a face:
   /// or inside the volume's border: the normal of the nearest such face, in the level's index space, of any positive
   /// length; null if there is no such face. `to_eye`: direction in the level's index space; faces that look away from
-  /// the eye light no sample; 0: all faces do. requires: a part of the sample at `index` is inside.
+  /// the eye, or are seen edge-on, light no sample; 0: all faces do. requires: a part of the sample at `index` is
+  /// inside.
   const glm::vec3* cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye = glm::dvec3(0)) const noexcept;
 
  private:

@@ -164,6 +164,16 @@ TEST(ClipRegion, TheFirstVoxelsBehindAFaceHaveItsNormal) {
   EXPECT_EQ(normalAt({1.6, 2, 2.7}), glm::vec3(1, 0, 0));
 }
 
+// A face seen edge-on has no side that faces the eye, whatever the rounding of the view.
+TEST(ClipRegion, AFaceSeenEdgeOnLightsNoSample) {
+  const ClipRegion region({std::nullopt, {{{0, 0, 2}, -5.0}}}, volumeOf({8, 8, 8}));
+  const glm::dvec3 sample(4, 4, 2.7);
+  for (const double along : {1e-9, 0.0, -1e-9}) EXPECT_EQ(region.cutGradient(sample, {0, 300, 300 * along}), nullptr);
+  EXPECT_EQ(region.cutGradient(sample, {0, 300, 3}), nullptr) << "the face looks away";
+  ASSERT_NE(region.cutGradient(sample, {0, 300, -3}), nullptr);
+  EXPECT_EQ(*region.cutGradient(sample, {0, 300, -3}), glm::vec3(0, 0, 1));
+}
+
 // The border of the volume has faces of its own, at every level, and clips nothing.
 TEST(ClipRegion, BorderOfTheVolume_isLitAsAFace) {
   const VolumeGeometry volume = volumeOf({9, 8, 8});

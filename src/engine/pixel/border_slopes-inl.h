@@ -9,10 +9,12 @@
 
 #include <hwy/highway.h>
 
+#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
 #include "engine/pixel/cell_places-inl.h"
 #include "engine/shared/sample_math-inl.h"
+#include "scene/clip_region.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace kiln {
@@ -44,9 +46,11 @@ class BorderSlopes {
       // Cosine of the axis and the direction from the eye, times a length.
       const glm::vec3& m = l_.light.view_from_index_gradient[a];
       const V along = hn::Set(d, m.z);
+      const float edge_on = static_cast<float>(ClipRegion::kEdgeOn) * glm::length(m);
       const V away = l_.perspective ? fused(hn::Set(d, m.x), sight.u, fused(hn::Set(d, m.y), sight.v, along)) : along;
-      const V inside = hn::Min(hn::IfThenElse(hn::Gt(away, none), hn::Sub(at, from_anchor(-0.5)), far),
-                               hn::IfThenElse(hn::Lt(away, none), hn::Sub(from_anchor(r_.volume_hi[a]), at), far));
+      const V inside =
+          hn::Min(hn::IfThenElse(hn::Gt(away, hn::Set(d, edge_on)), hn::Sub(at, from_anchor(-0.5)), far),
+                  hn::IfThenElse(hn::Lt(away, hn::Set(d, -edge_on)), hn::Sub(from_anchor(r_.volume_hi[a]), at), far));
       const V distance = hn::Mul(inside, hn::Set(d, l_.layer_height[a]));
       const M lit = hn::And(hn::Lt(inside, hn::Set(d, 1.0f)), hn::Lt(distance, nearest));
       nearest = hn::IfThenElse(lit, distance, nearest);
