@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "base/elapsed.h"
 #include "cluster/shared_lists.h"
@@ -20,6 +22,7 @@
 #include "ranks/rank_boxes.h"
 #include "ranks/split_store.h"
 #include "sequence/ranked_sequence.h"
+#include "sequence/sequence_frames.h"
 #include "store/manifest/read_manifest.h"
 
 namespace kiln {
@@ -35,7 +38,7 @@ void requireParts(const RenderJob& job) {
   requireCapability(engineOf(job), &EngineCapabilities::parts, "--distribute bricks: needs", "use --distribute tiles");
   if (const char* const view = viewWithoutTiles(job)) {
     throw Error(ErrorCode::kUsage,
-                fmt::format("--distribute bricks: {} is not drawn in parts; use --distribute frames", view));
+                fmt::format("--distribute bricks: needs a view of parts (found {}); use --distribute frames", view));
   }
   if (isSeries(job)) refuse("a volume for each frame has other bricks each time");
 }
@@ -94,7 +97,15 @@ Plan planFor(const RenderJob& job, const SequenceOptions& options) {
           "--store-local: shadows and ambient occlusion fall from parts that other ranks hold (found a part for each "
           "rank); leave out --shadows and --ambient-occlusion, or --store-local on a disk that all ranks see");
     const std::filesystem::path part = pathOfFrame(options.store_local, options.ranks->rank() + 1);
-    return {[part](const std::filesystem::path&) { return part; }, boxesOnDisks(part, job.volume, *options.ranks)};
+    const std::vector<std::filesystem::path> inputs = inputVolumesOf(job);
+    if (std::count(inputs.begin(), inputs.end(), job.volume) > 1)
+      throw Error(
+          ErrorCode::kUsage,
+          "--store-local: a mask or colours of the drawn volume itself need bricks that other ranks hold (found " +
+              job.volume.string() + " as both); leave out --store-local");
+    const auto store_for = [part, drawn = job.volume, shared = sharedStores(job, options)](
+                               const std::filesystem::path& volume) { return volume == drawn ? part : shared(volume); };
+    return {store_for, boxesOnDisks(part, job.volume, *options.ranks)};
   }
   Plan out{sharedStores(job, options), {}};
   out.boxes = boxesOfRanks(job, out.stores, *options.ranks);

@@ -243,7 +243,7 @@ SequenceResult shareSequence(const RenderJob& job, const SequenceOptions& option
     throw Error(ErrorCode::kUsage, "--checkpoint: is one process's; under mpirun a frame's tiles are not kept");
   if (const char* const view = viewWithoutTiles(job); view != nullptr && job.distribution == Distribution::kTiles)
     throw Error(ErrorCode::kUsage,
-                fmt::format("--distribute tiles: {} is drawn as a whole; use --distribute frames", view));
+                fmt::format("--distribute tiles: needs a view of tiles (found {}); use --distribute frames", view));
   if (job.distribution == Distribution::kBricks) return shareBricksOfSequence(job, options, progress, listener);
   return SharedSequence(job, options, progress, listener).run();
 }

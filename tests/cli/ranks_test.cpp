@@ -260,6 +260,21 @@ TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
   look.insert(look.end(), {"--distribute", "bricks", "--store-local", parts});
   drawn(3, "many", look);
   expectClose("b.exr");
+  // Colours are those of the named volume, of which each rank reads the whole.
+  const std::string colors = (directory_ / "colors.kiln").string();
+  EXPECT_EQ(runTool({"convert", "phantom:brain:32x32x32", colors}).exit_code, 0);
+  look.insert(look.end(), {"--color-by", colors + ":fire"});
+  drawn(3, "many", look);
+  fs::rename(directory_ / "away.kiln", volume_);
+  std::vector<std::string> alone = looks[1];
+  alone.insert(alone.end(),
+               {"--size", "150x120", "--exr-type", "float", "--lattice", "ray", "--color-by", colors + ":fire"});
+  drawn(0, "one", alone);
+  expectClose("b.exr");
+  const ToolResult itself = run(3, {"render", volume_, "-o", (directory_ / "x.exr").string(), "--color-by", volume_,
+                                    "--distribute", "bricks", "--store-local", parts});
+  EXPECT_EQ(itself.exit_code, 2);
+  EXPECT_NE(itself.err.find("leave out --store-local"), std::string::npos) << itself.err;
   const ToolResult fewer = run(2, {"render", volume_, "-o", (directory_ / "x.exr").string(), "--lattice", "ray",
                                    "--distribute", "bricks", "--store-local", parts});
   EXPECT_EQ(fewer.exit_code, 2);
