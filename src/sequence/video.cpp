@@ -42,6 +42,8 @@ std::vector<std::string> encoderArguments(const VideoOptions& options, int width
     add({"-c:v", "libvpx-vp9", "-crf", "20", "-b:v", "0"});
   else
     add({"-c:v", "libx264", "-crf", "16"});
+  // x264's bytes depend on its threads, whose number is that of the cores of a process otherwise.
+  add({"-threads", "4"});
   // Leaves out the encoder's name and the time, so that equal frames give equal files.
   add({"-map_metadata", "-1", "-fflags", "+bitexact", "-flags:v", "+bitexact"});
   if (!record.empty()) add({"-metadata", "comment=" + record});
