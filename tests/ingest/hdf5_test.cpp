@@ -204,6 +204,9 @@ TEST(IngestHdf5, VirtualDataOfAMissingFile_areRefused) {
   const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 444);
   Hdf5File(files.directory() / "source.h5").add("/v", volume);
   EXPECT_TRUE(readWhole(*openSource(file)) == volume.voxels);
+  const fs::path below = files.directory() / "below.h5";
+  Hdf5File(below).addVirtual("/v", kDims, "sub/source.h5", "/v");
+  expectRefused(below, ErrorCode::kNotFound, "'sub/source.h5' with voxels of this data set is missing");
   fs::create_directory(files.directory() / "linked");
   fs::create_symlink(file, files.directory() / "linked/virtual.h5");
   EXPECT_TRUE(readWhole(*openSource(files.directory() / "linked/virtual.h5")) == volume.voxels);

@@ -234,6 +234,8 @@ std::string parentOf(const std::string& path) {
   return slash == 0 ? "" : path.substr(0, slash);
 }
 
+bool isSpaceName(const std::string& name) { return name == "x" || name == "y" || name == "z"; }
+
 // The names of EMD's axes x, y, z, t and c: attributes of dim1, dim2, …. None unless x, y and z are named.
 std::vector<std::string> emdNames(const Hdf5Objects& objects, const std::string& group, std::size_t axes) {
   std::vector<std::string> out(axes);
@@ -241,9 +243,8 @@ std::vector<std::string> emdNames(const Hdf5Objects& objects, const std::string&
   for (std::size_t i = 0; i < axes; ++i) {
     const Hdf5Object* const dim = objects.find(group + fmt::format("/dim{}", i + 1));
     const std::string name = lowered(dim ? dim->text("name").value_or("") : "");
-    const bool of_space = name == "x" || name == "y" || name == "z";
-    if (of_space) space += name;
-    if (of_space || name == "t" || name == "c") out[i] = name;
+    if (isSpaceName(name)) space += name;
+    if (isSpaceName(name) || name == "t" || name == "c") out[i] = name;
   }
   std::sort(space.begin(), space.end());
   return space == "xyz" ? out : std::vector<std::string>();
@@ -259,6 +260,8 @@ void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
   std::vector<std::string> names = above ? above->texts("axes") : std::vector<std::string>();
   std::vector<std::string> labels = dataset.texts("DIMENSION_LABELS");
   if (labels.size() != count) labels = emdNames(objects, group, count);
+  const bool names_space =
+      names.size() != count && labels.size() == count && std::any_of(labels.begin(), labels.end(), isSpaceName);
   const ArrayAxis* placed = nullptr;
   std::vector<std::size_t> unplaced;
   for (std::size_t i = 0; i < count; ++i) {
@@ -267,7 +270,7 @@ void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
     const std::string coordinates = named ? group + "/" + names[i] : group + fmt::format("/dim{}", i + 1);
     if (named) axis.name = names[i];
     if (!named && labels.size() == count) axis.name = labels[i];
-    const bool of_space = i + 3 >= count && axis.name != "t" && axis.name != "c";
+    const bool of_space = names_space ? isSpaceName(axis.name) : i + 3 >= count && axis.name != "t" && axis.name != "c";
     const Hdf5Object* const list = objects.find(coordinates);
     const bool fits = isForAxis(list, dataset.shape[i], !named);
     const bool has_place = fits && placeByCoordinates(coordinates, *list, axis, out.notes);

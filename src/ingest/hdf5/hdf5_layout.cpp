@@ -83,12 +83,13 @@ std::vector<hdf5::ChunkEntry> tableOf(Hdf5Reader& reader, const Hdf5Layout& layo
   return out;
 }
 
-// Finds a file as the library does: by its path, beside the data set's file, beside the target of a link to that file.
+// Finds a file as the library does: by its path, beside the data set's file, in the working directory, beside the
+// target of a link to that file. A missing file of an absolute name is searched by the last part of the name.
 std::optional<fs::path> foundFile(const fs::path& name, const fs::path& file) {
   std::error_code ignored;
+  const fs::path last = name.is_absolute() ? name.filename() : name;
   const fs::path linked = fs::canonical(file, ignored).parent_path();
-  for (const fs::path& path :
-       {file.parent_path() / name, fs::path(name), file.parent_path() / name.filename(), linked / name})
+  for (const fs::path& path : {file.parent_path() / name, file.parent_path() / last, last, linked / last})
     if (fs::is_regular_file(path, ignored)) return path;
   return std::nullopt;
 }
