@@ -124,7 +124,7 @@ bool namesStore(const ForeignVolume& volume) {
   return true;
 }
 
-// A store, and the class of its values: labels are averaged and drawn in another way than amounts.
+// A store, and the class of its values. A coarser voxel of labels is the most frequent label, of amounts the mean.
 struct ExpectedStore {
   fs::path path;
   bool labels = false;
@@ -162,6 +162,11 @@ fs::path storePathOf(const ForeignVolume& volume, bool as_labels) {
   return volume.store_directory / hashedStoreName(file.filename().string() + dotted(part) + ending, hash);
 }
 
+std::optional<fs::path> madeStoreOf(const ForeignVolume& volume, const SourceInfo& source, std::uint64_t memory_bytes) {
+  const ExpectedStore store(volume, source, false);
+  return isStore(store.path) && store.isMade(source, memory_bytes) ? std::optional(store.path) : std::nullopt;
+}
+
 fs::path madeStoreFor(const ForeignVolume& volume, std::uint64_t memory_bytes, bool labels,
                       const std::function<void(const SourceInfo&)>& opened) {
   const fs::path& input = volume.input;
@@ -173,7 +178,8 @@ fs::path madeStoreFor(const ForeignVolume& volume, std::uint64_t memory_bytes, b
   throw Error(
       ErrorCode::kUsage, input, "",
       "is no store, and none of it is there; what its pictures cost is known once it is converted: kiln convert " +
-          shellText(input.string()) + " NAME.kiln");
+          shellText(input.string()) +
+          (store.labels && source->info().volume_class != VolumeClass::kLabels ? " --labels" : "") + " NAME.kiln");
 }
 
 fs::path storeFor(const ForeignVolume& volume, const ConvertOptions& options, Progress& progress,

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "convert/convert.h"
 
@@ -24,7 +25,8 @@ struct ForeignVolume {
 /// Returns the name of the store that is made of a volume file. Beside the file: the file's name with ".kiln" appended.
 /// In a `store_directory`: NAME-HASH.kiln, so that files of one name in several folders have a store each. HASH is 12
 /// digits of the hash of the file's absolute path without links. Both contain the part of FILE:/PATH. A file whose
-/// values are labels by the user's word alone (`as_labels`) has a second store, NAME.labels.kiln.
+/// values are labels by the user's word alone (`as_labels`) has a second store: NAME.labels.kiln, or
+/// NAME.labels-HASH.kiln in a `store_directory`.
 std::filesystem::path storePathOf(const ForeignVolume& volume, bool as_labels = false);
 
 /// Opens the file of a volume. throws: as openSource.
@@ -38,6 +40,10 @@ std::unique_ptr<VolumeSource> openedWithin(std::uint64_t memory_bytes, const For
 /// render, slice, gallery or view (Provenance::command); kIo, naming --store, if the folder cannot be written to.
 std::filesystem::path storeFor(const ForeignVolume& volume, const ConvertOptions& options, Progress& progress,
                                const std::function<void(const SourceInfo&)>& opened = {});
+
+/// Returns the store of a volume's own values if it is made; `source` describes the volume.
+std::optional<std::filesystem::path> madeStoreOf(const ForeignVolume& volume, const SourceInfo& source,
+                                                 std::uint64_t memory_bytes);
 
 /// Returns the store without making it; the source is opened in at most `memory_bytes`. `labels`: as ConvertOptions.
 /// throws: Error kUsage if a foreign file has no such store yet; kBudget.

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "ingest/open_source.h"
 #include "store/manifest/read_manifest.h"
 #include "support/files/foreign_files.h"
 #include "support/files/nifti_files.h"
+#include "support/system/expect_error.h"
 
 namespace kiln::test {
 namespace {
@@ -48,7 +50,8 @@ TEST(StoreOfAFile, AsLabels_IsASecondStore) {
   // A store of values by the name of the labels' store, as a rename makes it, is made anew.
   fs::remove_all(labels);
   fs::rename(values, labels);
-  EXPECT_THROW(madeStoreFor({file, {}, {}}, UINT64_MAX, true), Error);
+  expectError([&] { madeStoreFor({file, {}, {}}, UINT64_MAX, true); }, ErrorCode::kUsage, "--labels NAME.kiln");
+  EXPECT_FALSE(madeStoreOf({file, {}, {}}, openSource(file)->info(), UINT64_MAX));
   EXPECT_EQ(stored(true), labels);
   EXPECT_EQ(readManifest(labels).volume_class, VolumeClass::kLabels);
 }

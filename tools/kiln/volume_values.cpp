@@ -45,10 +45,8 @@ bool namesVolumeFile(const fs::path& path, const SourceWords& arguments) {
 
 VolumeValues valuesOf(const ForeignVolume& volume, VolumeSource& source, std::uint64_t memory_bytes,
                       Progress& progress) {
-  const fs::path store = storePathOf(volume);
-  if (isStore(store) && isStoreOf(store, source.info(), memory_bytes) &&
-      readManifest(store).volume_class == source.info().volume_class)
-    return {readManifest(store), fmt::format("all voxels, by the store {}", store.string()), 0};
+  if (const std::optional<fs::path> store = madeStoreOf(volume, source.info(), memory_bytes))
+    return {readManifest(*store), fmt::format("all voxels, by the store {}", store->string()), 0};
   VolumeSample sample = sampleOf(source, memory_bytes, progress);
   std::string counted = countedText(sample);
   return {std::move(sample.manifest), std::move(counted), sample.voxels};
