@@ -128,9 +128,12 @@ ExportReport exportGrids(const GridArchive& archive, const ExportParts& parts) {
   if (!whole.geometry.unit.empty() || whole.geometry.frame != PatientFrame::kUnknown)
     parts.progress.note(request.out.string() + ": grids have no unit of length and no patient frame");
   if (sum.voxels == 0)
-    parts.progress.note(request.out.string() +
-                        ": no voxel differs from the background, so the grid is empty and holds no size; --background "
-                        "with another value keeps the voxels");
+    parts.progress.note(
+        request.out.string() +
+        (request.baked
+             ? ": --tf makes no voxel visible, so the grids are empty and hold no size; choose another function"
+             : ": no voxel differs from the background by more than --tolerance, so the grid is empty and "
+               "holds no size; --background with another value keeps the voxels"));
   else if (!request.baked && sum.voxels < static_cast<std::uint64_t>(whole.box.count()))
     parts.progress.note(
         fmt::format("{}: grids have no box; programs read the box of the active voxels, without the "

@@ -11,13 +11,13 @@ namespace kiln {
 
 /// The name of a header.
 inline constexpr const char* kZarrHeader = "zarr.json";
-/// Largest header that is read of an image in the way. unit: bytes.
+/// Largest header of an existing image that is read. unit: bytes.
 inline constexpr std::uint64_t kLargestOmeHeader = 16 << 20;
 
 /// Returns the paths of the arrays that the header of an OME-Zarr image lists; none for other texts.
 std::vector<std::string> omeArrays(const std::string& header);
 
-/// Name of an image, and the description of the export, which tells a finished export from another.
+/// Name of an image, and the description of its export. Equal exports have equal descriptions.
 struct OmeTitle {
   std::string name, contents;
 };
