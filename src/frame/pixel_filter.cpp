@@ -1,6 +1,7 @@
 #include "frame/pixel_filter.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 #include <vector>
 
@@ -96,6 +97,7 @@ PixelFilter::PixelFilter(int samples, bool of_rays) : edge_(subPixelsAlongEdge(s
     reach_ = 1;
     weights_ = {3 / 32.0f, 26 / 32.0f, 3 / 32.0f};
   } else if (samples == 2) {
+    assert(of_rays);
     reach_ = 1;
     quincunx_ = true;
   } else if (of_rays && samples == 4) {

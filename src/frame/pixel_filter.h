@@ -17,7 +17,8 @@ namespace kiln {
 
 class PixelFilter {
  public:
-  /// Makes the filter for `samples` a pixel: 1, 4 or 16; for rays also 2. throws: as subPixelsAlongEdge.
+  /// Makes the filter for `samples` a pixel: 1, 4 or 16; for rays also 2. requires: `of_rays` with 2.
+  /// throws: as subPixelsAlongEdge.
   PixelFilter(int samples, bool of_rays);
 
   /// Samples along a pixel's edge.

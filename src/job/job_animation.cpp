@@ -49,11 +49,10 @@ void requireAlike(const JobObject& owner, const std::vector<Key<std::vector<T>>>
     bool alike = before.size() == here.size();
     for (std::size_t i = 0; alike && i < here.size(); ++i) alike = matches(before[i], here[i]);
     if (alike) continue;
-    owner.complain(
-        "keyframes",
-        fmt::format(
-            "expected as many {} turned to the opposite direction; the key at frame {} differs from the key before",
-            rule, keys[k].frame));
+    owner.complain("keyframes", fmt::format("expected each key to have as many {} turned to the opposite direction "
+                                            "(found another at frame {}); make the key "
+                                            "like the key before",
+                                            rule, keys[k].frame));
   }
 }
 
@@ -144,7 +143,7 @@ void readLights(const JobObject& root, RenderJob& job) {
   if (!root.isObject("lights")) return lightList().read(root, "lights", job.picture.shading.lights);
   const JobObject owner = *root.object("lights");
   job.animation.lights = onlyKeysFrom(owner, lightsKeyOptions());
-  requireAlike(owner, job.animation.lights, "lights in each key, of equal types and shadows, none",
+  requireAlike(owner, job.animation.lights, "lights, of equal types and shadows, none",
                [](const Light& a, const Light& b) {
                  return a.kind == b.kind && a.shadow == b.shadow && (!isFar(a.kind) || mayMix(a.place, b.place));
                });
@@ -155,7 +154,7 @@ void readClipPlanes(const JobObject& root, RenderJob& job) {
   if (!root.isObject("clip")) return replaceClipPlanes(root, job.picture.clipping);
   const JobObject owner = *root.object("clip");
   job.animation.clip = onlyKeysFrom(owner, clipKeyOptions());
-  requireAlike(owner, job.animation.clip, "planes in each key, none",
+  requireAlike(owner, job.animation.clip, "planes, none",
                [](const ClipPlane& a, const ClipPlane& b) { return mayMix(a.normal, b.normal); });
 }
 

@@ -79,7 +79,7 @@ TEST(VolumeList, DamagedDicomFile_isListedWithItsReason) {
   expectError([&] { volumesIn(files.directory() / "c.dcm"); }, ErrorCode::kFormat, "c.dcm: byte");
 }
 
-// Known: the second stack is cut inside its directory of tags.
+// Known: a NIfTI of three times, and a VTK image of two arrays.
 TEST(VolumeList, FileOfSeveralTimesOrChannels_HasTheOptionThatChooses) {
   const ForeignFiles files;
   NiftiHeader header;
@@ -103,6 +103,7 @@ TEST(VolumeList, FileOfSeveralTimesOrChannels_HasTheOptionThatChooses) {
   EXPECT_EQ(volumes[1].refusal, "");
 }
 
+// Known: the second stack is cut inside its directory of tags.
 TEST(VolumeList, DamagedTiff_isListedWithItsReason) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume({5, 4, 2}, VoxelType::u8, 3);

@@ -18,7 +18,7 @@ namespace kiln {
 /// `radius`: distance beyond which matter does not occlude. unit: world. thread: uses all. throws: Error kCancelled.
 AmbientGrid gatherAmbient(const ExtinctionLattice& lattice, double radius, const Progress& progress);
 
-/// Memory of the lattice, of what gathering takes, and of the grid, for a lattice of so many cells. unit: bytes.
+/// Returns the memory of a lattice, of gathering from it, and of the grid. unit: bytes.
 std::uint64_t ambientBytes(const LatticeView& lattice);
 
 }  // namespace kiln

@@ -13,9 +13,10 @@ namespace kiln {
 class UnchosenPart : public Error {
  public:
   enum class Kind { kTime, kChannel };
-  /// `parts` is the text "4 times", with the names of channels behind it: ": 0 ('T1'), 1".
+  /// `names`: the text behind the count, ": 0 ('T1'), 1"; empty for times.
   UnchosenPart(Kind kind, const std::filesystem::path& file, std::int64_t count, const std::string& names);
   Kind kind() const { return kind_; }
+  /// Returns the count and the names: "4 times", "2 channels: 0 ('w'), 1 ('v')".
   const std::string& parts() const { return parts_; }
 
  private:

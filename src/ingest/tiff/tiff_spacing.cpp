@@ -256,8 +256,8 @@ StackNotes notesOfTifffile(const JsonNode& description, int samples) {
   return out;
 }
 
-// A JSON object with a list "shape" is tifffile's; metadata of its user may stand in front of the list. A text that
-// only resembles tifffile's says nothing.
+// Reads a JSON object with a list "shape" as tifffile's. Metadata of its user may stand in front of the list. Returns
+// nothing for other texts.
 std::optional<StackNotes> tifffileNotes(std::string_view description, int samples) {
   if (!description.starts_with('{')) return std::nullopt;
   try {

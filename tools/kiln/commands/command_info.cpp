@@ -190,7 +190,7 @@ std::string sourceForPrograms(const SourceInfo& info, const VolumeValues& values
   return jsonText(std::move(out), 1) + "\n";
 }
 
-// Returns the pixel type of the colours, or of the first channel of a file without colours.
+// Prints the size, the compression and the channels of a picture.
 void printLayout(const PixelLayout& layout) {
   say("pixels       {} x {}", layout.width, layout.height);
   if (layout.png_bits > 0) return say(" of {} bits a channel\n", layout.png_bits);
