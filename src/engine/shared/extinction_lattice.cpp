@@ -7,6 +7,13 @@
 #include "base/thread/parallel.h"
 
 namespace kiln {
+namespace {
+
+std::size_t raysOf(const LatticeView& lattice) {
+  return static_cast<std::size_t>(lattice.view.size.width) * static_cast<std::size_t>(lattice.view.size.height);
+}
+
+}  // namespace
 
 LatticeView turned(const LatticeView& lattice) {
   const View& from = lattice.view;
@@ -25,29 +32,22 @@ LatticeView turned(const LatticeView& lattice) {
 }
 
 ExtinctionLattice::ExtinctionLattice(const LatticeView& lattice)
-    : lattice_(lattice), sums_(static_cast<std::size_t>(lattice.cells().count()), 0) {
-  beginView();
-}
+    : lattice_(lattice),
+      drawn_(lattice),
+      rays_(raysOf(lattice)),
+      sums_(static_cast<std::size_t>(lattice.cells().count()), 0) {}
 
-// A turned view has the rays of another side.
 std::uint64_t ExtinctionLattice::bytesOf(const LatticeView& lattice) {
-  const std::int64_t edges[3] = {lattice.view.size.width, lattice.view.size.height, lattice.depth};
-  const std::int64_t rays = std::max({edges[0] * edges[1], edges[1] * edges[2], edges[2] * edges[0]});
+  const LatticeView once = turned(lattice), twice = turned(once);
+  const std::size_t rays = std::max({raysOf(lattice), raysOf(once), raysOf(twice)});
   return static_cast<std::uint64_t>(lattice.cells().count()) * (sizeof(std::uint16_t) + sizeof(std::uint8_t)) +
-         static_cast<std::uint64_t>(rays) * sizeof(LastCell);
-}
-
-void ExtinctionLattice::beginView() {
-  const std::int64_t edges[3] = {lattice_.view.size.width, lattice_.view.size.height, lattice_.depth};
-  rays_across_ = static_cast<std::size_t>(edges[turns_ % 3]);
-  const Extent3 n = lattice_.cells();
-  cells_along_ = static_cast<int>((turns_ % 3 == 0 ? n.z : turns_ % 3 == 1 ? n.x : n.y));
-  rays_.assign(rays_across_ * static_cast<std::size_t>(edges[(turns_ + 1) % 3]), {});
+         rays * sizeof(LastCell);
 }
 
 void ExtinctionLattice::turn() {
+  const auto across = static_cast<std::size_t>(drawn_.view.size.width);
   for (std::size_t ray = 0; ray < rays_.size(); ++ray)
-    end(static_cast<int>(ray % rays_across_), static_cast<int>(ray / rays_across_), rays_[ray]);
+    end(static_cast<int>(ray % across), static_cast<int>(ray / across), rays_[ray]);
   if (open_.empty()) open_.assign(sums_.size(), 255);
   const auto slice = static_cast<std::size_t>(lattice_.cells().x * lattice_.cells().y);
   parallelFor(sums_.size() / slice, [&](std::size_t z) {
@@ -58,7 +58,8 @@ void ExtinctionLattice::turn() {
     }
   });
   ++turns_;
-  beginView();
+  drawn_ = turned(drawn_);
+  rays_.assign(raysOf(drawn_), {});
 }
 
 }  // namespace kiln

@@ -59,8 +59,8 @@ class ExtinctionLattice {
   /// Adds the optical depth of the ray of pixel (x, y) in a cell along the drawn view; cells outside are left out.
   /// requires: the cells of a ray in their order along the view. thread: one thread at a time for each column of cells.
   void add(int x, int y, int cell, float optical_depth) {
-    if (cell < 0 || cell >= cells_along_) return;
-    LastCell& last = rays_[static_cast<std::size_t>(y) * rays_across_ + static_cast<std::size_t>(x)];
+    if (cell < 0 || cell >= drawn_.cells().z) return;
+    LastCell& last = rays_[static_cast<std::size_t>(y * drawn_.view.size.width + x)];
     if (last.cell == cell) {
       last.optical_depth += optical_depth;
       return;
@@ -81,7 +81,6 @@ class ExtinctionLattice {
     float optical_depth = 0;
   };
 
-  void beginView();
   // Adds the opacity of a ray's last cell.
   void end(int x, int y, const LastCell& last) {
     if (last.cell < 0) return;
@@ -98,10 +97,9 @@ class ExtinctionLattice {
     return static_cast<std::size_t>((z * n.y + y) * n.x + x);
   }
 
-  LatticeView lattice_;
+  const LatticeView lattice_;
+  LatticeView drawn_;  // the lattice after `turns_` turns
   int turns_ = 0;
-  std::size_t rays_across_ = 0;
-  int cells_along_ = 0;
   std::vector<LastCell> rays_;  // of the drawn view
   Cells<std::uint16_t> sums_;   // opacities, of the drawn view
   Cells<std::uint8_t> open_;
