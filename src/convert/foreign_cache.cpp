@@ -126,14 +126,14 @@ bool namesStore(const ForeignVolume& volume) {
 
 // A store, and the class of its values. A coarser voxel of labels is the most frequent label, of amounts the mean.
 struct ExpectedStore {
+  bool as_labels = false;  // by the user's word alone
   fs::path path;
-  bool labels = false;
 
   ExpectedStore(const ForeignVolume& volume, const SourceInfo& info, bool by_user)
-      : path(storePathOf(volume, by_user && info.volume_class != VolumeClass::kLabels)),
-        labels(by_user || info.volume_class == VolumeClass::kLabels) {}
+      : as_labels(by_user && info.volume_class != VolumeClass::kLabels), path(storePathOf(volume, as_labels)) {}
 
   bool isMade(const SourceInfo& info, std::uint64_t memory_bytes) const {
+    const bool labels = as_labels || info.volume_class == VolumeClass::kLabels;
     return isStoreOf(path, info, memory_bytes) && (readManifest(path).volume_class == VolumeClass::kLabels) == labels;
   }
 };
@@ -178,8 +178,7 @@ fs::path madeStoreFor(const ForeignVolume& volume, std::uint64_t memory_bytes, b
   throw Error(
       ErrorCode::kUsage, input, "",
       "is no store, and none of it is there; what its pictures cost is known once it is converted: kiln convert " +
-          shellText(input.string()) +
-          (store.labels && source->info().volume_class != VolumeClass::kLabels ? " --labels" : "") + " NAME.kiln");
+          shellText(input.string()) + (store.as_labels ? " --labels" : "") + " NAME.kiln");
 }
 
 fs::path storeFor(const ForeignVolume& volume, const ConvertOptions& options, Progress& progress,

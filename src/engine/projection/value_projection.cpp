@@ -24,8 +24,8 @@ std::vector<SlabZone> rayZones(const Manifest& volume, const View& view, const P
     const double most = 0.5 * std::min({edges.x, edges.y, edges.z});
     // Zones are far deeper than a volume that is smaller than a pixel.
     constexpr int kMostSamples = 1 << 30;
-    const int parts = std::clamp(static_cast<int>(std::min(std::ceil(zone.thickness / most - 1e-9), 1e9)), 1,
-                                 std::max(kMostSamples / std::max(zone.slabs, 1), 1));
+    const int parts = static_cast<int>(
+        std::clamp(std::ceil(zone.thickness / most - 1e-9), 1.0, static_cast<double>(kMostSamples / zone.slabs)));
     zone.thickness /= parts;
     zone.slabs *= parts;
   }
