@@ -42,14 +42,13 @@ ListedVolume oneOf(const fs::path& input, const SourceOptions& options) try {
   return out;
 } catch (const UnchosenPart& several) {
   SourceOptions first = options;
-  const bool of_times = several.kind() == UnchosenPart::Kind::kTime;
-  if (of_times)
+  if (several.part() == "time")
     first.time = 0;
   else
     first.channel = "0";
   ListedVolume out = oneOf(input, first);
-  out.kind = withoutPart(out.kind, partOf(of_times ? "time" : "channel", 0, 2)) + ", " + several.parts();
-  out.option = (of_times ? "--time N" : "--channel N") + (out.option.empty() ? "" : " " + out.option);
+  out.kind = withoutPart(out.kind, partOf(several.part().c_str(), 0, 2)) + ", " + several.parts();
+  out.option = "--" + several.part() + " N" + (out.option.empty() ? "" : " " + out.option);
   return out;
 }
 

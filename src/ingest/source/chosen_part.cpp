@@ -27,21 +27,19 @@ std::string listOf(std::span<const std::string> names) {
   throw Error(ErrorCode::kUsage, file, option, what);
 }
 
-std::string nameOf(UnchosenPart::Kind kind) { return kind == UnchosenPart::Kind::kTime ? "time" : "channel"; }
-
 }  // namespace
 
-UnchosenPart::UnchosenPart(Kind kind, const std::filesystem::path& file, std::int64_t count, const std::string& names)
+UnchosenPart::UnchosenPart(const char* part, const std::filesystem::path& file, std::int64_t count,
+                           const std::string& names)
     : Error(ErrorCode::kUsage, file, "",
-            fmt::format("holds {} {}s; choose one with --{}, from 0 to {}{}", count, nameOf(kind), nameOf(kind),
-                        count - 1, names)),
-      kind_(kind),
-      parts_(fmt::format("{} {}s{}", count, nameOf(kind), names)) {}
+            fmt::format("holds {0} {1}s; choose one with --{1}, from 0 to {2}{3}", count, part, count - 1, names)),
+      part_(part),
+      parts_(fmt::format("{} {}s{}", count, part, names)) {}
 
 std::int64_t chosenTime(const SourceOptions& options, std::int64_t count, const std::filesystem::path& file) {
   if (!options.time) {
     if (count == 1) return 0;
-    throw UnchosenPart(UnchosenPart::Kind::kTime, file, count, "");
+    throw UnchosenPart("time", file, count, "");
   }
   if (*options.time < 0 || *options.time >= count)
     refuseChoice(file, "--time", fmt::format("expected a number from 0 to {} (found {})", count - 1, *options.time));
@@ -53,7 +51,7 @@ std::int64_t chosenChannel(const SourceOptions& options, std::span<const std::st
   const auto count = static_cast<std::int64_t>(names.size());
   if (!options.channel) {
     if (count == 1) return 0;
-    throw UnchosenPart(UnchosenPart::Kind::kChannel, file, count, listOf(names));
+    throw UnchosenPart("channel", file, count, listOf(names));
   }
   if (const auto number = numberOf<std::int64_t>(*options.channel); number && *number >= 0 && *number < count)
     return *number;

@@ -12,16 +12,14 @@ namespace kiln {
 /// The refusal of a file of several parts, none of which the user chose. A list of volumes names the parts instead.
 class UnchosenPart : public Error {
  public:
-  enum class Kind { kTime, kChannel };
-  /// `names`: the text behind the count, ": 0 ('T1'), 1"; empty for times.
-  UnchosenPart(Kind kind, const std::filesystem::path& file, std::int64_t count, const std::string& names);
-  Kind kind() const { return kind_; }
+  /// `part`: "time" or "channel". `names`: the text behind the count, ": 0 ('T1'), 1"; empty for times.
+  UnchosenPart(const char* part, const std::filesystem::path& file, std::int64_t count, const std::string& names);
+  const std::string& part() const { return part_; }
   /// Returns the count and the names: "4 times", "2 channels: 0 ('w'), 1 ('v')".
   const std::string& parts() const { return parts_; }
 
  private:
-  Kind kind_;
-  std::string parts_;
+  std::string part_, parts_;
 };
 
 /// Returns the number of the chosen time; 0 if the file has one time and the user chose none.
