@@ -50,8 +50,7 @@ void requireAlike(const JobObject& owner, const std::vector<Key<std::vector<T>>>
     for (std::size_t i = 0; alike && i < here.size(); ++i) alike = matches(before[i], here[i]);
     if (alike) continue;
     owner.complain("keyframes", fmt::format("expected each key to have as many {} turned to the opposite direction "
-                                            "(found another at frame {}); make the key "
-                                            "like the key before",
+                                            "(found another at frame {}); make the key like the key before",
                                             rule, keys[k].frame));
   }
 }

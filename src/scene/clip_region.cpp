@@ -30,6 +30,12 @@ void requireVoxels(const char* what, const VoxelBox& region, const Extent3& dims
                   " (half-open) holds none of the volume's voxels, 0,0,0 to " + voxelText({dims.x, dims.y, dims.z}));
 }
 
+// False for a face that is seen edge-on: its normal, turned to the eye, may point into the matter. True without an eye.
+bool facesEye(const glm::dvec3& inwards, const glm::dvec3& to_eye) {
+  const double along = glm::dot(inwards, to_eye);
+  return along <= -ClipRegion::kEdgeOn * std::sqrt(glm::dot(inwards, inwards) * glm::dot(to_eye, to_eye));
+}
+
 }  // namespace
 
 std::vector<ClipPlane> facesOf(const glm::dvec3& lo, const glm::dvec3& hi) {
@@ -196,16 +202,6 @@ ClipRegion::Overlap ClipRegion::classify(const VoxelBox& voxels) const noexcept 
   }
   return out;
 }
-
-namespace {
-
-// False for a face that is seen edge-on: its normal, turned to the eye, may point into the matter. True without an eye.
-bool facesEye(const glm::dvec3& inwards, const glm::dvec3& to_eye) {
-  const double along = glm::dot(inwards, to_eye);
-  return along <= -ClipRegion::kEdgeOn * std::sqrt(glm::dot(inwards, inwards) * glm::dot(to_eye, to_eye));
-}
-
-}  // namespace
 
 const glm::vec3* ClipRegion::cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept {
   const glm::vec3* gradient = nullptr;
