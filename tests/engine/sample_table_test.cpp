@@ -40,6 +40,17 @@ TEST(SampleTable, IsSoftWhereNothingChangesByMoreThanOne) {
   }
 }
 
+// Known because the function rises from nothing at 50 to a depth of 0.4 at 150, linearly in opacity.
+TEST(SampleTable, IsEvenWhereNoLayerEnds) {
+  const SampleTable table = tableOf({{50, {1, 1, 1}, 0}, {150, {1, 1, 1}, ofDepth(0.4)}});
+  EXPECT_TRUE(table.even({0, 50}, 1));
+  EXPECT_FALSE(table.even({0, 150}, 1));
+  EXPECT_TRUE(table.even({100, 150}, 1));
+  EXPECT_TRUE(table.even({0, 60}, 1)) << "faint";
+  EXPECT_FALSE(table.even({0, 60}, 4));
+  EXPECT_TRUE(table.even({0, 150}, 0.1));
+}
+
 // Known because the colour is constant up to 100 and from 150 on.
 TEST(SampleTable, HasOneColorWhereNoValueHasAnother) {
   const glm::dvec3 red(0.9, 0.3, 0.1), blue(0.1, 0.2, 0.7);

@@ -17,6 +17,11 @@ constexpr double kTableSteps = 1 << 15;
 // Limit of the change of optical depth, or of light, over the values of a soft voxel (figures: decisions/pairs.md).
 constexpr double kSoftChange = 1;
 
+// Limits of the change in an even voxel: share of the larger extinction, and optical depth (figures:
+// decisions/pairs.md).
+constexpr double kEvenShare = 0.75;
+constexpr double kFaintChange = 1.0 / 16;
+
 // Largest difference of two materials in extinction or emitted light.
 double changeBetween(const Material& a, const Material& b) {
   const auto light = [](const Material& m) { return glm::dvec3(m.r, m.g, m.b) * static_cast<double>(m.tau); };
@@ -152,6 +157,13 @@ bool SampleTable::soft(const ValueRange& range, double length, bool beside_nothi
   const std::size_t from = entryBelow(range.lo), to = entryAbove(range.hi);
   const double most = kSoftChange / length - (changes_[to] - changes_[from]);
   return most >= (beside_nothing ? static_cast<double>(extinctions_[from]) : 0.0);
+}
+
+bool SampleTable::even(const ValueRange& range, double length) const {
+  const std::size_t from = entryBelow(range.lo), to = entryAbove(range.hi);
+  const double change = changes_[to] - changes_[from];
+  return change * length <= kFaintChange ||
+         change <= kEvenShare * static_cast<double>(std::max(extinctions_[from], extinctions_[to]));
 }
 
 // Includes an entry below the range: interpolation may round a value to just outside the range.
