@@ -19,6 +19,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/work_count.h"
 
 extern char** environ;
 
@@ -110,6 +111,7 @@ std::string ChildProcess::awaitEnd(const std::function<void()>& waiting) {
   using namespace std::chrono_literals;
   std::string how;
   while (!hasEnded(how)) {
+    countWork();
     waiting();
     std::this_thread::sleep_for(20ms);
   }
@@ -141,6 +143,7 @@ std::optional<std::string> outputOf(const std::filesystem::path& program, const 
   while (true) {
     pollfd answer{child.socket(), POLLIN, 0};
     if (::poll(&answer, 1, kWait_ms) <= 0) {
+      countWork();
       waiting();
       continue;
     }
@@ -158,6 +161,7 @@ void FedProcess::write(std::span<const std::byte> data, const WaitHandler& waiti
   while (!data.empty()) {
     pollfd room{child_.socket(), POLLOUT, 0};
     if (::poll(&room, 1, kWait_ms) <= 0) {
+      countWork();
       waiting();
       continue;
     }

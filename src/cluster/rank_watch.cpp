@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "base/duration_text.h"
-#include "base/file/io_count.h"
 #include "base/process.h"
+#include "base/work_count.h"
 
 namespace kiln {
 namespace {
@@ -41,10 +41,11 @@ RankWatch::RankWatch(int rank, int count, double seconds, Found found, Clock::ti
 }
 
 bool RankWatch::worked(double interval_s) {
-  const std::uint64_t io = ioCount().load(std::memory_order_relaxed), waits = waiting_.load(std::memory_order_relaxed);
+  const std::uint64_t work = workCount().load(std::memory_order_relaxed),
+                      waits = waiting_.load(std::memory_order_relaxed);
   const double processor_s = static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
   const bool computed = processor_s - processor_s_ >= kComputingShare * interval_s;
-  const bool out = std::exchange(io_, io) != io || std::exchange(waits_, waits) != waits || computed;
+  const bool out = std::exchange(work_, work) != work || std::exchange(waits_, waits) != waits || computed;
   processor_s_ = processor_s;
   return out;
 }

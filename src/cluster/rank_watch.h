@@ -1,8 +1,8 @@
 // Detects hung ranks.
 // Problem. A stopped rank, or a rank whose disk (NFS) does not answer, keeps all ranks waiting forever.
 // Method. Each rank sends a pulse once a second with the time since its last work. Work is a finished read or write,
-// used processor time, or a wait for further ranks. Rank 0 watches all ranks; all ranks watch rank 0.
-// Invariant. A rank waiting for a hung rank is never reported.
+// used processor time, or a wait for further ranks or another process. Rank 0 watches all ranks; all ranks watch rank
+// 0. Invariant. A rank waiting for a hung rank is never reported.
 #pragma once
 
 #include <atomic>
@@ -61,7 +61,7 @@ class RankWatch {
   std::vector<Watched> watched_;
   Clock::time_point called_, sent_, worked_;
   bool begun_ = false, ended_ = false;
-  std::uint64_t io_ = 0, waits_ = 0;
+  std::uint64_t work_ = 0, waits_ = 0;
   double processor_s_ = 0;
   std::atomic<std::uint64_t> waiting_ = 0;
 };

@@ -5,7 +5,8 @@
 
 #include <string>
 
-#include "base/file/io_count.h"
+#include "base/process.h"
+#include "base/work_count.h"
 
 namespace kiln::test {
 namespace {
@@ -74,7 +75,7 @@ TEST_F(RankWatchTest, ItsOwnIdleTime_countsSinceTheLastReadOrWait) {
   beat();
   for (int i = 0; i < 5; ++i) beat();
   EXPECT_NEAR(idle_s, 5, 1.1);
-  countIo();
+  countWork();
   beat();
   EXPECT_EQ(idle_s, 0);
   beat();
@@ -82,6 +83,13 @@ TEST_F(RankWatchTest, ItsOwnIdleTime_countsSinceTheLastReadOrWait) {
   watch_.noteWaiting();
   beat();
   EXPECT_EQ(idle_s, 0);
+}
+
+// A rank that waits for a program, such as an encoder of videos, is not reported.
+TEST(RankWatchWork, CountsAWaitForAnotherProcessAsWork) {
+  const std::uint64_t before = workCount();
+  EXPECT_TRUE(outputOf("/bin/sleep", {"0.3"}, 1, [] {}));
+  EXPECT_GT(workCount(), before);
 }
 
 }  // namespace

@@ -14,12 +14,12 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/file/io_count.h"
 #include "base/file/renamed_error.h"
 #include "base/file/same_file.h"
 #include "base/file/temporary_file.h"
 #include "base/text.h"
 #include "base/uninterrupted.h"
+#include "base/work_count.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -52,7 +52,7 @@ void writeAll(int file, const fs::path& path, std::span<const std::byte> data,
     if (put < 0 && errno == EINTR) continue;
     if (put < 0) throw systemError(errno, path, "writing at byte " + std::to_string(offset.value_or(0) + done));
     done += static_cast<std::size_t>(put);
-    countIo();
+    countWork();
   }
 }
 
@@ -72,7 +72,7 @@ std::size_t writePastCache(int file, std::span<const std::byte> data) {
     if (put < 0 && errno == EINTR) continue;
     if (put <= 0) break;
     done += static_cast<std::size_t>(put);
-    countIo();
+    countWork();
     if (done % kBlock != 0) break;
   }
   ::fcntl(file, F_SETFL, flags);
@@ -180,7 +180,7 @@ std::size_t File::readSomeAt(std::uint64_t offset, std::span<std::byte> out) con
     if (got < 0) throw systemError(errno, path_, "reading at byte " + std::to_string(offset + done));
     if (got == 0) break;
     done += static_cast<std::size_t>(got);
-    countIo();
+    countWork();
   }
   // An early end of file is an error: a caller would take it for the end of the data and lose the rest.
   if (done < out.size() && offset + done < size_) {

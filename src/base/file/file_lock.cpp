@@ -17,6 +17,7 @@
 #include "base/file/file.h"
 #include "base/file/same_file.h"
 #include "base/uninterrupted.h"
+#include "base/work_count.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -75,6 +76,7 @@ bool isEmpty(int file) {
 FileLock::FileLock(fs::path path, const std::function<void()>& waiting) : path_(std::move(path)) {
   for (Attempt last = attempt(); last != Attempt::kDone; last = attempt()) {
     if (last == Attempt::kAgain) continue;
+    countWork();
     waiting();
     std::this_thread::sleep_for(100ms);
   }
