@@ -13,6 +13,27 @@
 
 namespace kiln {
 namespace fs = std::filesystem;
+namespace {
+
+constexpr std::int32_t kNoError = -1;
+
+// Path of a volume's store, or the message of the error for which there is none.
+struct SharedStore {
+  std::string text;
+  std::int32_t error = kNoError;
+};
+
+// A volume file that cannot be converted fails the frames that show the volume, and no other frame.
+SharedStore storeOf(const fs::path& volume, const StoreFor& store_for, bool single) {
+  try {
+    return {(store_for ? store_for(volume) : volume).string()};
+  } catch (const Error& error) {
+    if (single || error.code() == ErrorCode::kCancelled) throw;
+    return {error.what(), static_cast<std::int32_t>(error.code())};
+  }
+}
+
+}  // namespace
 
 RankedSequence::RankedSequence(const RenderJob& job, const SequenceOptions& options, StoreFor stores,
                                Progress& progress, SequenceListener& listener, std::optional<VoxelBox> part,
@@ -56,6 +77,18 @@ void RankedSequence::shareAndRead() {
   }
 }
 
+// A frame that cannot be opened is not kept, and fails when it is drawn.
+bool RankedSequence::isKept(int frame) {
+  try {
+    if (!frames_.isThere(frame)) return false;
+  } catch (const Error& error) {
+    if (single() || error.code() == ErrorCode::kExists || error.code() == ErrorCode::kCancelled) throw;
+    return false;
+  }
+  frames_.removeLeftovers(frame);
+  return true;
+}
+
 // Each rank tests some of the frames, because a test reads the whole file.
 void RankedSequence::findKept() {
   std::vector<int> kept;
@@ -65,9 +98,7 @@ void RankedSequence::findKept() {
     if (ranks_.first()) frames_.findVideo();
     const std::size_t count = frames_.areInVideo() ? 1 : static_cast<std::size_t>(ranks_.count());
     for (auto i = static_cast<std::size_t>(ranks_.rank()); i < numbers.size(); i += count) {
-      if (!frames_.isThere(numbers[i])) continue;
-      frames_.removeLeftovers(numbers[i]);
-      kept.push_back(numbers[i]);
+      if (isKept(numbers[i])) kept.push_back(numbers[i]);
     }
   }
   kept = gatherLists(ranks_, kept);
@@ -140,18 +171,25 @@ void RankedSequence::finish() {
 }
 
 StoreFor sharedStores(const RenderJob& job, const SequenceOptions& options) {
-  std::map<fs::path, fs::path> stores;
-  for (const int frame : framesOf(job)) {
+  std::map<fs::path, SharedStore> stores;
+  const std::vector<int> frames = framesOf(job);
+  for (const int frame : frames) {
     for (const fs::path& volume : inputVolumesOf(jobAtFrame(job, frame))) {
       if (stores.contains(volume)) continue;
-      std::string store;
-      if (options.ranks->first()) store = (options.store_for ? options.store_for(volume) : volume).string();
-      std::vector<char> letters(store.begin(), store.end());
+      SharedStore store;
+      if (options.ranks->first()) store = storeOf(volume, options.store_for, frames.size() == 1);
+      std::vector<char> letters(store.text.begin(), store.text.end());
       broadcastList(*options.ranks, letters);
-      stores[volume] = fs::path(letters.begin(), letters.end());
+      std::vector<std::int32_t> code{store.error};
+      broadcastList(*options.ranks, code);
+      stores[volume] = {{letters.begin(), letters.end()}, code.front()};
     }
   }
-  return [stores](const fs::path& volume) { return stores.at(volume); };
+  return [stores](const fs::path& volume) {
+    const SharedStore& store = stores.at(volume);
+    if (store.error != kNoError) throw Error(static_cast<ErrorCode>(store.error), store.text);
+    return fs::path(store.text);
+  };
 }
 
 }  // namespace kiln

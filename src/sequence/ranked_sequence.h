@@ -48,6 +48,7 @@ class RankedSequence {
   std::size_t recorded_ = 0;
 
  private:
+  bool isKept(int frame);
   void findKept();
   void shareAndRead();
   void finish();
@@ -59,7 +60,8 @@ class RankedSequence {
   SequenceResult result_;
 };
 
-/// Collective. Returns the store of each volume; rank 0 converts foreign files.
+/// Collective. Returns the store of each volume; rank 0 converts foreign files. The store of a file that cannot be
+/// converted is an error, unless the job has one frame: then rank 0 throws here.
 StoreFor sharedStores(const RenderJob& job, const SequenceOptions& options);
 
 }  // namespace kiln

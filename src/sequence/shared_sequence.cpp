@@ -48,9 +48,11 @@ class SharedSequence : public RankedSequence {
   // Rank 0 plans for all ranks.
   void makePlan() {
     if (ranks_.first()) {
-      const bool by_frames = viewWithoutTiles(job_) != nullptr || (isSeries(job_) && toDraw().size() > 1);
-      split_ = planTiles(frames_.openedFor(toDraw().front()), toDraw(), ranks_.count(),
-                         by_frames ? Distribution::kFrames : job_.distribution);
+      // Frames of a series are opened, and fail, one by one.
+      const bool by_frames = job_.distribution == Distribution::kFrames || viewWithoutTiles(job_) != nullptr ||
+                             (isSeries(job_) && !single());
+      if (!by_frames)
+        split_ = planTiles(frames_.openedFor(toDraw().front()), toDraw(), ranks_.count(), job_.distribution);
     }
     broadcastList(ranks_, split_.tiles);
     broadcastList(ranks_, split_.bounds);

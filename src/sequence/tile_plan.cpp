@@ -241,7 +241,6 @@ std::vector<BrickHome> homesOf(const SampledFrames& frames, const BrickPlaces& p
 TilePlan planTiles(OpenedJob& opened, const std::vector<int>& frames, int ranks, Distribution distribution) {
   const PictureOptions& picture = opened.job().picture;
   TilePlan out;
-  if (distribution == Distribution::kFrames) return out;
   BrickPlaces places;
   const SampledFrames sampled = sample(opened, frames, places);
   const Grid grid(drawnPixels(picture.size, picture.crop), sampled);

@@ -22,7 +22,7 @@ struct TilePlan {
 
 /// Plans one rectangle per rank with about an even share of the work, as rows, columns or blocks: the layout with the
 /// fewest bytes to read over the frames. `kAuto` hands out whole frames if there are enough frames and tiles would read
-/// as much, or be too few to share. requires: frames of one volume, `frames` not empty.
+/// as much, or be too few to share. requires: frames of one volume, `frames` not empty, not `kFrames`.
 TilePlan planTiles(OpenedJob& opened, const std::vector<int>& frames, int ranks, Distribution distribution);
 
 }  // namespace kiln

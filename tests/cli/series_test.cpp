@@ -92,6 +92,33 @@ TEST_F(SeriesCli, FrameWithoutReadableManifest_costsNoOther) {
   EXPECT_TRUE(readFile(in("a_3.exr")) == readFile(in("b_3.exr")));
 }
 
+// Known: one process draws the other frames, too.
+TEST_F(SeriesCli, UnreadableFrame_costsNoOtherOfRanks) {
+  if (!canRunRanks()) GTEST_SKIP() << "this build has no MPI, or there is no mpirun: not drawn by ranks";
+  ToolOptions ranks;
+  ranks.ranks = 2;
+  const auto drawsOnly = [&](int frame, const std::string& volume, const std::string& name) {
+    SCOPED_TRACE(volume);
+    for (const bool resumed : {false, true}) {
+      std::vector<std::string> words = drawing("1-3", name, volume);
+      if (resumed) words.emplace_back("--resume");
+      const ToolResult result = runTool(words, ranks);
+      EXPECT_EQ(result.exit_code, 1) << result.err;
+      EXPECT_NE(result.err.find(frame == 3 ? "2 frames (1-2) failed" : "2 frames (2-3) failed"), std::string::npos)
+          << result.err;
+      EXPECT_TRUE(fs::remove(in(pathOfFrame(name, frame).string()))) << result.err;
+    }
+  };
+  convert(3);
+  convert(2);
+  writeText(in("s_002.kiln/manifest.json"), "x");
+  drawsOnly(3, "s_###.kiln", "a_#.exr");
+  fs::resize_file(in("s_002.nrrd"), 300);
+  fs::remove(in("s_003.nrrd"));
+  writeFrame(1);
+  drawsOnly(1, "s_###.nrrd", "b_#.exr");
+}
+
 TEST_F(SeriesCli, Resumed_looksAsItBegan) {
   for (const int frame : {1, 2}) convert(frame);
   done(drawing("1-2", "a_#.exr"));
