@@ -59,6 +59,10 @@ Part partFrom(const fs::path& path, std::uint64_t memory_bytes) {
     throw Error(ErrorCode::kFormat, path, ImageMetadata::kJob + std::string(" or kiln:volume"),
                 readableJsonError(error.what()) + "; draw the part again");
   }
+  if (readPixelLayout(path).deep)
+    throw Error(ErrorCode::kUnsupported, path, "",
+                "compositing would flatten its deep samples; draw the parts without --deep, or merge deep parts with "
+                "oiiotool --deepmerge");
   // Without a folder, relative names stay relative.
   out.job = parseJob(of(ImageMetadata::kJob), {});
   if (!out.job.picture.clipping.part)
@@ -141,6 +145,8 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
     requireSameScene(parts.front(), parts.back());
   }
   requireDisjoint(parts);
+  // Only light, in an EXR, has planes.
+  if (medium == Medium::kDisplay) parts.front().job.picture.aovs = {};
   const PictureOptions picture = parts.front().job.picture;
   const VolumeGeometry volume = geometryOf(parts.front().volume);
   const Camera camera = picture.camera.resolve(volume, picture.size);

@@ -23,10 +23,11 @@ struct CompositedParts {
 };
 
 /// Composites the parts front to back, then over the background. The result differs from the whole picture by rounding
-/// and by the transmittance below the opacity threshold. `medium`: of the file that the picture is for. cost: memory
-/// for two pictures of samples. throws: Error kUsage without parts, or if two parts differ in volume, camera, size or
-/// appearance, share a voxel, or have no order of visibility; kUnsupported for a file that is no partial image; kBudget
-/// if `memory_bytes` do not hold the picture beside one part; kCancelled; as readImage.
+/// and by the transmittance below the opacity threshold. `medium`: of the file that the picture is for; for a
+/// display it has no planes. cost: memory for two pictures of samples. throws: Error kUsage without parts, or if two
+/// parts differ in volume, camera, size or appearance, share a voxel, or have no order of visibility; kUnsupported for
+/// a file that is no partial image, or deep; kBudget if `memory_bytes` do not hold the picture beside one part;
+/// kCancelled; as readImage.
 CompositedParts compositeParts(const std::vector<std::filesystem::path>& parts, Progress& progress,
                                std::uint64_t memory_bytes = kUnlimitedBytes, Medium medium = Medium::kLight);
 

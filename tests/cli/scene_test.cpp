@@ -400,9 +400,18 @@ TEST_F(SceneCli, PartialImagesAreCompositedAndAttributesKept) {
   ASSERT_EQ(image.rgba.size(), whole.rgba.size());
   for (std::size_t i = 0; i < image.rgba.size(); ++i) EXPECT_NEAR(image.rgba[i], whole.rgba[i], 1 / 255.0);
   EXPECT_EQ(readImageText(in("made.exr")).at("kiln:job"), job);
+  const ToolResult shown =
+      runTool({"composite", in("part2.exr"), in("part3.exr"), in("part1.exr"), "-o", in("made.png")});
+  EXPECT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_EQ(readImageText(in("made.png")).at("kiln:job").find("aov"), std::string::npos);
   const ToolResult some = runTool({"composite", in("part2.exr"), "-o", in("some.exr")});
   EXPECT_EQ(some.exit_code, 0) << some.err;
   EXPECT_NE(some.err.find("% of the volume; the rest is missing"), std::string::npos) << some.err;
+  drawn({"--part", "1/3", "--deep"});
+  const ToolResult deep = runTool({"composite", in("a.exr"), "-o", in("flat.exr")});
+  EXPECT_EQ(deep.exit_code, 1);
+  EXPECT_NE(deep.err.find("a.exr: compositing would flatten its deep samples"), std::string::npos) << deep.err;
+  EXPECT_FALSE(fs::exists(in("flat.exr")));
   expectRefused({"--part", "4/3"}, "--part: expected I/N");
   const ToolResult png = runTool({"render", store_, "-o", in("r.png"), "--part", "1/3"});
   EXPECT_EQ(png.exit_code, 2);
