@@ -200,8 +200,8 @@ void requireOnePicture(const RenderArguments& a, const RenderJob& job, const Con
 
 RenderJob jobOf(const RenderArguments& a, StandardOutput& standard_output, const Context& context) {
   RenderJob job = jobOfInput(a.input, a.job.given(), a.volumes);
+  if (isStandardOutputName(job.output.path)) requireOnePicture(a, job, context);
   standard_output.take(job.output);
-  if (standard_output.taken()) requireOnePicture(a, job, context);
   requireOutput(a, job.output);
   if (a.share) applyShare(*a.share, job);
   findEncoder(a, job);
