@@ -119,6 +119,7 @@ TEST(JobCommand, Options_stateSimpleJobs) {
       "none");
   EXPECT_EQ(text({{"camera", {{"turntable", {{"frames", 12}, {"degrees", 90}}}}}}), "none");
   EXPECT_EQ(text({{"lights", {{{"type", "headlight"}, {"intensity", 2}}}}}), "none");
+  EXPECT_EQ(text({{"lights", json::array()}}), "none");
   EXPECT_EQ(text({{"volumes", {{{"volume", "a"}}}}}), "none");
 }
 

@@ -128,7 +128,10 @@ bool makes(const RenderJob& job, const Texts& texts) {
   try {
     for (const JobFlag& flag : jobFlags()) {
       const auto found = texts.find(nameOfFlag(flag.flag));
-      if (found != texts.end()) flag.apply(found->second, made);
+      if (found == texts.end()) continue;
+      // No option states an empty list, such as that of a picture without lights.
+      if (found->second.empty()) return false;
+      flag.apply(found->second, made);
     }
   } catch (const Error&) {
     return false;
