@@ -28,6 +28,7 @@
 #include "scene/transfer/presets.h"
 #include "sequence/dry_run.h"
 #include "sequence/frame_files.h"
+#include "sequence/sequence_frames.h"
 #include "store/codec/brick_block.h"
 #include "store/manifest/json_text.h"
 #include "view/request_body.h"
@@ -257,7 +258,16 @@ void ViewSession::stop() {
 RenderJob ViewSession::jobOf(const RequestBody& body) const {
   RenderJob out = jobOfBrowser(body.job(), body.sizeIfThere().value_or(source_.drawn.picture.size), source_.drawn);
   out.picture.aovs = {};  // a page shows and writes PNGs, which hold no planes
-  if (body.find("frame") != nullptr) out.frames = {static_cast<int>(body.integer("frame", 0, kLastFrame))};
+  out.frames = source_.named.frames;
+  const bool series = isSeries(source_.named);
+  if (series) out.frames = {framesOf(source_.named).front()};
+  if (body.find("frame") == nullptr) return out;
+  const int frame = static_cast<int>(body.integer("frame", 0, kLastFrame));
+  if (series && frame != out.frames.front())
+    throw Error(ErrorCode::kUsage, fmt::format("frame: a viewed time series has its first frame alone, {} (found {}); "
+                                               "draw other frames with kiln render",
+                                               out.frames.front(), frame));
+  out.frames = {frame};
   return out;
 }
 
@@ -289,6 +299,7 @@ void ViewSession::sessionFacts(const RequestBody&, ViewClient& client) {
       {"title", source_.title},
       {"jobFile", source_.job_file.empty() ? ordered_json() : ordered_json(source_.job_file.filename().string())},
       {"job", jobForBrowser(source_.drawn, volumes.manifests())},
+      {"frame", framesOf(source_.named).front()},
       {"volumes", volumeFacts(volumes)},
       {"box", worldBox(volumes)},
       {"presets", presetNames()},

@@ -2,6 +2,7 @@
 // request with a path is refused.
 #include "view/view_session.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,6 +20,8 @@
 #include "job/render_job.h"
 #include "sequence/render_job_run.h"
 #include "sequence/sequence.h"
+#include "sequence/sequence_frames.h"
+#include "sequence/series_volumes.h"
 #include "support/system/expect_error.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
@@ -505,6 +508,41 @@ TEST_F(ViewSessionTest, SavedJobs_keepTheOutputsOfTheOpenedJob) {
   EXPECT_EQ(saved.at("outputs").at(1).at("path"), "b_####.png");
   EXPECT_EQ(saved.at("frames"), "2-3");
   EXPECT_EQ(saved.at("camera").at("elevation"), 10);
+}
+
+// Known: the volumes of frames 2 and 3 differ, and frame 2 alone is open.
+TEST_F(ViewSessionTest, ASeries_showsItsFirstFrame) {
+  for (const int frame : {2, 3})
+    fs::copy(makeStore(shell(16 * frame), "view_frame", 16), directory_ / fmt::format("t_{}.kiln", frame),
+             fs::copy_options::recursive);
+  ViewSource given = source();
+  given.named.volume = directory_ / "t_#.kiln";
+  given.named.frames = {2, 3};
+  given.drawn = jobAtFrame(given.named, 2);
+  given.drawn.series = seriesLook(given.named, {});
+  given.kept_keys = R"({"frames": "2,3"})";
+  ViewSession session(given, silent_);
+  const auto answerTo = [&](const char* request, std::optional<int> frame, RecordedClient& client) {
+    json body = bodyOf(jobWith({}));
+    if (frame) body["frame"] = *frame;
+    session.answer(request, body.dump(), client);
+  };
+  RecordedClient facts, first, second, third, resolved, render, save;
+  session.answer("session", "", facts);
+  EXPECT_EQ(facts.json().at("frame"), 2);
+  answerTo("frame", std::nullopt, first);
+  answerTo("frame", 2, second);
+  EXPECT_EQ(first.stage("final")->payload, second.stage("final")->payload);
+  expectError([&] { answerTo("frame", 3, third); }, ErrorCode::kUsage, "time series");
+  expectError([&] { answerTo("resolve", 3, resolved); }, ErrorCode::kUsage, "time series");
+  answerTo("render", std::nullopt, render);
+  EXPECT_EQ(render.records.back().json.value("path", ""), (directory_ / "look.view.png").string())
+      << render.records.back().json;
+  answerTo("save", std::nullopt, save);
+  const RenderJob job = readJob(directory_ / "look.view.json");
+  EXPECT_EQ(job.frames, (std::vector<int>{2, 3}));
+  EXPECT_EQ(job.volume, directory_ / "t_#.kiln");
+  EXPECT_EQ(decodePng(first.stage("final")->payload, {}).rgba, decodePng(rendered(), {}).rgba);
 }
 
 // A volume of labels 3 and 7. Known: a slice has the palette's colours, then the request's, and no hidden label.

@@ -30,7 +30,7 @@ class App {
   showsHandles = true;
   shownSize = { width: 1, height: 1 };
   drawsBatchSize = false;
-  frame = 1;                // frame of an animated job that is shown
+  frame;                    // frame of an animated job that is shown
   followsMotion = false;    // the shown camera is that of the frame, not the still camera
   presetsOf = null;         // the volume that the pictures of presets show
   resolved = null;          // camera and functions of the newest frame, as the server understood the job
@@ -39,6 +39,7 @@ class App {
     this.server = server;
     this.session = session;
     this.state = new JobState(session.job);
+    this.frame = session.frame;
     this.followsMotion = isAnimated(session.job);
   }
 
