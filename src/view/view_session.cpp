@@ -88,8 +88,10 @@ ordered_json resolvedScene(const FrameScene& scene) {
 }
 
 // Returns the name of the pictures of a job's file.
-fs::path picturesBeside(fs::path job_file, bool several) {
-  return job_file.replace_extension("") += several ? "_####.png" : ".png";
+fs::path picturesBeside(fs::path job_file, bool several, const char* ending = ".png") {
+  job_file.replace_extension("");
+  if (several) job_file += "_####";
+  return job_file += ending;
 }
 
 // The values that a look stands for.
@@ -274,6 +276,12 @@ RenderJob ViewSession::jobOf(const RequestBody& body) const {
 RenderJob ViewSession::frameJobOf(const RequestBody& body) const {
   RenderJob out = jobOf(body);
   out.frames = {framesOf(out).front()};
+  return out;
+}
+
+RenderJob ViewSession::savedJobOf(const RequestBody& body) const {
+  RenderJob out = jobOfBrowser(body.job(), body.size(), source_.named);
+  out.frames = source_.named.frames;
   return out;
 }
 
@@ -534,17 +542,20 @@ void ViewSession::function(const RequestBody& body, ViewClient& client) {
 
 void ViewSession::command(const RequestBody& body, ViewClient& client) {
   const ImageSize size = body.size();
-  const RenderJob job = jobOf(body);
-  requireDrawable(job, client);
+  requireDrawable(jobOf(body), client);
+  const RenderJob job = savedJobOf(body);
   std::string text = "kiln render ";
   if (const auto options = optionsOf(job)) {
     text += shellText(source_.named.volume.string());
     for (const std::string& option : *options) text.append(" ").append(shellText(option));
+    if (!job.frames.empty()) text += " --frames " + framesText(job.frames);
   } else {
     text += shellText(jobFile().string());
   }
   const fs::path named = source_.job_file.empty() ? fs::path(source_.title + ".json") : source_.job_file;
-  text += fmt::format(" -o {}", shellText(picturesBeside(named, moves(job)).string()));
+  // A PNG holds no planes.
+  const char* const ending = job.picture.aovs.any() ? ".exr" : ".png";
+  text += fmt::format(" -o {}", shellText(picturesBeside(named, framesOf(job).size() > 1, ending).string()));
   sendJson(client, {{"command", text + fmt::format(" --size {}x{}", size.width, size.height)}});
 }
 

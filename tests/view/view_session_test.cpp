@@ -508,6 +508,19 @@ TEST_F(ViewSessionTest, SavedJobs_keepTheOutputsOfTheOpenedJob) {
   EXPECT_EQ(saved.at("outputs").at(1).at("path"), "b_####.png");
   EXPECT_EQ(saved.at("frames"), "2-3");
   EXPECT_EQ(saved.at("camera").at("elevation"), 10);
+  // The command draws these frames and planes: by options where the turntable has no elevation.
+  RecordedClient by_file, by_options;
+  session.answer("command", bodyOf(job).dump(), by_file);
+  job["camera"].erase("elevation");
+  session.answer("command", bodyOf(job).dump(), by_options);
+  const std::string picture = " -o " + (directory_ / "look.view_####.exr").string() + " --size 96x64";
+  for (const RecordedClient* const client : {&by_file, &by_options}) {
+    const std::string command = client->json().at("command");
+    EXPECT_TRUE(command.ends_with(picture)) << command;
+  }
+  EXPECT_NE(by_options.json().at("command").get<std::string>().find(" --aov depth --turntable 4 --frames 2-3 -o"),
+            std::string::npos)
+      << by_options.json();
 }
 
 // Known: the volumes of frames 2 and 3 differ, and frame 2 alone is open.
