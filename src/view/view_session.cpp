@@ -23,6 +23,7 @@
 #include "job/job_names.h"
 #include "job/job_options.h"
 #include "job/stated_job.h"
+#include "job/stereo.h"
 #include "job/transfer_function_choice.h"
 #include "scene/transfer/label_styles.h"
 #include "scene/transfer/presets.h"
@@ -87,8 +88,12 @@ ordered_json resolvedScene(const FrameScene& scene) {
   return {{"camera", cameraJson(scene.camera)}, {"transferFunctions", functions}};
 }
 
-// Returns the name of the pictures of a job's file.
+// Returns the name of the pictures of a job's file. throws: Error kUsage for a name that would be read as a pattern.
 fs::path picturesBeside(fs::path job_file, bool several, const char* ending = ".png") {
+  if (hasFramePlace(job_file) || hasEyePlace(job_file))
+    throw Error(
+        ErrorCode::kUsage, job_file, "",
+        "#, %V and %v in a picture's name are replaced by numbers and eyes; give the job another name by --job");
   job_file.replace_extension("");
   if (several) job_file += "_####";
   return job_file += ending;
@@ -282,6 +287,9 @@ RenderJob ViewSession::frameJobOf(const RequestBody& body) const {
 RenderJob ViewSession::savedJobOf(const RequestBody& body) const {
   RenderJob out = jobOfBrowser(body.job(), body.size(), source_.named);
   out.frames = source_.named.frames;
+  if (isSeries(out) && !isSeries(source_.named))
+    throw Error(ErrorCode::kUsage, source_.named.volume, "",
+                "with frames, # in a volume's name is the place of their number; rename the volume");
   return out;
 }
 
@@ -575,6 +583,7 @@ void ViewSession::estimate(const RequestBody& body, ViewClient& client) {
 
 void ViewSession::save(const RequestBody& body, ViewClient& client) {
   const fs::path& file = jobFile();
+  savedJobOf(body);
   const std::string text = savedJobText(body.job(), body.size(), source_.named, source_.kept_keys, file);
   requireDrawable(jobOf(body), client);
   FileSystem::real().writeAtomic(file, text);

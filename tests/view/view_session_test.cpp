@@ -638,6 +638,32 @@ TEST_F(ViewSessionTest, Pictures_replaceNoInput) {
   EXPECT_EQ(readTextFile(kept), "an input");
 }
 
+// Known: # and %V in a name have a meaning in batch renders, and none for an opened volume.
+TEST_F(ViewSessionTest, NamesThatReadAsPatterns_areRefused) {
+  const json turning = jobWith({{"camera", {{"turntable", {{"frames", 3}}}}}});
+  for (const char* const name : {"a#1", "a%V"}) {
+    ViewSource given = source();
+    given.job_file = directory_ / (std::string(name) + ".view.json");
+    ViewSession session(given, silent_);
+    for (const char* const request : {"render", "command"}) {
+      RecordedClient client;
+      expectError([&] { session.answer(request, bodyOf(jobWith({})).dump(), client); }, ErrorCode::kUsage, "--job");
+    }
+    RecordedClient save;
+    session.answer("save", bodyOf(turning).dump(), save);
+    EXPECT_TRUE(fs::exists(given.job_file));
+  }
+  ViewSource given = source();
+  given.drawn.volume = given.named.volume = directory_ / "a#1.kiln";
+  fs::copy(store_, given.named.volume, fs::copy_options::recursive);
+  ViewSession session(given, silent_);
+  RecordedClient still, command, moving;
+  session.answer("save", bodyOf(jobWith({})).dump(), still);
+  EXPECT_GT(rendered().size(), 0u);
+  for (const char* const request : {"save", "command"})
+    expectError([&] { session.answer(request, bodyOf(turning).dump(), moving); }, ErrorCode::kUsage, "rename");
+}
+
 TEST_F(ViewSessionTest, RenderedFrames_areNumbered) {
   ViewSession session(source(), silent_);
   RecordedClient client, save;
