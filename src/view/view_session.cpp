@@ -571,9 +571,11 @@ void ViewSession::estimate(const RequestBody& body, ViewClient& client) {
   body.size();
   const RenderJob job = jobOf(body);
   const auto out = inTurn(client, [&](OtherStops& stops) -> ordered_json {
+    // A render of the session keeps copies of a picture, which a batch render does not.
+    const std::unique_ptr<ViewedJob> viewed = painter_.prepare(job, stops);
     const DryRun run = dryRun(job, painter_.volumes(), 0, stops);
     const double seconds = painter_.exactSeconds(job.picture.size);
-    return {{"memory", run.memory.smallest()},
+    return {{"memory", viewed->memory.smallest()},
             {"bricks", run.bricks_in_view},
             {"bytes", run.file_bytes_in_view},
             {"seconds", std::isfinite(seconds) ? ordered_json(seconds) : ordered_json()}};

@@ -695,6 +695,23 @@ TEST_F(ViewSessionTest, SmallMemory_isKept_orRefused) {
   EXPECT_NE(large.records.back().json.at("error").get<std::string>().find("--memory"), std::string::npos);
 }
 
+// A session with the estimated memory, rounded up, draws the picture; with less memory it does not.
+TEST_F(ViewSessionTest, EstimatedMemory_isTheSmallestForARender) {
+  const std::string body = bodyOf(jobWith({}), 1024, 768).dump();
+  RecordedClient estimate;
+  {
+    ViewSession session(source(), silent_);
+    session.answer("estimate", body, estimate);
+  }
+  const auto memory = estimate.json().at("memory").get<std::uint64_t>();
+  for (const bool enough : {true, false}) {
+    ViewSession session(source(enough ? memory : memory - 1), silent_);
+    RecordedClient client;
+    session.answer("render", body, client);
+    EXPECT_EQ(client.kinds().back(), enough ? "written" : "error") << client.records.back().json;
+  }
+}
+
 TEST_F(ViewSessionTest, DroppedFunctionsAndThumbnails) {
   ViewSession session(source(), silent_);
   RecordedClient function, picture, estimate;
