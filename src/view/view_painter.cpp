@@ -79,6 +79,17 @@ PixelRect scaled(const PixelRect& crop, const ImageSize& from, const ImageSize& 
   return {out.x0, out.y0, std::min(out.x1, to.width), std::min(out.y1, to.height)};
 }
 
+std::string costOf(const ViewedJob& job) {
+  RenderJob plain = job.job;
+  plain.picture.camera = {};
+  plain.animation.camera = {};
+  plain.frames.clear();
+  // A crop has another share of a picture of another size.
+  if (!plain.picture.crop) plain.picture.size = {};
+  return fmt::format("{} {} {}", statedJson(plain).dump(), *job.scene.picture.samples,
+                     static_cast<int>(job.scene.camera.projection));
+}
+
 double pixelsOf(const ImageSize& size) { return static_cast<double>(size.width) * size.height; }
 
 }  // namespace
@@ -129,6 +140,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job, const Prog
     planned_ = std::move(text);
   }
   out->memory = plan_;
+  out->cost = costOf(*out);
   return out;
 }
 
@@ -263,7 +275,10 @@ DrawnFrame ViewPainter::exact(const ViewedJob& job, Progress& progress) {
   };
   DrawnFrame out = drawFrame(cache_, job.scene, request_for, job.frame, progress);
   judge(out, request_for(out.scene), volumes_);
-  if (out.statistics.bricks_read == 0) exact_pixel_s_ = out.statistics.wall_s / pixelsOf(job.job.picture.size);
+  if (out.statistics.bricks_read == 0) {
+    exact_pixel_s_ = out.statistics.wall_s / pixelsOf(job.job.picture.size);
+    exact_cost_ = job.cost;
+  }
   return out;
 }
 
@@ -282,6 +297,11 @@ ViewPicture ViewPainter::png(const ViewedJob& job, DrawnFrame drawn, const Progr
 double ViewPainter::exactSeconds(const ImageSize& size) const {
   if (exact_pixel_s_ == 0) return std::numeric_limits<double>::infinity();
   return exact_pixel_s_ * pixelsOf(size);
+}
+
+double ViewPainter::renderSeconds(const ViewedJob& job) const {
+  if (job.cost != exact_cost_) return std::numeric_limits<double>::infinity();
+  return exactSeconds(job.job.picture.size) * static_cast<double>(framesOf(job.job).size());
 }
 
 }  // namespace kiln

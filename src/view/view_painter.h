@@ -28,6 +28,7 @@ struct ViewedJob {
   int frame = 1;
   FrameScene scene;  // the frame's
   FrameMemory memory;
+  std::string cost;  // equal for jobs whose pixels cost alike: the job without size, camera and frames
 };
 
 struct ViewPicture {
@@ -70,6 +71,8 @@ class ViewPainter {
   /// Returns the likely time of `exact` for a picture of this size; infinite if no picture was drawn yet. unit:
   /// seconds.
   double exactSeconds(const ImageSize& size) const;
+  /// Returns the likely time of all frames; infinite if no picture of such a job was drawn. unit: seconds.
+  double renderSeconds(const ViewedJob& job) const;
 
   /// Returns a brick from the cache or the disk; null if it is damaged and the session skips such bricks.
   std::shared_ptr<const BrickBlock> brick(const StoredBrick& brick) { return cache_.get(brick); }
@@ -90,6 +93,7 @@ class ViewPainter {
   double moving_pixels_ = 0;  // of the next preview; 0: not known yet
   int moving_coarser_ = 0;    // levels by which the next preview is coarser
   double exact_pixel_s_ = 0;  // measured; 0: not yet
+  std::string exact_cost_;    // ViewedJob::cost of the measured job
 
   struct ShownMemo {
     std::size_t volume = 0;

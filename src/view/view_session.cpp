@@ -574,7 +574,7 @@ void ViewSession::estimate(const RequestBody& body, ViewClient& client) {
     // A render of the session keeps copies of a picture, which a batch render does not.
     const std::unique_ptr<ViewedJob> viewed = painter_.prepare(job, stops);
     const DryRun run = dryRun(job, painter_.volumes(), 0, stops);
-    const double seconds = painter_.exactSeconds(job.picture.size);
+    const double seconds = painter_.renderSeconds(*viewed);
     return {{"memory", viewed->memory.smallest()},
             {"bricks", run.bricks_in_view},
             {"bytes", run.file_bytes_in_view},

@@ -712,6 +712,28 @@ TEST_F(ViewSessionTest, EstimatedMemory_isTheSmallestForARender) {
   }
 }
 
+// Known: 10 frames take ten times as long as one; a picture of other samples or eyes says nothing.
+TEST_F(ViewSessionTest, EstimatedSeconds_areThoseOfTheJob) {
+  ViewSession session(source(), silent_);
+  const auto secondsOf = [&](const json& keys, int width = 96) {
+    RecordedClient client;
+    session.answer("estimate", bodyOf(jobWith(keys), width, 64).dump(), client);
+    return client.json().at("seconds");
+  };
+  EXPECT_TRUE(secondsOf({}).is_null());
+  // The first picture reads bricks.
+  for (int i = 0; i < 2; ++i) {
+    RecordedClient client;
+    session.answer("frame", bodyOf(jobWith({{"samples", 1}})).dump(), client);
+  }
+  const double one = secondsOf({{"samples", 1}});
+  EXPECT_GT(one, 0);
+  EXPECT_DOUBLE_EQ(secondsOf({{"samples", 1}}, 192).get<double>(), 2 * one);
+  EXPECT_DOUBLE_EQ(secondsOf({{"samples", 1}, {"camera", {{"turntable", {{"frames", 10}}}}}}).get<double>(), 10 * one);
+  EXPECT_TRUE(secondsOf({{"samples", 16}}).is_null());
+  EXPECT_TRUE(secondsOf({{"samples", 1}, {"stereo", {{"eye", "both"}, {"interocular", 4}}}}).is_null());
+}
+
 TEST_F(ViewSessionTest, DroppedFunctionsAndThumbnails) {
   ViewSession session(source(), silent_);
   RecordedClient function, picture, estimate;
