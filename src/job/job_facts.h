@@ -71,6 +71,8 @@ std::vector<PictureOptions> eyesOf(const PictureOptions& picture);
 /// Returns the files. A file with a place for the name of an eye is listed once per drawn eye.
 std::vector<OutputFile> ofEyes(const std::vector<OutputFile>& files, const std::optional<Stereo>& stereo);
 
+/// Returns the encodings of files alone, without files; none is deep.
+OutputOptions encodingsOf(const OutputOptions& output);
 /// Returns the names of a job's pictures, other files and video, as far as present.
 std::vector<std::filesystem::path> namesOf(const OutputOptions& output);
 /// Returns whether the name has a video's ending.

@@ -24,6 +24,15 @@ constexpr std::uint64_t kLargestJob_bytes = 16u << 20;
 
 }  // namespace
 
+OutputOptions encodingsOf(const OutputOptions& output) {
+  OutputOptions out = output;
+  out.path.clear();
+  out.files.clear();
+  out.video = {};
+  out.deep = false;
+  return out;
+}
+
 std::vector<fs::path> namesOf(const OutputOptions& output) {
   std::vector<fs::path> out{output.path};
   for (const OutputFile& file : output.files) out.push_back(file.path);

@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/file/file.h"
+#include "job/job_facts.h"
 #include "job/stated_job.h"
 #include "job/transfer_function_choice.h"
 #include "sequence/sequence_frames.h"
@@ -148,6 +149,7 @@ RenderJob jobOfBrowser(const json& job, const ImageSize& size, const RenderJob& 
   out.speed = session.speed;
   out.speed.visibility = visibility;
   out.series = session.series;
+  out.output = encodingsOf(session.output);
   return out;
 }
 

@@ -15,8 +15,8 @@ namespace kiln {
 /// volume. throws: as readTransferFunction.
 nlohmann::ordered_json jobForBrowser(const RenderJob& session, const std::vector<const Manifest*>& manifests);
 
-/// Returns the job that a browser sent, drawn at `size`, with volumes, speed and series of the session's. throws: Error
-/// kUsage for a key that names a file, is the session's own or unknown, or has a wrong value.
+/// Returns the job that a browser sent, drawn at `size`, with volumes, speed, encodings and series of the session's.
+/// throws: Error kUsage for a key that names a file, is the session's own or unknown, or has a wrong value.
 RenderJob jobOfBrowser(const nlohmann::json& job, const ImageSize& size, const RenderJob& session);
 
 /// Returns the text of a file with the browser's job, for `kiln render`. `session` names the volumes; names inside the

@@ -38,8 +38,12 @@ constexpr int kMostMovingCoarser = 2;
 // Most bytes of brick files that a preview reads.
 constexpr std::uint64_t kLittle = std::uint64_t{16} << 20;
 constexpr int kJpegQuality = 70;
-// Copies of a picture beside the drawn one: its file, the file in the client's hands, samples of a JPEG.
-constexpr std::uint64_t kCopiedPixelBytes = 12;
+// Returns the bytes of a pixel's copies beside the drawn one: its file, the file in the client's hands, samples of a
+// JPEG.
+std::uint64_t copiedPixelBytes(const OutputOptions& output) {
+  const std::uint64_t in_file = output.png_bits == 16 ? 8 : 4;
+  return 2 * in_file + 4;
+}
 
 // Returns the levels beyond the finest of the volume with the most: all coarser pictures are equal.
 int mostCoarser(const OpenedVolumes& volumes) {
@@ -136,7 +140,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job, const Prog
     const auto pixels = static_cast<std::uint64_t>(pixelsOf(job.picture.size));
     RenderJob drawn = out->job;
     drawn.picture.aovs = drawnAovs(drawn);
-    plan_ = memoryOf(drawn, volumes_.all(), *out->scenes, kCopiedPixelBytes * pixels, progress);
+    plan_ = memoryOf(drawn, volumes_.all(), *out->scenes, copiedPixelBytes(drawn.output) * pixels, progress);
     planned_ = std::move(text);
   }
   out->memory = plan_;

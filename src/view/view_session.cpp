@@ -551,7 +551,13 @@ void ViewSession::function(const RequestBody& body, ViewClient& client) {
 void ViewSession::command(const RequestBody& body, ViewClient& client) {
   const ImageSize size = body.size();
   requireDrawable(jobOf(body), client);
-  const RenderJob job = savedJobOf(body);
+  RenderJob job = savedJobOf(body);
+  // A PNG holds no planes.
+  const bool is_png = !job.picture.aovs.any();
+  if (is_png) {
+    const int bits = std::exchange(job.output, {}).png_bits;
+    job.output.png_bits = bits;
+  }
   std::string text = "kiln render ";
   if (const auto options = optionsOf(job)) {
     text += shellText(source_.named.volume.string());
@@ -561,8 +567,7 @@ void ViewSession::command(const RequestBody& body, ViewClient& client) {
     text += shellText(jobFile().string());
   }
   const fs::path named = source_.job_file.empty() ? fs::path(source_.title + ".json") : source_.job_file;
-  // A PNG holds no planes.
-  const char* const ending = job.picture.aovs.any() ? ".exr" : ".png";
+  const char* const ending = is_png ? ".png" : ".exr";
   text += fmt::format(" -o {}", shellText(picturesBeside(named, framesOf(job).size() > 1, ending).string()));
   sendJson(client, {{"command", text + fmt::format(" --size {}x{}", size.width, size.height)}});
 }

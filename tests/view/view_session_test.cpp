@@ -558,6 +558,23 @@ TEST_F(ViewSessionTest, ASeries_showsItsFirstFrame) {
   EXPECT_EQ(decodePng(first.stage("final")->payload, {}).rgba, decodePng(rendered(), {}).rgba);
 }
 
+// Known: a PNG of 16 bits has such pixels, whoever writes it.
+TEST_F(ViewSessionTest, PngsOf16Bits_keepTheirBits) {
+  ViewSource given = source();
+  given.drawn.output.png_bits = given.named.output.png_bits = 16;
+  given.kept_keys = R"({"png": {"bits": 16}})";
+  ViewSession session(given, silent_);
+  RecordedClient frame, save, render, command;
+  const std::string body = bodyOf(jobWith({})).dump();
+  session.answer("frame", body, frame);
+  session.answer("save", body, save);
+  session.answer("render", body, render);
+  session.answer("command", bodyOf({{"kiln", 2}, {"transferFunction", "viridis"}}).dump(), command);
+  EXPECT_EQ(readPixelLayout(directory_ / "look.view.png").png_bits, 16);
+  EXPECT_EQ(frame.stage("final")->payload, rendered());
+  EXPECT_NE(command.json().at("command").get<std::string>().find("--png-bits 16"), std::string::npos);
+}
+
 // A volume of labels 3 and 7. Known: a slice has the palette's colours, then the request's, and no hidden label.
 TEST_F(ViewSessionTest, SlicesOfLabels_haveTheirColours) {
   const DenseVolume volume = fill({.dims = {8, 8, 8}, .type = VoxelType::u8},

@@ -52,7 +52,7 @@ ViewSource sourceOf(const Volume& volume, const JobWords& words, const std::file
   if (!job_file.empty()) requireOutsideStores(job_file, "job");
   ViewSource out;
   out.drawn = jobOf(volume.bricks()->path(), words);
-  out.drawn.output = {};
+  out.drawn.output = encodingsOf(out.drawn.output);
   requireVolumes(out.drawn);
   requireViews(out.drawn);
   out.named = out.drawn;

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "image/named_color.h"
 #include "job/command/given_flags.h"
+#include "job/job_facts.h"
 #include "job/job_names.h"
 #include "job/job_options.h"
 #include "job/option_kinds.h"
@@ -157,7 +158,7 @@ std::vector<std::string> inOrder(const Texts& texts) {
 std::optional<std::vector<std::string>> optionsOf(const RenderJob& given) {
   if (!given.volumes.empty()) return std::nullopt;
   RenderJob job = given;
-  job.output = {};
+  job.output = encodingsOf(given.output);
   job.frames.clear();
   for (const std::string_view look : kLookNames) {
     RenderJob plain = withoutOptions(job);

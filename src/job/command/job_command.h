@@ -9,8 +9,8 @@
 
 namespace kiln {
 
-/// Returns options of `kiln render` that make the job of its volume, but for files and --size; nothing if options
-/// cannot state the job. The options are tried out: an equal job results, number by number.
+/// Returns options of `kiln render` that make the job of its volume, but for names of files and --size; nothing if
+/// options cannot state the job. The options are tried out: an equal job results, number by number.
 std::optional<std::vector<std::string>> optionsOf(const RenderJob& job);
 
 }  // namespace kiln
