@@ -29,8 +29,8 @@ constexpr std::array<std::string_view, 17> kSessionsOwn = {
     "volume", "mask", "colorBy", "output",  "outputs", "video",      "exr",        "png", "jpeg",
     "frames", "part", "memory",  "threads", "trace",   "distribute", "shareReads", "aov"};
 // Keys that a saved job keeps of the opened job.
-constexpr std::array<std::string_view, 8> kKept = {"output", "outputs", "video", "frames",
-                                                   "exr",    "png",     "jpeg",  "distribute"};
+constexpr std::array<std::string_view, 12> kKept = {"output", "outputs",    "video",  "frames",  "exr",        "png",
+                                                    "jpeg",   "distribute", "memory", "threads", "shareReads", "trace"};
 // Keys of files in each of several volumes.
 constexpr std::array<std::string_view, 3> kFilesOfVolume = {"volume", "mask", "colorBy"};
 
@@ -166,7 +166,9 @@ std::string keptKeys(const fs::path& job_file) {
     // Standard output is no file.
     if (text_of != "-" && text_of != "-.exr") name = (folder / text_of).lexically_normal().generic_string();
   };
-  if (out.contains("output")) absolute(out["output"]);
+  for (const char* const key : {"output", "trace"}) {
+    if (out.contains(key)) absolute(out[key]);
+  }
   if (out.contains("outputs")) {
     for (json& file : out["outputs"]) absolute(file["path"]);
   }
@@ -188,7 +190,9 @@ std::string savedJobText(const json& job, const ImageSize& size, const RenderJob
   const auto rename = [&](json& path) {
     if (const fs::path whole = path.get<std::string>(); whole.is_absolute()) path = name(whole);
   };
-  if (files.contains("output")) rename(files["output"]);
+  for (const char* const key : {"output", "trace"}) {
+    if (files.contains(key)) rename(files[key]);
+  }
   if (files.contains("outputs")) {
     for (json& output : files["outputs"]) rename(output["path"]);
   }

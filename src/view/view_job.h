@@ -25,7 +25,7 @@ std::string savedJobText(const nlohmann::json& job, const ImageSize& size, const
                          const std::string& kept, const std::filesystem::path& file);
 
 /// Returns the keys of a job's file that no browser edits and saving keeps, as JSON: files that the job writes, their
-/// encoding, and frames. Names of files become absolute. throws: as readJob.
+/// encoding, frames, and options of the machine. Names of files become absolute. throws: as readJob.
 std::string keptKeys(const std::filesystem::path& job_file);
 
 }  // namespace kiln

@@ -490,7 +490,11 @@ TEST_F(ViewSessionTest, SavedJobs_keepTheOutputsOfTheOpenedJob) {
                          {"exr", {{"compression", "zip"}}},
                          {"outputs", {{{"path", "a_####.exr"}}, {{"path", "../b_####.png"}, {"content", "color"}}}},
                          {"camera", {{"turntable", {{"frames", 4}}}}},
-                         {"frames", "2-3"}}
+                         {"frames", "2-3"},
+                         {"memory", "300M"},
+                         {"threads", 3},
+                         {"shareReads", false},
+                         {"trace", "trace.json"}}
                         .dump());
   ViewSource given = source();
   given.drawn = given.named = readJob(opened);
@@ -507,6 +511,10 @@ TEST_F(ViewSessionTest, SavedJobs_keepTheOutputsOfTheOpenedJob) {
   EXPECT_EQ(saved.at("outputs").at(0).at("path"), "jobs/a_####.exr");
   EXPECT_EQ(saved.at("outputs").at(1).at("path"), "b_####.png");
   EXPECT_EQ(saved.at("frames"), "2-3");
+  EXPECT_EQ(saved.at("memory"), "300M");
+  EXPECT_EQ(saved.at("threads"), 3);
+  EXPECT_EQ(saved.at("shareReads"), false);
+  EXPECT_EQ(saved.at("trace"), "jobs/trace.json");
   EXPECT_EQ(saved.at("camera").at("elevation"), 10);
   // The command draws these frames and planes: by options where the turntable has no elevation.
   RecordedClient by_file, by_options;

@@ -60,7 +60,7 @@ RenderJob jobOf(const ViewArguments& a) {
   RenderJob job = jobOfInput(a.input, a.job.given(), a.volumes);
   if (drawsPart(job.picture))
     throw Error(ErrorCode::kUsage, "--part: a part of a volume has no background to be seen on; leave it out");
-  if (!job.trace.empty()) throw Error(ErrorCode::kUsage, "--trace: is for kiln render; leave it out");
+  job.trace.clear();
   job.output = encodingsOf(job.output);
   requireVolumes(job);
   requireViews(job);
