@@ -187,6 +187,7 @@ TEST_F(ViewCli, WrongOptions_areRefused) {
   refused({"view", in("h.kiln"), "--tf", in("tf.json"), "--job", in("tf.json")}, 2, "which this command reads");
   refused({"view", in("none.kiln")}, 1, "none.kiln");
   refused({"view", in("h.kiln"), "--trace", in("t.json")}, 2, "--trace");
+  EXPECT_EQ(done({"view", "--help"}).out.find("--trace"), std::string::npos);
   refused({"view", in("h.kiln"), "--memory", "1M"}, 1, "--memory");
   refused({"view", in("h.kiln"), "--port", "70000"}, 2, "--port");
   EXPECT_EQ(readFile(in("file")).size(), 4u);

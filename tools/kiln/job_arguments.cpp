@@ -4,9 +4,9 @@
 
 namespace kiln::tool {
 
-void JobArguments::addTo(CLI::App& command, OptionGroup group) {
+void JobArguments::addTo(CLI::App& command, OptionGroup group, std::string_view left_out) {
   for (const JobFlag& flag : jobFlags()) {
-    if (flag.group != group) continue;
+    if (flag.group != group || flag.flag == left_out) continue;
     CLI::Option* option = nullptr;
     if (flag.arguments == JobFlag::Arguments::kNone) {
       option = command.add_flag(flag.flag);

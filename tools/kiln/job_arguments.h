@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "job/command/given_flags.h"
@@ -13,7 +14,8 @@ inline std::string nameOf(OptionGroup group) { return std::string(kOptionGroupNa
 
 class JobArguments {
  public:
-  void addTo(CLI::App& command, OptionGroup group);
+  /// Adds the flags of a group, but for the flag `left_out`.
+  void addTo(CLI::App& command, OptionGroup group, std::string_view left_out = {});
   /// Returns the flags that are on the command line.
   GivenFlags given() const;
 

@@ -172,7 +172,7 @@ void addView(CLI::App& app, Context& context) {
   for (const OptionGroup group :
        {OptionGroup::kCamera, OptionGroup::kTransferFunction, OptionGroup::kLight, OptionGroup::kShown,
         OptionGroup::kAnnotations, OptionGroup::kQuality, OptionGroup::kCost}) {
-    a->job.addTo(*command, group);
+    a->job.addTo(*command, group, "--trace");
     if (group == OptionGroup::kShown) a->volumes.addTo(*command);
   }
   addForeignArguments(*command, a->source);
