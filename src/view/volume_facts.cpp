@@ -78,7 +78,10 @@ ordered_json factsOf(const BrickedVolume& volume) {
   const glm::dmat4& affine = geometry.world_from_index;
   ordered_json rows = ordered_json::array();
   for (int row = 0; row < 3; ++row) rows.push_back({affine[0][row], affine[1][row], affine[2][row], affine[3][row]});
-  const ValueRange& range = manifest.range;
+  // JSON has no infinities; bins are between finite values.
+  ValueRange range = manifest.range;
+  if (!std::isfinite(range.lo)) range.lo = manifest.histogram.lo;
+  if (!std::isfinite(range.hi)) range.hi = manifest.histogram.hi;
   return {{"name", volume.path().filename().string()},
           {"voxels", {geometry.dims.x, geometry.dims.y, geometry.dims.z}},
           {"type", nameOf(manifest.type)},
@@ -87,7 +90,7 @@ ordered_json factsOf(const BrickedVolume& volume) {
           {"affine", rows},
           {"frame", wordOf(geometry.frame)},
           {"slices", viewsOf(geometry)},
-          {"range", range.empty() ? ordered_json{0, 0} : ordered_json{range.lo, range.hi}},
+          {"range", manifest.range.empty() ? ordered_json{0, 0} : ordered_json{range.lo, range.hi}},
           {"levels", manifest.levels.size()},
           {"classes", manifest.volume_class == VolumeClass::kLabels ? "labels" : "values"},
           {"labels", labelsOfVolume(manifest)},

@@ -401,6 +401,22 @@ TEST_F(ViewSessionTest, Facts_areTheVolumes) {
   EXPECT_EQ(facts.dump().find(directory_.string()), std::string::npos) << "a path is told";
 }
 
+// Known: the finite values are 0 to 70.
+TEST_F(ViewSessionTest, TheRangeOfInfinities_isFinite) {
+  const DenseVolume volume =
+      fill({.dims = {8, 8, 8}, .type = VoxelType::f32}, [](std::int64_t x, std::int64_t y, std::int64_t z) {
+        return y + z == 0 && x == 5 ? std::numeric_limits<double>::infinity() : 10.0 * x;
+      });
+  ViewSource given = source();
+  given.drawn.volume = given.named.volume = makeStore(volume, "view_infinite", 8);
+  ViewSession session(given, silent_);
+  RecordedClient client;
+  session.answer("session", "", client);
+  const json range = client.json().at("volumes").at(0).at("range");
+  EXPECT_EQ(range.at(0), 0);
+  EXPECT_NEAR(range.at(1).get<double>(), 70, 0.1);
+}
+
 TEST_F(ViewSessionTest, SlicesAndProbes_areTheVoxels) {
   ViewSession session(source(), silent_);
   const DenseVolume volume = shell(48);
