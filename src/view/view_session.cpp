@@ -516,7 +516,6 @@ void ViewSession::probe(const RequestBody& body, ViewClient& client) {
     });
   }
   sendJson(client, {{"value", std::isfinite(value) ? ordered_json(value) : ordered_json()},
-                    {"label", nullptr},
                     {"world", vectorJson(geometry.worldOf({voxel.x, voxel.y, voxel.z}))}});
 }
 

@@ -423,6 +423,7 @@ TEST_F(ViewSessionTest, SlicesAndProbes_areTheVoxels) {
   RecordedClient probe;
   session.answer("probe", R"({"volume": 0, "voxel": [20, 24, 17]})", probe);
   EXPECT_EQ(probe.json().at("value"), volume.at<std::uint8_t>(20, 24, 17));
+  EXPECT_FALSE(probe.json().contains("label"));
   EXPECT_NEAR(probe.json().at("world").at(1).get<double>(), 5 + 24 * 0.9, 1e-9);
   RecordedClient slice;
   session.answer("slice", R"({"volume": 0, "axis": "z", "index": 17, "window": [127.5, 255]})", slice);

@@ -224,7 +224,7 @@ export class Slices {
         const found = await this.#app.server.json('probe', { volume: this.#index, voxel: wanted });
         const place = kAxes.map((axis, i) => `${axis} ${wanted[i]}`).join('  ');
         const styled = this.#labels?.labels?.find((style) => style.label === found.value);
-        const name = found.label ?? styled?.name ?? this.#volume.labels?.find((label) => label.value === found.value)?.name;
+        const name = styled?.name ?? this.#volume.labels?.find((label) => label.value === found.value)?.name;
         const value = name ? `${short(found.value)} (${name})` : short(found.value);
         this.readout.textContent = `Voxel ${place} · value ${value} · ${found.world.map((n) => short(n)).join(', ')} ${this.#volume.unit || 'units'}`;
       } catch (error) {
