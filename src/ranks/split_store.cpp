@@ -9,6 +9,7 @@
 #include "base/file/file.h"
 #include "base/file/file_lock.h"
 #include "base/file/path_name.h"
+#include "base/file/path_status.h"
 #include "base/file/same_file.h"
 #include "scene/clip_region.h"
 #include "store/manifest/store_files.h"
@@ -139,6 +140,16 @@ VoxelBox boxOfStorePart(const fs::path& directory) {
   }
   if (!in || box.empty()) throw Error(ErrorCode::kFormat, path, "", "is not the box of a part that kiln split made");
   return box;
+}
+
+std::optional<VoxelBox> findStorePart(const fs::path& store, Progress& progress) {
+  if (!isThere(store / kPartFile)) return std::nullopt;
+  try {
+    return boxOfStorePart(store);
+  } catch (const Error& error) {
+    progress.note(std::string(error.what()) + "; the store is taken as a whole one");
+    return std::nullopt;
+  }
 }
 
 void requireWhole(const std::vector<VoxelBox>& boxes, const Extent3& dims) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "base/progress.h"
@@ -24,6 +25,9 @@ StorePart writeStorePart(const StoreReader& store, const VoxelBox& box, const st
 
 /// Returns the box of a part. throws: Error kNotFound, kFormat for a folder that is no part.
 VoxelBox boxOfStorePart(const std::filesystem::path& directory);
+
+/// Returns the box of a part; nothing for a whole store. In a whole store, an unreadable file of that name is noted.
+std::optional<VoxelBox> findStorePart(const std::filesystem::path& store, Progress& progress);
 
 /// Returns a test for the stored bricks that drawing `box` may read. requires: the store outlives the test.
 std::function<bool(const BrickKey&)> bricksOfStorePart(const StoreReader& store, const VoxelBox& box);

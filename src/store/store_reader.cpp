@@ -47,20 +47,25 @@ bool holdsStore(const fs::path& folder) {
   return holds_both(kManifestFile, kIndexFile) || holds_both("journal.bin", "bricks");
 }
 
-File opened(const fs::path& path, std::uint64_t bytes) {
+// `store`: the folder of the store. A part made by kiln split lacks bricks that are not damaged.
+File opened(const fs::path& path, std::uint64_t bytes, const fs::path& store) {
   try {
     return File(path);
   } catch (const Error& error) {
     if (error.code() != ErrorCode::kNotFound) throw;
-    throw Error(ErrorCode::kNotFound, path, "",
-                fmt::format("is missing, expected {} bytes; restore the file or convert the source again", bytes));
+    std::error_code unknown;
+    const char* const remedy = fs::exists(store / kPartFile, unknown)
+                                   ? "the store is a part that kiln split made (kiln info names its voxels); draw the "
+                                     "part with --part, or name the whole store"
+                                   : "restore the file or convert the source again";
+    throw Error(ErrorCode::kNotFound, path, "", fmt::format("is missing, expected {} bytes; {}", bytes, remedy));
   }
 }
 
 // Reads a file, tests its size before allocating memory, and its checksum before returning the bytes.
 template <class Bytes>
-Bytes readChecked(const fs::path& path, std::uint64_t bytes, const Hash128& expected) {
-  const File file = opened(path, bytes);
+Bytes readChecked(const fs::path& path, std::uint64_t bytes, const Hash128& expected, const fs::path& store) {
+  const File file = opened(path, bytes, store);
   if (file.size() != bytes) {
     throw Error(
         ErrorCode::kDamaged, path, "",
@@ -160,7 +165,7 @@ void StoreReader::requireUnchanged() const {
 template <class Bytes>
 Bytes StoreReader::checkedFile(const fs::path& path, std::uint64_t bytes, const Hash128& checksum) const {
   try {
-    return readChecked<Bytes>(path, bytes, checksum);
+    return readChecked<Bytes>(path, bytes, checksum, this->path());
   } catch (const Error& error) {
     // Files of a replacement store are no damage.
     if (error.code() == ErrorCode::kDamaged || error.code() == ErrorCode::kNotFound) requireUnchanged();

@@ -253,6 +253,12 @@ TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
   const ToolResult split = runTool({"split", volume_, "-o", parts, "--parts", "3", "--tf", "ct-skin"});
   ASSERT_EQ(split.exit_code, 0) << split.err;
   EXPECT_LT(filesOf(directory_ / "part_1.kiln").size(), filesOf(volume_).size());
+  const ToolResult half =
+      runTool({"render", (directory_ / "part_1.kiln").string(), "-o", (directory_ / "h.png").string()});
+  EXPECT_EQ(half.exit_code, 1);
+  EXPECT_NE(half.err.find("the store is a part that kiln split made"), std::string::npos) << half.err;
+  EXPECT_NE(runTool({"info", (directory_ / "part_1.kiln").string()}).out.find("part         voxels 0,0,0 to "),
+            std::string::npos);
   std::vector<std::string> look = looks[1];
   look.insert(look.end(), {"--size", "150x120", "--exr-type", "float", "--lattice", "ray"});
   drawn(0, "one", look);

@@ -19,6 +19,7 @@
 #include "ingest/source/placement.h"
 #include "job/job_names.h"
 #include "picture_job.h"
+#include "ranks/split_store.h"
 #include "say.h"
 #include "scene/transfer/label_styles.h"
 #include "store/manifest/json_text.h"
@@ -149,10 +150,13 @@ void printValues(const VolumeValues& values) {
     sayHistogram(values);
 }
 
-void printForPeople(const StoreReader& store) {
+void printForPeople(const StoreReader& store, Progress& progress) {
   const Manifest& m = store.manifest();
   const Storage storage = storageOf(store);
   say("store        {} (format {})\n", store.path().string(), m.format);
+  if (const auto part = findStorePart(store.path(), progress))
+    say("part         voxels {},{},{} to {},{},{}, made by kiln split; the lines below are of the whole store\n",
+        part->lo.x, part->lo.y, part->lo.z, part->hi.x, part->hi.y, part->hi.z);
   printGeometry(m.geometry(), m.type);
   printValues({m, "", 0});
   printLevels(m, storage);
@@ -270,7 +274,7 @@ void addInfo(CLI::App& app, Context& context) {
       if (*json) {
         sayJson(textForPrograms(store));
       } else {
-        printForPeople(store);
+        printForPeople(store, context.progress);
       }
     };
   });

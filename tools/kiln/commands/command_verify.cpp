@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "base/file/path_status.h"
 #include "base/memory/memory.h"
 #include "base/thread/parallel.h"
 #include "commands.h"
@@ -13,7 +12,6 @@
 #include "ranks/split_store.h"
 #include "say.h"
 #include "source_arguments.h"
-#include "store/store_writer.h"
 #include "store/verify.h"
 
 namespace kiln::tool {
@@ -24,25 +22,14 @@ struct VerifyArguments {
   unsigned threads = 0;
 };
 
-// Returns the box of a part that `kiln split` made; nothing for a whole store. In a whole store, an unreadable file of
-// that name is noted.
-std::optional<VoxelBox> partOf(const StoreReader& store, Progress& progress) {
-  if (!isThere(store.path() / kPartFile)) return std::nullopt;
-  try {
-    return boxOfStorePart(store.path());
-  } catch (const Error& error) {
-    progress.note(std::string(error.what()) + "; the store is checked as a whole one");
-    return std::nullopt;
-  }
-}
-
 void run(const VerifyArguments& a, Context& context) {
   const ThreadLimit threads(a.threads);
   refuseVolumeFile(a.store, "a store");
   const std::uint64_t memory_bytes = parseBytes(a.memory, "--memory");
   const StoreReader store(a.store, memory_bytes);
   std::function<bool(const BrickKey&)> holds;
-  if (const std::optional<VoxelBox> part = partOf(store, context.progress)) holds = bricksOfStorePart(store, *part);
+  if (const std::optional<VoxelBox> part = findStorePart(store.path(), context.progress))
+    holds = bricksOfStorePart(store, *part);
   const VerifyReport report = verify(
       store, memory_bytes, [&](const Error& damage) { context.progress.note(damage.what()); }, context.progress, holds);
   context.progress.clear();
