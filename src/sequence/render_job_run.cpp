@@ -1,7 +1,10 @@
 #include "sequence/render_job_run.h"
 
+#include <fmt/format.h>
+
 #include <optional>
 
+#include "base/error.h"
 #include "base/thread/parallel.h"
 #include "base/thread/trace.h"
 #include "frame/empty_frame.h"
@@ -52,6 +55,8 @@ RenderResult drawFirstFrame(const RenderJob& job, OpenedJob& opened, int repeat,
 // `open` returns the opened job. The trace covers opening, drawing and writing.
 template <class Open>
 RenderResult runJob(const RenderJob& job, int repeat, Progress& progress, const Open& open) {
+  if (repeat < 1)
+    throw Error(ErrorCode::kUsage, fmt::format("repeat: expected 1 or more (found {}); draw the job once", repeat));
   requireDrawable(job);
   const ThreadLimit threads(job.speed.threads);
   std::optional<Trace> trace;

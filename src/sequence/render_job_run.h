@@ -18,9 +18,9 @@ struct RenderResult {
   RenderStatistics statistics;
 };
 
-/// Draws the first frame of the job `repeat` times, first with an empty cache, and writes the last picture to the job's
-/// files, if any. With `skip_damaged`, each missing brick and their number are noted. throws: Error kUsage, kBudget,
-/// kDamaged, kNotFound, kIo, kNoSpace, kCancelled.
+/// Draws the first frame of the job `repeat` times, at least once, first with an empty cache, and writes the last
+/// picture to the job's files, if any. With `skip_damaged`, each missing brick and their number are noted. throws:
+/// Error kUsage, kBudget, kDamaged, kNotFound, kIo, kNoSpace, kCancelled.
 RenderResult runRenderJob(const RenderJob& job, int repeat, Progress& progress);
 
 /// Draws the first frame of the job from open volumes, such as arrays in memory (convert/open_array.h): the only volume

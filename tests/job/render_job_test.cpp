@@ -13,6 +13,7 @@
 #include "job/json/job_json.h"
 #include "job/transfer_function_choice.h"
 #include "sequence/frame_requests.h"
+#include "sequence/render_job_run.h"
 #include "support/system/expect_error.h"
 
 namespace kiln {
@@ -604,6 +605,12 @@ TEST(RenderJob, FilesAreReadAndMissingOnesNamed) {
   }
   test::expectError([&] { readJob(folder / "none.json"); }, ErrorCode::kNotFound, "");
   std::filesystem::remove_all(folder);
+}
+
+TEST(RenderJobRun, NoRepetition_isRefused) {
+  Progress silent;
+  for (const int repeat : {0, -1})
+    test::expectError([&] { runRenderJob(RenderJob(), repeat, silent); }, ErrorCode::kUsage, "repeat");
 }
 
 }  // namespace
