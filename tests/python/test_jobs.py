@@ -143,6 +143,31 @@ def test_files_become_stores_once(head):
     run_tool("render", "a.npy", "-o", "a.png", "--size", "32x32", cwd=".")
 
 
+def test_names_that_are_not_utf8():
+    """Known: os.fsdecode gives such names, and no JSON can hold them."""
+    folder = os.fsdecode(b"gr\xfcn")
+    os.mkdir(folder)
+    path = os.path.join(folder, "a.kiln")
+    s = kiln.convert(numpy.indices((8, 8, 8))[0].astype("u1"), path)
+    assert s.path == path and kiln.open(path).path == path
+    words = {"image": {"width": 16, "height": 16}}
+    expected = numpy.asarray(s.render(size=(16, 16)))
+    assert (numpy.asarray(next(kiln.render({"volume": s, **words}))) == expected).all()
+    with pytest.raises(kiln.Error, match="UTF-8") as failure:
+        kiln.render({"volume": path, **words})
+    assert failure.value.code == "usage"
+    with pytest.raises(kiln.Error, match="xfcn") as failure:
+        kiln.open(path + "x")
+    assert failure.value.code == "not_found" and failure.value.path == path + "x"
+    assert str(failure.value).isascii()
+    with pytest.warns(kiln.Warning):
+        kiln.open(path).render(size=(16, 16), tf="iso:9000")
+    memmap = numpy.memmap(os.path.join(folder, "a.raw"), "u1", "w+", shape=(8, 8, 8))
+    assert kiln.convert(memmap, os.path.join(folder, "b.kiln")).shape == (8, 8, 8)
+    with kiln.view(s) as viewer:
+        assert viewer.url.startswith("http")
+
+
 def test_viewer_answers(head):
     with kiln.view(kiln.open(kiln.open(head)[...]), tf="ct-bone", job="look.json") as viewer:
         address, token = viewer.url.split("#")

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <cstring>
 #include <mutex>
@@ -230,13 +231,8 @@ void bindArrays(py::module_& module) {
       .def_readwrite("frame", &ArrayWords::frame)
       .def_readwrite("labels", &ArrayWords::labels)
       .def_readwrite("known", &ArrayWords::known)
-      .def_property("files", nullptr,
-                    [](ArrayWords& words, const std::vector<std::string>& files) {
-                      words.files.assign(files.begin(), files.end());
-                    })
-      .def_property("trees", nullptr, [](ArrayWords& words, const std::vector<std::string>& trees) {
-        words.trees.assign(trees.begin(), trees.end());
-      });
+      .def_readwrite("files", &ArrayWords::files)
+      .def_readwrite("trees", &ArrayWords::trees);
   py::class_<ArraySource, std::shared_ptr<ArraySource>>(module, "ArraySource")
       .def_static("in_place", &ArraySource::inPlace)
       .def_static("sliced", &ArraySource::sliced);

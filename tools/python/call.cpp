@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/text.h"
 
 namespace kiln::python {
 namespace {
@@ -30,12 +31,12 @@ constexpr std::array<std::string_view, 11> kCodes = {"usage",       "not_found",
                                                      "io",          "no_space",  "cancelled"};
 
 void raise(const Error& error) {
-  const py::object instance = py::reinterpret_borrow<py::object>(error_type)(error.what());
+  const py::object instance = py::reinterpret_borrow<py::object>(error_type)(utf8Of(error.what()));
   instance.attr("code") = kCodes[static_cast<std::size_t>(error.code())];
   if (error.path().empty())
     instance.attr("path") = py::none();
   else
-    instance.attr("path") = error.path().string();
+    instance.attr("path") = textOfPath(error.path());
   if (const auto* const caused = dynamic_cast<const CausedError*>(&error))
     PyException_SetCause(instance.ptr(), py::object(caused->cause()).release().ptr());
   PyErr_SetObject(error_type, instance.ptr());
@@ -77,8 +78,8 @@ class CallProgress final : public Progress {
   void passSentencesOn() {
     for (const auto& [warns, sentence] : sentences_) {
       if (!warns)
-        py::module_::import("logging").attr("getLogger")("kiln").attr("info")("%s", sentence);
-      else if (PyErr_WarnEx(warning_type, sentence.c_str(), 2) != 0)
+        py::module_::import("logging").attr("getLogger")("kiln").attr("info")("%s", utf8Of(sentence));
+      else if (PyErr_WarnEx(warning_type, utf8Of(sentence).c_str(), 2) != 0)
         throw py::error_already_set();
     }
   }
@@ -155,6 +156,13 @@ CausedError::CausedError(const Error& error, const py::error_already_set& cause)
         delete object;
       }) {
   if (cause.trace()) PyException_SetTraceback(cause_->ptr(), cause.trace().ptr());
+}
+
+py::str textOfPath(const std::filesystem::path& path) {
+  const std::string& bytes = path.native();
+  PyObject* const text = PyUnicode_DecodeFSDefaultAndSize(bytes.data(), static_cast<Py_ssize_t>(bytes.size()));
+  if (text == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(text);
 }
 
 void bindErrors(py::module_& module) {

@@ -7,6 +7,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -29,6 +30,9 @@ class CausedError : public Error {
  private:
   std::shared_ptr<py::object> cause_;  // released with the lock held, by any thread
 };
+
+/// Returns a path as os.fsdecode does. requires: the lock is held.
+py::str textOfPath(const std::filesystem::path& path);
 
 /// Registers kiln.Error, with `code` and `path`, and kiln.Warning.
 void bindErrors(py::module_& module);

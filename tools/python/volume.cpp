@@ -47,7 +47,7 @@ py::dict factsOf(const BrickedVolume& volume) {
   py::list levels;
   for (const LevelInfo& level : manifest.levels) levels.append(zyx(level.geometry.dims));
   py::dict out;
-  out["path"] = volume.path().string();
+  out["path"] = textOfPath(volume.path());
   out["shape"] = zyx(geometry.dims);
   out["type"] = nameOf(manifest.type);
   out["affine"] = rowsOf(geometry.world_from_index);

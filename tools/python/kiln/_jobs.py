@@ -7,9 +7,10 @@ import os
 from typing import Any, Iterator, NamedTuple
 
 from kiln import _kiln
+from kiln._errors import wrong_word
 from kiln._functions import TransferFunction
 from kiln._image import Image
-from kiln._volume import Progress, Volume, range_of, store_folder
+from kiln._volume import Progress, Volume, range_of, shown_path, store_folder
 
 
 class Finished(NamedTuple):
@@ -46,16 +47,26 @@ class Frames(Iterator[Image]):
         return Finished(*self._frames.run(resume, checkpoint, self._progress))
 
 
+def _is_utf8(text: str) -> bool:
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:  # a name with bytes that are no UTF-8, which os.fsdecode made
+        return False
+    return True
+
+
 def _plain(value: Any, volumes: list[Volume], drawn: Any = None) -> Any:
     """Returns a job's value as JSON has it, and collects open volumes. `drawn`: the volume of the object around it."""
     if isinstance(value, Volume):
         volumes.append(value)
-        return value.path
+        return shown_path(value)
     if isinstance(value, TransferFunction):
         text = value.json(range_of(drawn) if isinstance(drawn, Volume) else None)
         return json.loads(text) if text else value.name
     if isinstance(value, os.PathLike):
-        return os.fspath(value)
+        value = os.fspath(value)
+    if isinstance(value, str) and not _is_utf8(value):
+        raise wrong_word("job", "is UTF-8", ascii(value), "open such a volume, and rename other files")
     if isinstance(value, dict):
         drawn = value.get("volume", drawn)
         return {key: _plain(inner, volumes, drawn) for key, inner in value.items()}

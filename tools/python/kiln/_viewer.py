@@ -8,7 +8,7 @@ import weakref
 from typing import Any
 
 from kiln import _kiln
-from kiln._volume import Volume, open, range_of
+from kiln._volume import Volume, open, range_of, shown_path
 from kiln._words import job_words
 
 
@@ -57,6 +57,6 @@ def view(
     """
     if not isinstance(volume, Volume):
         volume = open(volume)
-    title = os.path.basename(os.path.normpath(volume.path))
+    title = os.path.basename(os.path.normpath(shown_path(volume)))
     name = os.fspath(job) if job is not None else ""
     return Viewer(_kiln.Viewer(volume._volume, job_words(words, range_of(volume)), name, title, port), height)

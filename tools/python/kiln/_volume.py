@@ -181,6 +181,11 @@ class Volume:
         return f"<kiln.Volume {self.path}: {z} x {y} x {x} voxels of {self.dtype}, {len(self.levels)} levels>"
 
 
+def shown_path(volume: Volume) -> str:
+    """Returns the volume's path as UTF-8; other bytes are escaped, as in names that Kiln writes."""
+    return os.fsencode(volume.path).decode("utf-8", "backslashreplace")
+
+
 def range_of(volume: Volume) -> tuple[float, float]:
     """Returns the values that a colour map spans; in a volume without values all are alike."""
     return volume.range or (0.0, 1.0)
