@@ -198,6 +198,17 @@ def test_errors_have_code_and_path(head):
         kiln.open("damaged.kiln")
 
 
+def test_volumes_and_large_arrays_are_no_texts(head):
+    s = kiln.open(head)
+    for word in ("mask", "color_by", "tf", "background", "text"):
+        for value in (s, numpy.zeros((64, 64, 64)), numpy.zeros((64, 64))):
+            if word == "tf" and value is not s and value.ndim == 2:
+                continue  # points
+            with pytest.raises(TypeError, match=f"^{word}: expected a text") as failure:
+                s.render(**{word: value})
+            assert len(str(failure.value)) < 200
+
+
 def test_doubtful_picture_warns(head):
     with pytest.warns(kiln.Warning, match="empty"):
         kiln.open(head).render(tf="iso:9999", **SIZE)

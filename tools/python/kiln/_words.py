@@ -47,10 +47,12 @@ def text_of(value: Any) -> str:
         return repr(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
     if isinstance(value, int):
         return str(value)
-    try:
-        return ",".join(text_of(item) for item in value)
-    except TypeError:
-        raise TypeError(f"expected a text, a number or a sequence of these, found {type(value).__name__}") from None
+    if getattr(value, "ndim", 1) > 1 or not hasattr(value, "__iter__"):  # volumes, too
+        raise TypeError(
+            f"expected a text, a number or a sequence of these (found {type(value).__name__}); "
+            "a volume is named by its path"
+        )
+    return ",".join(text_of(item) for item in value)
 
 
 def _is_json(value: Any) -> bool:
@@ -81,6 +83,13 @@ def _is_one(row: Option, value: Any) -> bool:
     return "," in row.values and len(value) > 0 and not any(isinstance(item, (str, list, tuple)) for item in value)
 
 
+def _text_of_word(word: str, value: Any) -> str:
+    try:
+        return text_of(value)
+    except TypeError as failure:
+        raise TypeError(f"{word}: {failure}") from None
+
+
 def flag_texts(words: dict[str, Any]) -> dict[str, list[str]]:
     """Returns words as texts of flags."""
     known = _by_word()
@@ -90,14 +99,14 @@ def flag_texts(words: dict[str, Any]) -> dict[str, list[str]]:
         if value is None:
             continue
         if row is None:
-            flags["--" + word.replace("_", "-")] = [text_of(value)]  # refused with the nearest option
+            flags["--" + word.replace("_", "-")] = [""]  # refused with the nearest option
         elif row.arguments == "none":
             if value:
                 flags[row.flag] = [""]
         elif isinstance(value, (list, set)) and not _is_one(row, value):
-            flags[row.flag] = [text_of(item) for item in value]
+            flags[row.flag] = [_text_of_word(word, item) for item in value]
         else:
-            flags[row.flag] = [text_of(value)]
+            flags[row.flag] = [_text_of_word(word, value)]
     return flags
 
 
@@ -123,4 +132,4 @@ def job_words(words: dict[str, Any], value_range: tuple[float, float] | None = N
 
 def source_texts(words: dict[str, Any]) -> dict[str, str]:
     """Returns the words of a volume file as texts."""
-    return {word: text_of(value) for word, value in words.items() if value is not None}
+    return {word: _text_of_word(word, value) for word, value in words.items() if value is not None}
