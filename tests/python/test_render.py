@@ -198,6 +198,25 @@ def test_errors_have_code_and_path(head):
         kiln.open("damaged.kiln")
 
 
+def test_values_of_numpy_are_those_of_python(head):
+    s = kiln.open(head)
+    for plain, of_numpy in [
+        (
+            {"camera": {"eye": [0, -300, 0], "fov": 30}},
+            {"camera": {"eye": numpy.array([0, -300, 0]), "fov": numpy.float32(30)}},
+        ),
+        ({"share_reads": True}, {"share_reads": numpy.bool_(True)}),
+        ({"tf": [(1000, 0), (1300, 0.5)]}, {"tf": numpy.array([(1000, 0), (1300, 0.5)])}),
+        (
+            {"light": [{"type": "point", "position": [0, -500, 0]}]},
+            {"light": [{"type": "point", "position": numpy.array([0, -500, 0])}]},
+        ),
+    ]:
+        assert (numpy.asarray(s.render(**plain, **SIZE)) == numpy.asarray(s.render(**of_numpy, **SIZE))).all()
+    with pytest.raises(TypeError, match="found Volume"):
+        s.render(camera={"eye": s})
+
+
 def test_volumes_and_large_arrays_are_no_texts(head):
     s = kiln.open(head)
     for word in ("mask", "color_by", "tf", "background", "text"):

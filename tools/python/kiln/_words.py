@@ -35,14 +35,14 @@ def options() -> list[Option]:
 
 def text_of(value: Any) -> str:
     """Returns a value as the command line writes it: (1, 2.5) is "1,2.5"."""
+    if hasattr(value, "item") and getattr(value, "ndim", 0) == 0:  # a number of NumPy's
+        value = value.item()
     if isinstance(value, bool):
         return "on" if value else "off"
     if isinstance(value, str):
         return value
     if isinstance(value, os.PathLike):
         return str(os.fspath(value))
-    if hasattr(value, "item") and getattr(value, "ndim", 0) == 0:  # a number of NumPy's
-        value = value.item()
     if isinstance(value, float):
         return repr(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
     if isinstance(value, int):
@@ -53,6 +53,23 @@ def text_of(value: Any) -> str:
             "a volume is named by its path"
         )
     return ",".join(text_of(item) for item in value)
+
+
+def _json_value(value: Any) -> Any:
+    """Returns values that JSON lacks: arrays and numbers of NumPy, paths, transfer functions."""
+    if isinstance(value, TransferFunction):
+        text = value.json()
+        return json.loads(text) if text else value.name
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"an object of a job has texts, numbers, lists and dicts (found {type(value).__name__})")
+
+
+def json_text(value: Any) -> str:
+    """Returns the JSON of a dict among the words."""
+    return json.dumps(value, default=_json_value)
 
 
 def _is_json(value: Any) -> bool:
@@ -69,6 +86,8 @@ def _key_of(word: str) -> str:
 
 def _points_text(points: Any) -> str | None:
     """Returns points such as [(1000, 0), (1300, 0.5, "orange")] as --tf writes them; None for other values."""
+    if getattr(points, "ndim", 0) == 2 and hasattr(points, "tolist"):
+        points = points.tolist()
     if not isinstance(points, (list, tuple)) or not points:
         return None
     if not all(isinstance(point, (list, tuple)) for point in points):
@@ -120,13 +139,13 @@ def job_words(words: dict[str, Any], value_range: tuple[float, float] | None = N
         if not function:
             words["tf"] = tf.name
     elif isinstance(words.get("tf"), dict):
-        function = json.dumps(words.pop("tf"))
+        function = json_text(words.pop("tf"))
     elif (text := _points_text(words.get("tf"))) is not None:
         words["tf"] = text
     objects = {_key_of(word): words.pop(word) for word, value in list(words.items()) if _is_json(value)}
     if isinstance(objects.get("lights"), dict):
         objects["lights"] = [objects["lights"]]
-    text = json.dumps({"kiln": _kiln.job_format, "volume": "volume", **objects}) if objects else ""
+    text = json_text({"kiln": _kiln.job_format, "volume": "volume", **objects}) if objects else ""
     return _kiln.JobWords(text, flag_texts(words), function)
 
 
