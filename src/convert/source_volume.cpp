@@ -38,8 +38,10 @@ std::uint64_t coarseBytes(const Manifest& manifest) {
   return out;
 }
 
-void requireMemory(const Manifest& manifest, const BrickIndex& index, std::uint64_t memory_bytes) {
-  const std::uint64_t needed = BrickIndex::bytesOf(index.size(), 0, manifest.brick_size) + coarseBytes(manifest);
+void requireMemory(const Manifest& manifest, std::uint64_t memory_bytes) {
+  std::uint64_t bricks = 0;
+  for (const Extent3& lattice : manifest.lattices()) bricks += static_cast<std::uint64_t>(lattice.count());
+  const std::uint64_t needed = BrickIndex::bytesOf(bricks, 0, manifest.brick_size) + coarseBytes(manifest);
   if (needed <= memory_bytes) return;
   throw Error(ErrorCode::kBudget, kArrayName, "memory",
               fmt::format("coarser levels and index take {} (allowed: {}); give {} or more", formatBytes(needed),
@@ -171,8 +173,8 @@ std::uint64_t CoarseLevel::bytesOf(const Extent3& dims, VoxelType type) {
 SourceVolume::SourceVolume(std::unique_ptr<VolumeSource> source, const ArrayOptions& options, Progress& progress)
     : BrickedVolume(kArrayName), source_(std::move(source)) {
   Manifest manifest = emptyManifest(source_->info(), options);
+  requireMemory(manifest, options.memory_bytes);
   BrickIndex index(manifest.lattices());
-  requireMemory(manifest, index, options.memory_bytes);
   VolumeBuild build(*source_, std::move(manifest), std::move(index), progress);
   build.run();
   coarse_ = std::make_shared<const std::vector<CoarseLevel>>(build.takeLevels());

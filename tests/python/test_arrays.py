@@ -175,6 +175,14 @@ def test_little_memory_is_kept_to():
     assert failure.value.code == "budget"
 
 
+def test_an_index_larger_than_memory_is_refused_before_it_is_made():
+    """Known: the index of 1.4e11 bricks fits no machine."""
+    endless = numpy.broadcast_to(numpy.zeros(1, "u1"), (1 << 10, 1 << 20, 1 << 21))
+    with pytest.raises(kiln.Error, match="index take") as failure:
+        kiln.open(endless, memory="64M", brick_size=16)
+    assert failure.value.code == "budget"
+
+
 def test_drawing_slices_on_demand():
     array = ramp("uint16", (80, 100, 120))
     counting = Counting(array, (40, 50, 60))
