@@ -120,6 +120,19 @@ def test_array_equals_its_conversion_by_the_program():
         assert (volume.read(1) == kiln.open("tool.kiln").read(1)).all()
 
 
+def test_labels_of_32_bits_are_counted_up_to_65534():
+    """Known: the manual says so."""
+    for dtype, values, counted in [
+        ("i4", (0, 65534), True),
+        ("i4", (0, 65535), False),
+        ("i4", (-1, 3), False),
+        ("i2", (-1, 3), True),
+    ]:
+        array = numpy.full((4, 4, 4), values[0], dtype)
+        array[0, 0, 0] = values[1]
+        assert kiln.open(array, labels=True).labels == ({values[0]: 63, values[1]: 1} if counted else None)
+
+
 def test_labels():
     array = ramp("int64") // 40
     s = kiln.open(array, labels=True)

@@ -88,7 +88,7 @@ class Volume:
 
     @property
     def labels(self) -> dict[int, int] | None:
-        """Voxels of each label, for a volume of labels; else None."""
+        """Voxels of each label, for a volume of labels of 8 or 16 bits, or of labels from 0 to 65534; else None."""
         return self._facts["labels"]
 
     def histogram(self) -> "tuple[NDArray[Any], NDArray[Any]]":
