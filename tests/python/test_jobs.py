@@ -182,6 +182,17 @@ def test_viewer_answers(head):
     assert not os.path.exists("look.json")
 
 
+def test_viewer_shows_several_volumes(head):
+    other = kiln.open(numpy.full((8, 8, 8), 3, "u1"), labels=True)
+    with kiln.view(kiln.open(head), add=[head], labels=[other], add_tf=["ct-bone"]) as viewer:
+        address, token = viewer.url.split("#")
+        request = urllib.request.Request(f"{address}api/session", headers={"Authorization": f"Bearer {token}"})
+        with urllib.request.urlopen(request) as answer:
+            session = json.load(answer)
+    assert [volume["classes"] for volume in session["volumes"]] == ["values", "values", "labels"]
+    assert session["job"]["volumes"][1]["transferFunction"] == "ct-bone"
+
+
 def test_documentation_and_types():
     for name in kiln.__all__:
         assert getattr(kiln, name).__doc__, name

@@ -45,18 +45,18 @@ class Viewer {
   std::thread thread_;  // last: begins with all other members made
 };
 
-ViewSource sourceOf(const Volume& volume, const JobWords& words, const std::filesystem::path& job_file,
-                    const std::string& title) {
+ViewSource sourceOf(const Volume& volume, const JobWords& words, const MoreVolumes& more,
+                    const std::filesystem::path& job_file, const std::string& title) {
   if (!job_file.empty() && extensionOf(job_file) != ".json")
     throw Error(ErrorCode::kUsage, job_file, "job", "is no job's name; it must end in .json");
   if (!job_file.empty()) requireOutsideStores(job_file, "job");
   ViewSource out;
-  out.drawn = jobOf(volume.bricks()->path(), words);
+  out.drawn = jobOf(volume.bricks()->path(), words, more.names());
   out.drawn.output = encodingsOf(out.drawn.output);
   requireVolumes(out.drawn);
   requireViews(out.drawn);
   out.named = out.drawn;
-  out.volumes = {volume.bricks()};
+  out.volumes = more.behind(volume);
   out.job_file = job_file;
   out.require_free = [](const std::filesystem::path& output) { requireOutsideStores(output); };
   out.title = title;
@@ -67,15 +67,15 @@ ViewSource sourceOf(const Volume& volume, const JobWords& words, const std::file
 
 void bindViewer(py::module_& module) {
   py::class_<Viewer, UnlockedPointer<Viewer>>(module, "Viewer")
-      .def(py::init([](const Volume& volume, const JobWords& words, const std::filesystem::path& job_file,
-                       const std::string& title, int port) {
+      .def(py::init([](const Volume& volume, const JobWords& words, const MoreVolumes& more,
+                       const std::filesystem::path& job_file, const std::string& title, int port) {
         if (port < 0 || port > 65535)
           throw Error(ErrorCode::kUsage,
                       fmt::format("port: expected 0 to 65535 (found {}); 0 takes a free port", port));
         ViewServerOptions options;
         options.port = static_cast<std::uint16_t>(port);
         options.framed = true;
-        ViewSource source = sourceOf(volume, words, job_file, title);
+        ViewSource source = sourceOf(volume, words, more, job_file, title);
         std::unique_ptr<Viewer> out;
         runForCall(py::none(), [&](Progress&) { out = std::make_unique<Viewer>(std::move(source), options); });
         return UnlockedPointer<Viewer>(out.release());

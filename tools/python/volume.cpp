@@ -154,20 +154,6 @@ std::filesystem::path storeForCall(const std::filesystem::path& path, const Sour
 
 namespace {
 
-// Open volumes beside the first; Python makes the object.
-struct MoreVolumes {
-  Drawing::Volumes added, labels;
-  std::vector<std::string> functions;  // texts of --tf, or JSON
-
-  AddedVolumes names() const {
-    AddedVolumes out;
-    for (const auto& volume : added) out.added.push_back(volume->path());
-    for (const auto& volume : labels) out.labels.push_back(volume->path());
-    for (const std::string& function : functions) out.functions.push_back(functionOf(function));
-    return out;
-  }
-};
-
 Drawing::Volumes bricksOf(const std::vector<const Volume*>& volumes) {
   Drawing::Volumes out;
   for (const Volume* volume : volumes) out.push_back(volume->bricks());
@@ -175,6 +161,20 @@ Drawing::Volumes bricksOf(const std::vector<const Volume*>& volumes) {
 }
 
 }  // namespace
+
+AddedVolumes MoreVolumes::names() const {
+  AddedVolumes out;
+  for (const auto& volume : added) out.added.push_back(volume->path());
+  for (const auto& volume : labels) out.labels.push_back(volume->path());
+  for (const std::string& function : functions) out.functions.push_back(functionOf(function));
+  return out;
+}
+
+Drawing::Volumes MoreVolumes::behind(const Volume& first) const {
+  Drawing::Volumes out = {first.bricks()};
+  for (const Drawing::Volumes& list : {added, labels}) out.insert(out.end(), list.begin(), list.end());
+  return out;
+}
 
 void bindVolume(py::module_& module) {
   py::class_<MoreVolumes>(module, "MoreVolumes")
@@ -216,9 +216,7 @@ void bindVolume(py::module_& module) {
                       const py::object& on_progress) {
         RenderJob job = jobOf(volume.bricks()->path(), words, more.names());
         if (frame) job.frames = {*frame};
-        Drawing::Volumes volumes = {volume.bricks()};
-        for (const Drawing::Volumes& list : {more.added, more.labels})
-          volumes.insert(volumes.end(), list.begin(), list.end());
+        const Drawing::Volumes volumes = more.behind(volume);
         return resultForCall(on_progress,
                              [&](Progress& progress) { return volume.drawing().draw(job, volumes, progress); });
       });

@@ -76,6 +76,17 @@ class Volume {
   const std::unique_ptr<Drawing> drawing_;
 };
 
+/// Open volumes beside the first; Python makes the object.
+struct MoreVolumes {
+  Drawing::Volumes added, labels;
+  std::vector<std::string> functions;  // texts of --tf, or JSON
+
+  /// throws: Error kUsage for a text that is no transfer function.
+  AddedVolumes names() const;
+  /// Returns all volumes of a picture, in the order of its job.
+  Drawing::Volumes behind(const Volume& first) const;
+};
+
 /// Returns a store, or the store of a volume file, which is made first if it is missing. `store_directory`: as
 /// `--store`. throws: as storeFor.
 std::filesystem::path storeForCall(const std::filesystem::path& path, const SourceWords& words,

@@ -8,7 +8,7 @@ import weakref
 from typing import Any
 
 from kiln import _kiln
-from kiln._volume import Volume, open, range_of, shown_path
+from kiln._volume import Volume, more_volumes, open, range_of, shown_path
 from kiln._words import job_words
 
 
@@ -59,4 +59,6 @@ def view(
         volume = open(volume)
     title = os.path.basename(os.path.normpath(shown_path(volume)))
     name = os.fspath(job) if job is not None else ""
-    return Viewer(_kiln.Viewer(volume._volume, job_words(words, range_of(volume)), name, title, port), height)
+    more, words = more_volumes(words)
+    viewer = _kiln.Viewer(volume._volume, job_words(words, range_of(volume)), more, name, title, port)
+    return Viewer(viewer, height)

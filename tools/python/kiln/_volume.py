@@ -158,7 +158,7 @@ class Volume:
         add, labels: further volumes in the picture, placed by their affines; add_tf: the transfer functions of these.
         progress: called with (step, done, total). Ctrl-C cancels. throws: kiln.Error.
         """
-        more, words = _more_volumes(words)
+        more, words = more_volumes(words)
         return Image(self._volume.draw(self._job(words), more, None, progress))
 
     def frames(self, *, progress: Progress | None = None, **words: Any) -> Iterator[Image]:
@@ -166,7 +166,7 @@ class Volume:
 
         The words are those of `render`. frames="1,10-20" are some of the frames.
         """
-        more, words = _more_volumes(words)
+        more, words = more_volumes(words)
         job = self._job(words)
         return (Image(self._volume.draw(job, more, frame, progress)) for frame in self._volume.frames(job))
 
@@ -191,7 +191,7 @@ def range_of(volume: Volume) -> tuple[float, float]:
     return volume.range or (0.0, 1.0)
 
 
-def _more_volumes(words: dict[str, Any]) -> tuple[_kiln.MoreVolumes, dict[str, Any]]:
+def more_volumes(words: dict[str, Any]) -> tuple[_kiln.MoreVolumes, dict[str, Any]]:
     """Returns the volumes among the words of a picture, and the other words."""
     words = dict(words)
 
