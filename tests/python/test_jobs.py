@@ -61,6 +61,29 @@ def test_words_of_several_volumes_and_frames(head):
     assert [image.frame for image in s.frames(turntable=4, frames="2-3", **size)] == [2, 3]
 
 
+def test_functions_of_added_volumes_have_all_forms_of_tf(head):
+    s = kiln.open(head)
+    points = [(1000, 0), (1300, 0.5, "orange")]
+    function = {
+        "points": [
+            {"value": 1000, "opacity": 0, "color": "orange"},
+            {"value": 1300, "opacity": 0.5, "color": "orange"},
+        ]
+    }
+    words = {"size": (64, 48), "tf": "ct-skin"}
+
+    def drawn(added, functions):
+        return numpy.asarray(s.render(add=added, add_tf=functions, **words))
+
+    expected = drawn([head], "1000:0,1300:0.5:orange")
+    for form in (points, [points], numpy.array([p[:2] for p in points]), function, [function]):
+        if isinstance(form, numpy.ndarray):
+            assert (drawn([head], form) == drawn([head], "1000:0,1300:0.5")).all()
+        else:
+            assert (drawn([head], form) == expected).all()
+    assert (drawn([head, head], [points, "ct-bone"]) == drawn([head, head], ["1000:0,1300:0.5:orange", "ct-bone"])).all()
+
+
 def test_wrong_jobs(head):
     for job in ({"volume": str(head), "imag": {}}, {"volume": "absent.kiln"}, {"volume": str(head), "output": "a.txt"}):
         with pytest.raises(kiln.Error):

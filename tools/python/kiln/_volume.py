@@ -10,7 +10,7 @@ from kiln._arrays import is_array, source_of
 from kiln._errors import wrong_word
 from kiln._functions import TransferFunction
 from kiln._image import Image
-from kiln._words import job_words, source_texts, text_of
+from kiln._words import job_words, json_text, points_text, source_texts, text_of
 
 if TYPE_CHECKING:
     import numpy
@@ -203,13 +203,15 @@ def more_volumes(words: dict[str, Any]) -> tuple[_kiln.MoreVolumes, dict[str, An
         return volume if isinstance(volume, Volume) else open(volume, labels=labels)
 
     def text(function: Any, volume: Volume | None) -> str:
+        if isinstance(function, dict):
+            return json_text(function)
         if not isinstance(function, TransferFunction):
-            return text_of(function)
+            return points_text(function) or text_of(function)
         # A function without a volume is refused later, by the number of functions.
         return function.json(range_of(volume) if volume is not None else (0.0, 1.0)) or function.name
 
     added, labels = [opened(one, False) for one in listed("add")], [opened(one, True) for one in listed("labels")]
-    functions = listed("add_tf")
+    functions = [words.pop("add_tf")] if points_text(words.get("add_tf")) else listed("add_tf")
     volumes: list[Volume | None] = [*added, *labels]
     volumes += [None] * (len(functions) - len(volumes))
     texts = [text(function, volume) for function, volume in zip(functions, volumes)]

@@ -84,13 +84,15 @@ def _key_of(word: str) -> str:
     return first + "".join(part.capitalize() for part in others)
 
 
-def _points_text(points: Any) -> str | None:
+def points_text(points: Any) -> str | None:
     """Returns points such as [(1000, 0), (1300, 0.5, "orange")] as --tf writes them; None for other values."""
     if getattr(points, "ndim", 0) == 2 and hasattr(points, "tolist"):
         points = points.tolist()
     if not isinstance(points, (list, tuple)) or not points:
         return None
-    if not all(isinstance(point, (list, tuple)) for point in points):
+    if not all(isinstance(point, (list, tuple)) and point for point in points):
+        return None
+    if any(isinstance(point[0], (list, tuple)) for point in points):  # a list of such points
         return None
     return ",".join(":".join(text_of(part) for part in point) for point in points)
 
@@ -140,7 +142,7 @@ def job_words(words: dict[str, Any], value_range: tuple[float, float] | None = N
             words["tf"] = tf.name
     elif isinstance(words.get("tf"), dict):
         function = json_text(words.pop("tf"))
-    elif (text := _points_text(words.get("tf"))) is not None:
+    elif (text := points_text(words.get("tf"))) is not None:
         words["tf"] = text
     objects = {_key_of(word): words.pop(word) for word, value in list(words.items()) if _is_json(value)}
     if isinstance(objects.get("lights"), dict):
