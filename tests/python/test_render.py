@@ -85,6 +85,11 @@ def test_saving_takes_options_of_files_alone(head):
             image.save(name)
 
 
+def test_a_picture_is_no_video(head):
+    with pytest.raises(kiln.Error, match="a video needs frames"):
+        kiln.open(head).render(**SIZE).save("x.mp4")
+
+
 def test_a_run_needs_names_of_files(head):
     with pytest.raises(kiln.Error, match="names no file"):
         kiln.render({"volume": str(head)}).run()

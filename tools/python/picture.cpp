@@ -92,6 +92,9 @@ std::vector<std::byte> Picture::png(std::size_t view) const {
 
 void Picture::save(std::size_t view, const std::filesystem::path& path, const GivenFlags& flags) const {
   if (path.empty()) throw Error(ErrorCode::kUsage, "save: the name is empty; name the picture to write");
+  if (isVideo(path))
+    throw Error(ErrorCode::kUsage, path, "",
+                "a video needs frames (found 1); give kiln.render a job with frames, or name a picture, .exr or .png");
   if (const auto other = flags.otherThan(
           {"--exr-type", "--compression", "--owner", "--comments", "--exr-statistics", "--png-bits", "--jpeg-quality"}))
     throw Error(ErrorCode::kUsage, *other + ": is no option of a file; draw the picture with it");
