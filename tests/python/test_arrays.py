@@ -356,7 +356,10 @@ def test_words_without_effect_are_refused():
         for word in ("allow_irregular", "luminance")
         for value in ("yes", "", 1)
     ]
-    refused += [(kiln.view, array, "port", value) for value in (70000, 65536, -1)]
+    refused += [(kiln.view, array, "port", value) for value in (70000, 65536, -1, 1.5)]
+    refused += [(call, array, word, 3) for call in (kiln.open, kiln.convert) for word in ("dims", "bogus")]
+    refused += [(kiln.convert, array, word, 2.5) for word in ("levels", "threads", "brick_size")]
+    refused += [(kiln.convert, array, "threads", -1), (kiln.open, array, "brick_size", 16.5)]
     for call, source, word, value in refused:
         with pytest.raises(kiln.Error, match=rf"^{word}: .+ \(found .+\); .+") as failure:
             call(source, *(["out.kiln"] if call is kiln.convert else []), **{word: value})

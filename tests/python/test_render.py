@@ -170,6 +170,17 @@ def test_voxels(head):
     assert failure.value.code == "usage"
 
 
+def test_indices_are_those_of_sequences(head):
+    s = kiln.open(head)
+    for key in (None, 1.5, "a", (0, None)):
+        with pytest.raises(TypeError, match="indices of a volume"):
+            s[key]
+    with pytest.raises(TypeError, match="integer"):
+        s.read(0.5, ((0, 1), (0, 1), (0, 1)))
+    with pytest.raises(IndexError):
+        s[s.shape[0]]
+
+
 def test_facts(head):
     s = kiln.open(head)
     whole = s[...]

@@ -1,5 +1,4 @@
 // Conversions of files and arrays to stores.
-#include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
@@ -32,9 +31,6 @@ struct ConvertWords {
     out.resume = resume;
     out.half = half;
     out.labels = labels;
-    if (levels < 0)
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("levels: expected a number from 0 on (found {}); 0 makes all levels", levels));
     if (levels > 0) out.most_levels = levels;
     out.command = command;
     out.time = timeNow();

@@ -8,7 +8,7 @@ import os
 from typing import Any, Sequence
 
 from kiln import _kiln
-from kiln._errors import wrong_word
+from kiln._errors import whole_number, wrong_word
 
 # Read in place, without Python.
 _IN_PLACE = {"uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64"}
@@ -121,9 +121,7 @@ def _checked_index(word: str, index: int | None, axes: str, shape: Sequence[int]
         return 0
     if axis < 0:
         raise wrong_word(word, f"needs an axis {word[0]}", f"axes {axes!r}", "name all axes, or leave it out")
-    if not 0 <= index < shape[axis]:
-        raise ValueError(f"{word}: expected 0 to {shape[axis] - 1} (found {index})")
-    return index
+    return whole_number(word, index, 0, shape[axis] - 1)
 
 
 def _unmasked(array: Any) -> Any:
@@ -152,10 +150,14 @@ def source_of(
     channel: int | None = None,
     time: int | None = None,
     identity: str | None = None,
+    **others: Any,
 ) -> _kiln.ArraySource:
     """Opens an array as a source of a conversion or a volume."""
     import numpy
 
+    if others:
+        word, value = next(iter(others.items()))
+        raise wrong_word(word, "is no word of an array", repr(value), "leave it out")
     if frame not in ("", "unknown", "RAS", "LPS"):
         raise ValueError(f'frame: expected "RAS" or "LPS", the directions of the world (found {frame!r})')
     array = _unmasked(array)

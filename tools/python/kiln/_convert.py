@@ -7,7 +7,7 @@ from typing import Any
 
 from kiln import _kiln
 from kiln._arrays import is_array, source_of
-from kiln._errors import wrong_word
+from kiln._errors import whole_number, wrong_word
 from kiln._volume import Progress, Volume, file_texts, open, refuse_words_of_arrays
 from kiln._words import text_of
 
@@ -48,7 +48,8 @@ def convert(
     """
     options = _kiln.ConvertWords()
     options.memory = text_of(memory)
-    options.brick_size, options.levels, options.threads = brick_size, levels, threads
+    options.brick_size = whole_number("brick_size", brick_size, 8, 4096)
+    options.levels, options.threads = whole_number("levels", levels, 0, 64), whole_number("threads", threads, 0, 4096)
     options.overwrite, options.resume, options.half, options.labels = overwrite, resume, half, labels
     target = os.fspath(out)
     if isinstance(source, Volume):

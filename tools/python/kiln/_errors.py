@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import operator
+from typing import Any
+
 from kiln import _kiln
 
 
@@ -10,3 +13,14 @@ def wrong_word(word: str, constraint: str, found: str, remedy: str) -> _kiln.Err
     error = _kiln.Error(f"{word}: {constraint} (found {found}); {remedy}")
     error.code, error.path = "usage", None
     return error
+
+
+def whole_number(word: str, value: Any, low: int, high: int) -> int:
+    """Returns a whole number. throws: kiln.Error for other values."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = low - 1
+    if not low <= number <= high:
+        raise wrong_word(word, f"expected a whole number from {low} to {high}", repr(value), "give such a number")
+    return number

@@ -8,6 +8,7 @@ import weakref
 from typing import Any
 
 from kiln import _kiln
+from kiln._errors import whole_number
 from kiln._volume import Volume, more_volumes, open, range_of, shown_path
 from kiln._words import job_words
 
@@ -60,5 +61,6 @@ def view(
     title = os.path.basename(os.path.normpath(shown_path(volume)))
     name = os.fspath(job) if job is not None else ""
     more, words = more_volumes(words)
+    port = whole_number("port", port, 0, 65535)
     viewer = _kiln.Viewer(volume._volume, job_words(words, range_of(volume)), more, name, title, port)
     return Viewer(viewer, height)

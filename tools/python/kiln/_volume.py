@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import operator
 import os
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Sequence
 
 from kiln import _kiln
 from kiln._arrays import is_array, source_of
-from kiln._errors import wrong_word
+from kiln._errors import whole_number, wrong_word
 from kiln._functions import TransferFunction
 from kiln._image import Image
 from kiln._words import job_words, json_text, points_text, source_texts, text_of
@@ -105,6 +106,7 @@ class Volume:
         """
         import numpy
 
+        level = operator.index(level)
         if box is None:
             if not 0 <= level < len(self.levels):
                 raise IndexError(f"level: expected 0 to {len(self.levels) - 1} (found {level})")
@@ -134,7 +136,11 @@ class Volume:
                 box.append((min(places, default=0), max(places, default=-1) + 1))
                 inside.append(slice(None, None, places.step))
             else:
-                place = one.__index__()
+                try:
+                    place = operator.index(one)
+                except TypeError:
+                    found = type(one).__name__
+                    raise TypeError(f"indices of a volume are whole numbers, slices and ... (found {found})") from None
                 if not -length <= place < length:
                     raise IndexError(f"index {place} is out of bounds for axis {axis} of {length} voxels")
                 place %= length
@@ -252,7 +258,7 @@ def open(
         described = source_of(
             source, axes=axes, spacing=spacing, affine=affine, unit=unit, frame=frame, labels=labels, **words
         )
-        edge = 128 if brick_size is None else brick_size
+        edge = 128 if brick_size is None else whole_number("brick_size", brick_size, 8, 4096)
         return Volume(_kiln.Volume.open_array(described, edge, text_of(memory), progress))
     refuse_words_of_arrays(axes=axes, frame=frame, brick_size=brick_size)
     texts = file_texts(dict(words, unit=unit or None), spacing, affine)
