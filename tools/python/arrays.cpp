@@ -64,6 +64,13 @@ VolumeGeometry geometryOf(const ArrayWords& words) {
 
 VolumeClass classOf(const ArrayWords& words) { return words.labels ? VolumeClass::kLabels : VolumeClass::kUnknown; }
 
+void requireVoxels(const ArrayWords& words) {
+  if (std::any_of(words.shape.begin(), words.shape.end(), [](auto length) { return length < 1; }))
+    throw Error(ErrorCode::kUsage, words.name, "shape",
+                fmt::format("expected at least one voxel along each axis (found {}); name an array that holds voxels",
+                            fmt::join(words.shape, " x ")));
+}
+
 // Names the array in the manifest, and the files whose state is that of the array.
 class NamedArray final : public WrappedSource {
  public:
@@ -157,6 +164,7 @@ class SlicedArray final : public ChunkedArray {
 }  // namespace
 
 std::shared_ptr<ArraySource> ArraySource::inPlace(const ArrayWords& words, const py::buffer& buffer) {
+  requireVoxels(words);
   py::buffer_info info = buffer.request();
   VoxelArray array;
   array.voxels = info.ptr;
@@ -178,10 +186,7 @@ std::shared_ptr<ArraySource> ArraySource::sliced(const ArrayWords& words, const 
     throw Error(
         ErrorCode::kUnsupported, words.name, "dtype",
         fmt::format("expected whole numbers or floats of 8 to 64 bits (found {}); convert the array", words.number));
-  if (std::any_of(words.shape.begin(), words.shape.end(), [](auto length) { return length < 1; }))
-    throw Error(ErrorCode::kUsage, words.name, "shape",
-                fmt::format("expected at least one voxel along each axis (found {}); name an array that holds voxels",
-                            fmt::join(words.shape, " x ")));
+  requireVoxels(words);
   ChunkLayout layout;
   layout.number = *number;
   layout.shape = words.shape;
