@@ -92,6 +92,15 @@ TEST_F(ViewCli, TheFinalPicture_isTheFileOfTheSavedJob) {
   EXPECT_EQ(final, textOf(readFile(directory_ / "x.png")));
 }
 
+TEST_F(ViewCli, AJobWithATrace_isShown_andWritesNone) {
+  writeText(in("job.json"), json{{"kiln", 2}, {"volume", "h.kiln"}, {"trace", "trace.json"}}.dump());
+  ToolOptions options;
+  options.directory = directory_;
+  options.interrupt_at = [](const ToolResult& so_far) { return Viewer::of(so_far.out).has_value(); };
+  done({"view", "job.json", "--no-browser"}, options);
+  EXPECT_FALSE(std::filesystem::exists(in("trace.json")));
+}
+
 TEST_F(ViewCli, Signals_endTheViewer) {
   runScript(directory_, R"sh(
 await() { for i in $(seq 200); do if [ -S "$1" ]; then return 0; fi; sleep 0.05; done; return 1; }
