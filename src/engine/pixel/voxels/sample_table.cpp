@@ -19,7 +19,7 @@ constexpr double kSoftChange = 1;
 
 // Limits of the change in an even voxel: share of the larger extinction, and optical depth (figures:
 // decisions/pairs.md).
-constexpr double kEvenShare = 0.75;
+constexpr double kEvenShare = 0.9;
 constexpr double kFaintChange = 1.0 / 16;
 
 // Largest difference of two materials in extinction or emitted light.
