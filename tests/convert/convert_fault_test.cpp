@@ -488,6 +488,11 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
   test::expectError([&] { convert(other, out, options(How::kOverwrite), silent); }, ErrorCode::kExists,
                     "holds 'thesis.txt' beside the store");
   fs::remove(out / "thesis.txt");
+  fs::create_directory(out / "bricks/mine");
+  FileSystem::real().writeFile(out / "bricks/mine/thesis.txt", {}, WritePolicy::kUnsynced);
+  test::expectError([&] { convert(other, out, options(How::kOverwrite), silent); }, ErrorCode::kExists,
+                    "holds 'bricks/mine/thesis.txt' beside the store");
+  fs::remove_all(out / "bricks/mine");
   EXPECT_TRUE(holds(out, oldVolume()));
   // A store at OUT.old, the name for moving the old store, is not replaced either; an incomplete store is.
   const fs::path kept = out.string() + ".old";
@@ -499,6 +504,17 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
   EXPECT_EQ(codeOf(out, true), ErrorCode::kCancelled) << "which means that it succeeded";
   EXPECT_TRUE(holds(out, volume));
   EXPECT_FALSE(fs::exists(kept));
+}
+
+TEST(ConvertStopped, FileOfTheUserThatComesMeanwhile_staysInTheOldStore) {
+  const fs::path out = makeStore(oldVolume(), "fault_meanwhile", kBrickSize);
+  const DenseVolume volume = newVolume();
+  ChangingSource source(std::make_unique<DenseSource>(volume), 2,
+                        [&] { FileSystem::real().writeFile(out / "thesis.txt", {}, WritePolicy::kUnsynced); });
+  Progress silent;
+  convert(source, out, options(How::kOverwrite), silent);
+  EXPECT_TRUE(holds(out, volume));
+  EXPECT_TRUE(fs::exists(out.string() + ".old/thesis.txt"));
 }
 
 // Known because desktops write these files into every visited folder, and the files hold no user data.

@@ -46,31 +46,24 @@ bool isNameInStore(const fs::path& name) {
   return name.string().starts_with("scratch_") && name.extension() == ".tmp";
 }
 
-// True if folders below the directory, which any program may have named, contain anything but brick files.
-bool holdsOthers(const fs::path& directory) {
-  bool out = false;
-  forEachEntryBelow(directory, [&](const fs::directory_entry& entry) {
-    std::error_code unknown;
-    if (entry.path().parent_path() == directory || entry.is_directory(unknown)) return Walk::kGoOn;
-    const std::string name = entry.path().filename().string();
-    out = name.find_first_not_of("0123456789_") != name.find('.');
-    return out ? Walk::kStop : Walk::kGoOn;
-  });
-  return out;
-}
-
 // Files that desktops leave in every folder shown, without value to a user.
 bool isDroppedByDesktop(const fs::path& name) {
   static const std::set<std::string> kNames = {".DS_Store", ".directory", ".localized", "Thumbs.db", "desktop.ini"};
   return kNames.contains(name.string()) || name.string().starts_with("._");
 }
 
-// Returns the names in a directory that do not belong to a store, in alphabetical order.
+// Folders below a store's, which any program may have named, hold brick files.
+bool isNameOfBrick(const std::string& name) { return name.find_first_not_of("0123456789_") == name.find('.'); }
+
+// Returns the names in a directory that do not belong to a store, in alphabetical order, with their folders below.
 std::vector<std::string> strangersIn(const fs::path& directory) {
   std::vector<std::string> out;
-  forEachEntry(directory, [&](const fs::directory_entry& entry) {
+  forEachEntryBelow(directory, [&](const fs::directory_entry& entry) {
     const fs::path name = entry.path().filename();
-    if (!isNameInStore(name) && !isDroppedByDesktop(name)) out.push_back(name.string());
+    std::error_code unknown;
+    const bool below = entry.path().parent_path() != directory;
+    const bool known = below ? entry.is_directory(unknown) || isNameOfBrick(name.string()) : isNameInStore(name);
+    if (!known && !isDroppedByDesktop(name)) out.push_back(entry.path().lexically_relative(directory).string());
     return Walk::kGoOn;
   });
   std::sort(out.begin(), out.end());
@@ -80,9 +73,7 @@ std::vector<std::string> strangersIn(const fs::path& directory) {
 // True for a directory with only the contents of a store, finished or not: safe to replace or resume.
 bool holdsOnlyAStore(const fs::path& directory) {
   std::error_code error;
-  if (!fs::is_directory(directory, error)) return false;
-  if (!strangersIn(directory).empty()) return false;
-  return !error && (isStore(directory) || isUnfinished(directory) || !holdsOthers(directory));
+  return fs::is_directory(directory, error) && strangersIn(directory).empty();
 }
 
 // True for the rest of a replaced store left by an interrupted --overwrite, whose manifest is removed first. With a
@@ -222,13 +213,24 @@ void OutputDirectory::commit() {
   if (replaces) disk_.removeAll(old());
   if (!replaces || !exchange()) disk_.renameInSteps(building_, out_, replaces ? old() : fs::path());
   try {
-    if (replaces) disk_.removeAll(old() / kManifestFile);
-    if (replaces) disk_.removeAll(old());
+    if (replaces) removeOld();
   } catch (const Error& error) {
     // The new store is in place; the next --overwrite removes the rest of the old store.
     left_old_ = fmt::format("{} is left of the store that was replaced ({}); remove it", old().string(), error.what());
   }
   tidy();
+}
+
+// Keeps files of the user that came into the old store while the new store was made.
+void OutputDirectory::removeOld() {
+  const std::vector<std::string> strangers = strangersIn(old());
+  if (strangers.empty()) {
+    disk_.removeAll(old() / kManifestFile);
+    disk_.removeAll(old());
+  } else {
+    left_old_ = fmt::format("{} is left of the store that was replaced: {} came into it meanwhile", old().string(),
+                            inQuotes(strangers.front()));
+  }
 }
 
 void OutputDirectory::tidy() noexcept {

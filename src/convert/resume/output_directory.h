@@ -50,6 +50,7 @@ class OutputDirectory {
   void abandon() noexcept;
 
  private:
+  void removeOld();
   void tidy() noexcept;
   bool exchange();
   void restoreNames(bool exchanged) const noexcept;
