@@ -20,7 +20,7 @@ bool sameVolume(const Manifest& manifest, const SourceInfo& info) {
   const VolumeGeometry& stored = manifest.geometry();
   return same_grid && manifest.source.format == info.format && manifest.type == info.type &&
          stored.dims == info.geometry.dims && stored.world_from_index == info.geometry.world_from_index &&
-         stored.frame == info.geometry.frame;
+         stored.frame == info.geometry.frame && stored.unit == info.geometry.unit;
 }
 
 bool isYounger(const fs::path& store, const std::vector<fs::path>& files) {

@@ -78,6 +78,9 @@ TEST(ChangedSource, WhileItIsConverted_LeavesNoStore) {
   Progress silent;
   convert(source, out, bricksOf16(), silent);
   EXPECT_TRUE(isStoreOf(out, source.info()));
+  SourceInfo in_inches = source.info();
+  in_inches.geometry.unit = "inch";
+  EXPECT_FALSE(isStoreOf(out, in_inches));
 }
 
 TEST(ChangedSource, BetweenTwoRuns_IsNotResumed) {
