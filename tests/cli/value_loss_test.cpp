@@ -36,6 +36,16 @@ TEST_F(ValueLoss, OfHalvesBeyondTheirRange_isWarnedOf) {
   EXPECT_EQ(converted<float>(0, 0, "f32", "--half"), "");
 }
 
+// Known because a half next to 0.3 is 0.300048828125.
+TEST_F(ValueLoss, OfHalves_hasABackgroundAmongTheirValues) {
+  const float values[] = {0.3f, 0.3f, 1};
+  writeText(in("f.raw"), std::string(reinterpret_cast<const char*>(values), sizeof values));
+  done({"convert", in("f.raw"), in("f.kiln"), "--dims", "3,1,1", "--orient", "LPS", "--type", "f32"});
+  done({"export", in("f.kiln"), in("f.vdb"), "--background", "0.3"});
+  done({"convert", in("f.vdb"), in("h.kiln"), "--half"});
+  EXPECT_NE(done({"info", in("h.kiln")}).out.find("background 0.300049"), std::string::npos);
+}
+
 TEST_F(ValueLoss, OfLabelsBeyondTheLargestDrawn_isWarnedOf) {
   EXPECT_NE(converted<std::uint32_t>(1, 4294967295u, "u32", "--labels")
                 .find("v.kiln: labels above 8388608 cannot be drawn (largest found: 4294967295)"),

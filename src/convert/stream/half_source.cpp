@@ -13,13 +13,17 @@ namespace {
 
 constexpr float kLargestHalf = 65504;
 
+float nearestHalf(float exact) {
+  return static_cast<float>(openvdb::math::half(std::clamp(exact, -kLargestHalf, kLargestHalf)));
+}
+
 template <class T>
 HalfLoss roundAll(std::span<T> values) {
   HalfLoss out;
   for (T& value : values) {
     const auto exact = static_cast<float>(value);
     if (!std::isfinite(exact)) continue;
-    const auto half = static_cast<float>(openvdb::math::half(std::clamp(exact, -kLargestHalf, kLargestHalf)));
+    const float half = nearestHalf(exact);
     out.include({std::abs(static_cast<double>(half) - static_cast<double>(exact)), std::abs(exact), std::abs(half)});
     value = static_cast<T>(half);
   }
@@ -60,6 +64,9 @@ HalfSource::HalfSource(std::unique_ptr<VolumeSource> exact) : WrappedSource(std:
                                        std::string(nameOf(info_.type)));
   }
   info_.format += ", rounded to half";
+  // Exports find the empty voxels by this value, so the background is rounded as voxels are.
+  if (sizeOf(info_.type) > 1 && std::isfinite(info_.background))
+    info_.background = static_cast<double>(nearestHalf(static_cast<float>(info_.background)));
 }
 
 void HalfSource::read(const VoxelBox& box, std::span<std::byte> out) {
