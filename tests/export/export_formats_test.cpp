@@ -396,6 +396,8 @@ TEST_F(ExportStore, AFinishedZarrIsKeptByResumeOnlyIfItIsOfTheSameExport) {
   EXPECT_EQ(again.contents, first.contents);
   EXPECT_EQ(again.bytes, first.bytes);
   EXPECT_TRUE(filesOf(directory_) == written);
+  const fs::path in_metres = store(placedAt(exactAffine(), PatientFrame::kRas, "m", {9, 5, 3}));
+  expectError([&] { exportStore(StoreReader(in_metres), request, silent_); }, ErrorCode::kExists, "--overwrite");
   request.region = VoxelBox{{0, 0, 0}, {8, 5, 3}};
   expectError([&] { exportStore(StoreReader(small), request, silent_); }, ErrorCode::kExists, "--overwrite");
 }

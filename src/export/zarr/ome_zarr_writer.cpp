@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <glm/gtc/type_ptr.hpp>
 #include <map>
+#include <span>
 
 #include "base/file/path_name.h"
 #include "base/file/path_status.h"
@@ -52,10 +54,13 @@ std::vector<ExportedVolume> exportedPyramid(const ExportTarget& target, const Ex
 // An unfinished export must have the voxels of the finished export.
 std::string contentsText(const ExportTarget& target, const ExportedVolume& volume) {
   const VoxelBox& box = volume.box;
-  return fmt::format("kiln export 2, OME-Zarr, index {}, {} {}, background {}, level {}, {},{},{} to {},{},{}",
-                     toHex(target.store.manifest().index_checksum), nameOf(volume.type),
-                     static_cast<int>(volume.volume_class), volume.background, volume.level, box.lo.x, box.lo.y,
-                     box.lo.z, box.hi.x, box.hi.y, box.hi.z);
+  const VolumeGeometry& place = volume.geometry;
+  return fmt::format(
+      "kiln export 3, OME-Zarr, index {}, {} {}, background {}, level {}, {},{},{} to {},{},{}, at {}, unit {}, frame "
+      "{}",
+      toHex(target.store.manifest().index_checksum), nameOf(volume.type), static_cast<int>(volume.volume_class),
+      volume.background, volume.level, box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z,
+      fmt::join(std::span(glm::value_ptr(place.world_from_index), 16), " "), place.unit, static_cast<int>(place.frame));
 }
 
 void requireReplaceable(const ExportTarget& target) {
@@ -68,9 +73,9 @@ void requireReplaceable(const ExportTarget& target) {
 class OmeZarrWriter : public VolumeWriter {
  public:
   OmeZarrWriter(const ExportTarget& target, const ExportedVolume& finest, ExportNotes& notes)
-      : volumes_(exportedPyramid(target, finest)),
+      : target_(target),
+        volumes_(exportedPyramid(target, finest)),
         group_text_(omeGroupText(volumes_, {nameOfImage(target.out), contentsText(target, finest)}, notes)),
-        disk_(target.disk),
         folder_(target.out, contentsText(target, finest) + "\n", leftoverFor(target.resume, target.overwrite),
                 target.disk) {
     background_.resize(inflatedChunkBytes(finest.type));
@@ -102,7 +107,7 @@ class OmeZarrWriter : public VolumeWriter {
       chunks[i] = packedChunk(volume.type, chunkAt(box, brickAt(lattice, static_cast<std::int64_t>(i))), box, voxels);
     });
     if (std::all_of(chunks.begin(), chunks.end(), [](const auto& chunk) { return chunk.empty(); })) return;
-    bytes_ += writeShard(shardPath(volume, box), chunks, disk_);
+    bytes_ += writeShard(shardPath(volume, box), chunks, target_.disk);
     wrote_ = true;
   }
   std::string keepParts() override {
@@ -113,10 +118,11 @@ class OmeZarrWriter : public VolumeWriter {
   WrittenFiles finish() override {
     for (std::size_t i = 0; i < volumes_.size(); ++i) {
       const fs::path array = arrayFolder(volumes_[i]);
-      disk_.makeDirectories(array);
+      target_.disk.makeDirectories(array);
       writeText(array / kZarrHeader, zarrArrayText(volumes_[i], shardOf(volumes_[i]), kChunk));
     }
     writeText(folder_.path() / kZarrHeader, group_text_);
+    requireReplaceable(target_);  // again: files may have come into the old container meanwhile
     folder_.publish();
     return {bytes_, {}};
   }
@@ -149,13 +155,13 @@ class OmeZarrWriter : public VolumeWriter {
     return packBlosc(numbers, sizeOf(type));
   }
   void writeText(const fs::path& path, const std::string& text) {
-    disk_.writeOwn(path, bytesOf(text), WritePolicy::kUnsynced);
+    target_.disk.writeOwn(path, bytesOf(text), WritePolicy::kUnsynced);
     bytes_ += text.size();
   }
 
+  const ExportTarget target_;
   const std::vector<ExportedVolume> volumes_;
   const std::string group_text_;
-  FileSystem& disk_;
   PendingFolder folder_;
   std::vector<std::byte> background_;  // a chunk of it
   std::uint64_t bytes_ = 0;

@@ -37,6 +37,8 @@ std::uint64_t writeShard(const std::filesystem::path& path, const std::vector<st
     for (const std::vector<std::byte>& chunk : chunks)
       if (!chunk.empty()) disk.appendFile(temporary, chunk);
     disk.appendFile(temporary, index);
+    // Before the shard has its name: an export that is resumed after a power failure trusts the index.
+    disk.syncFile(temporary);
   });
   return end + index.size();
 }
