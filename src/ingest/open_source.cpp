@@ -12,6 +12,7 @@
 #include "ingest/bytes/inflate_stream.h"
 #include "ingest/dicom/dicom_directory.h"
 #include "ingest/hdf5/bdv_xml.h"
+#include "ingest/nifti/nifti_pair.h"
 #include "ingest/slice_directory.h"
 #include "ingest/slice_names.h"
 #include "ingest/source/formats.h"
@@ -160,24 +161,19 @@ bool isNiftiHeader(const std::string& bytes) {
                      [&](std::string_view length) { return bytes.starts_with(length); });
 }
 
-fs::path niftiHeaderOf(const fs::path& image) {
-  const fs::path stem = image.extension() == ".gz" ? fs::path(image).replace_extension() : image;
-  return fs::path(stem).replace_extension(".hdr");
-}
-
 // The .img file of a NIfTI pair has no magic; the header beside it identifies the format.
 bool isNiftiVoxels(const fs::path& path) {
-  if (!endsWith(path, {".img", ".img.gz"})) return false;
-  const fs::path header = niftiHeaderOf(path);
+  if (!isNamed(PairFile::kImage, path)) return false;
+  const fs::path header = besideInPair(PairFile::kHeader, path);
   std::error_code ignored;
-  if (fs::is_regular_file(header, ignored)) return isNiftiHeader(firstBytes(File(header)));
-  return fs::is_regular_file(header.string() + ".gz", ignored);
+  if (!fs::is_regular_file(header, ignored)) return false;
+  return endsInGz(header) || isNiftiHeader(firstBytes(File(header)));
 }
 
 // Refuses an .img whose header is missing. requires: nothing else identifies the file.
 void requireHeaderOfImage(const fs::path& path) {
-  if (!endsWith(path, {".img", ".img.gz"})) return;
-  const fs::path header = niftiHeaderOf(path);
+  if (!isNamed(PairFile::kImage, path)) return;
+  const fs::path header = besideInPair(PairFile::kHeader, path);
   std::error_code ignored;
   if (!fs::exists(header, ignored))
     throw Error(ErrorCode::kNotFound, path, "",

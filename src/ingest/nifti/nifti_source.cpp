@@ -9,10 +9,12 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "ingest/bytes/linear_source.h"
 #include "ingest/bytes/value_map.h"
 #include "ingest/nifti/nifti_geometry.h"
 #include "ingest/nifti/nifti_header.h"
+#include "ingest/nifti/nifti_pair.h"
 #include "ingest/source/chosen_part.h"
 #include "ingest/source/formats.h"
 #include "ingest/source/header_text.h"
@@ -28,18 +30,8 @@ struct NiftiFiles {
   bool gzip_voxels = false;
 };
 
-// Returns the image beside a .hdr, or the header beside an .img.
-fs::path partner(const fs::path& path, const char* extension) {
-  const bool packed = path.extension() == ".gz";
-  fs::path stem = packed ? fs::path(path).replace_extension() : path;
-  const fs::path plain = stem.replace_extension(extension);
-  const fs::path gzip = plain.string() + ".gz";
-  std::error_code ignored;
-  return !fs::exists(plain, ignored) && fs::exists(gzip, ignored) ? gzip : plain;
-}
-
 bool isNamedSingle(const fs::path& path) {
-  return (path.extension() == ".gz" ? path.stem() : path.filename()).extension() == ".nii";
+  return lowered((endsInGz(path) ? path.stem() : path.filename()).extension().string()) == ".nii";
 }
 
 // throws: Error kNotFound if one file of a pair is missing.
@@ -52,9 +44,8 @@ void requirePartner(const fs::path& path, const fs::path& input, const char* hal
 }
 
 NiftiFiles filesOf(const fs::path& input) {
-  const fs::path name = input.extension() == ".gz" ? input.stem() : input.filename();
   NiftiFiles files;
-  files.header = name.extension() == ".img" ? partner(input, ".hdr") : input;
+  files.header = isNamed(PairFile::kImage, input) ? besideInPair(PairFile::kHeader, input) : input;
   requirePartner(files.header, input, "header");
   return files;
 }
@@ -63,14 +54,14 @@ void findVoxels(NiftiFiles& files, const NiftiHeader& header, const fs::path& in
   if (!header.pair() && files.header != input) {
     header.refuse("holds its own voxels, but an .img stands beside it");
   }
-  files.voxels = !header.pair() ? files.header : files.header == input ? partner(input, ".img") : input;
+  files.voxels = !header.pair() ? files.header : files.header == input ? besideInPair(PairFile::kImage, input) : input;
   requirePartner(files.voxels, input, "image");
   std::error_code unknown;
   if (header.pair() && fs::equivalent(files.header, files.voxels, unknown))
     header.refuse(inQuotes(files.voxels.filename().string()) +
                   ", the file of its voxels, is this header itself; put the voxels there");
   // The voxels of a plain .img may begin with gzip's magic number, so the file name decides.
-  files.gzip_voxels = header.pair() ? files.voxels.extension() == ".gz" : header.inGzip();
+  files.gzip_voxels = header.pair() ? endsInGz(files.voxels) : header.inGzip();
 }
 
 void refuseIntent(const NiftiHeader& header) {
