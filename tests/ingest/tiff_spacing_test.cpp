@@ -253,6 +253,9 @@ TEST(IngestTiff, ImagesBehindImageJsOnlyDirectoryAreSlices) {
   files.write("a.tif", bytes);
   expectReadsBack(
       volume, [&] { return openSource(files.directory() / "a.tif"); }, 19);
+  SourceOptions little;
+  little.memory_bytes = 100;
+  expectRefused(files.directory() / "a.tif", ErrorCode::kBudget, "the table of 5 images takes", little);
   bytes.pop_back();
   files.write("a.tif", bytes);
   expectRefused(files.directory() / "a.tif", ErrorCode::kFormat, "5 images, but the file ends after 4");

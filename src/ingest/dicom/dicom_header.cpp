@@ -33,6 +33,9 @@ constexpr DicomTag kShared = 0x52009229, kPerFrame = 0x52009230, kPlanePosition 
 constexpr DicomTag kSegmentation = 0x00620001, kSegmentOfFrame = 0x0062000a, kSegmentNumber = 0x0062000b,
                    kLargestFraction = 0x0062000e;
 
+// Limit of the frames of a file, of which each takes about 200 bytes of memory.
+constexpr std::int64_t kMostFrames = 1'000'000;
+
 // Places of a frame's attribute, in order of precedence: its own group, the shared group, the top of the file. Null
 // if a group is missing.
 std::array<const DicomSet*, 3> placesOf(const DicomSet& top, std::size_t frame, DicomTag group) {
@@ -156,7 +159,8 @@ DicomPixels pixelsOf(const DicomFile& file, const fs::path& path) {
   out.columns = set.number(kColumns).value_or(0);
   if (out.rows < 1 || out.columns < 1) fail(kRows, fmt::format("{} rows of {} pixels", out.rows, out.columns));
   if (const auto frames = set.numbers(kFrames); frames.size() == 1) {
-    if (!(frames[0] >= 1 && frames[0] <= 0x7fffffff)) fail(kFrames, fmt::format("{} frames", frames[0]));
+    if (!(frames[0] >= 1 && frames[0] <= static_cast<double>(kMostFrames)))
+      fail(kFrames, fmt::format("expected 1 to {} frames (found {})", kMostFrames, frames[0]));
     out.frames = static_cast<std::int64_t>(frames[0]);
   }
   out.bits_allocated = set.number(kBitsAllocated).value_or(0);

@@ -75,6 +75,11 @@ class DicomSource : public VolumeSource {
     if (deflated) return frame_bytes + InflateStream::kHeldBytes;
     return any([](const DicomHeader& h) { return h.pixels.in_words; }) ? 2 * frame_bytes : 0;
   }
+  std::uint64_t heldBytes() const override {
+    std::uint64_t frames = 0;
+    for (const DicomHeader& file : files_) frames += file.frames.size();
+    return frames * sizeof(DicomFrame) + slices_.capacity() * sizeof(DicomSlice);
+  }
   std::optional<DecodedBlocks> decodedBlocks() const override {
     const DicomPixels& pixels = files_.front().pixels;
     if (decodeBytes() == 0) return std::nullopt;

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/memory/memory.h"
 #include "ingest/bytes/block_cache.h"
 #include "ingest/bytes/gather_rows.h"
 #include "ingest/bytes/handle_pool.h"
@@ -170,6 +171,12 @@ void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index
   stack.pages.push_back(stack.slices.size() - before);
   const Slice last = stack.slices.back();
   const std::int64_t behind = notes && stack.slices.size() == before + 1 ? imagesBehind(file, *notes) : 0;
+  const std::uint64_t table_bytes = (stack.slices.size() + static_cast<std::uint64_t>(behind)) * sizeof(Slice);
+  if (table_bytes > options.memory_bytes)
+    throw Error(ErrorCode::kBudget, files[index], "",
+                fmt::format("the table of {} images takes {}; give --memory so much and more",
+                            stack.slices.size() + static_cast<std::uint64_t>(behind), formatBytes(table_bytes)));
+  stack.slices.reserve(stack.slices.size() + static_cast<std::size_t>(behind));
   for (std::int64_t k = 1; k <= behind; ++k) {
     stack.slices.push_back({last.file, last.page, last.directory, static_cast<std::uint64_t>(k) * file.page().bytes()});
   }
@@ -187,6 +194,7 @@ class TiffSource : public VolumeSource {
   ReadOrder order() const override { return ReadOrder::kAnyBox; }
   void read(const VoxelBox& box, std::span<std::byte> out) override;
   std::uint64_t decodeBytes() const override { return stack_.decoding_bytes; }
+  std::uint64_t heldBytes() const override { return stack_.slices.capacity() * sizeof(Slice); }
   std::optional<DecodedBlocks> decodedBlocks() const override;
   void willRead(const BrickOrder& order) override { cache_.setOrder(order); }
   void keepDecoded(std::uint64_t bytes) override { cache_.setCapacity(bytes); }
