@@ -55,8 +55,9 @@ class VgiParser {
   void take(const std::string& section, const std::string& text, HeaderFields& out) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) fail(inQuotes(text) + " is not as NAME = VALUE");
-    const std::string written = trimmed(text.substr(0, equals));
-    out.add({section + "/" + lowered(written), written, trimmed(text.substr(equals + 1)), lines_.number()}, true);
+    const std::string written = trimmed(text.substr(0, equals)), key = section + "/" + lowered(written);
+    if (section == "geometry" && out.find(key) != nullptr) return;
+    out.add({key, written, trimmed(text.substr(equals + 1)), lines_.number()}, true);
   }
 
   std::filesystem::path path_;
