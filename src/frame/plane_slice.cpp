@@ -136,13 +136,13 @@ PixelBox pixelsOver(const VoxelBox& core, const VolumeGeometry& level, const Pla
 }
 
 Image coloured(const std::vector<GatheredValue>& gathered, const PlanePixels& pixels, const SliceStatistic& statistic,
-               const SlicePalette& palette) {
+               const SliceColors& colors) {
   Image image(static_cast<int>(pixels.width), static_cast<int>(pixels.height));
   for (std::size_t i = 0; i < gathered.size(); ++i) {
     const GatheredValue& pixel = gathered[i];
     if (pixel.samples == 0) continue;
     // NaN is the mean of the two infinities.
-    const glm::vec3* const color = palette.of(statistic.valueOf(pixel));
+    const glm::vec3* const color = colors.of(statistic.valueOf(pixel));
     if (color == nullptr) continue;
     float* const rgba = image.rgba.data() + 4 * i;
     for (int channel = 0; channel < 3; ++channel) rgba[channel] = (*color)[channel];
@@ -218,7 +218,8 @@ Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& requ
   const SliceStatistic& statistic = sliceStatistic(request.statistic);
   if (labels && request.thickness > 0 && statistic.mixesValues())
     throw Error(ErrorCode::kUsage, "--thickness: labels have no average; add --mode mip or minip");
-  const SlicePalette palette(request.colormap, request.window.value_or(defaultWindow(store.manifest().histogram)));
+  const SliceColors colors(request.labels, request.colormap,
+                           request.window.value_or(defaultWindow(store.manifest().histogram)));
   const PlanePixels pixels = pixelsOfPlane(level, request);
   requireSliceFits(store, pixels.width, pixels.height, 4 * sizeof(float) + sizeof(GatheredValue), request.memory_bytes);
   const PlaneSampler sampler(level, pixels, labels);
@@ -240,7 +241,7 @@ Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& requ
       });
     });
   }
-  return coloured(gathered, pixels, statistic, palette);
+  return coloured(gathered, pixels, statistic, colors);
 }
 
 Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, Progress& progress) {

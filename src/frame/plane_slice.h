@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/progress.h"
 #include "frame/slice.h"
@@ -24,7 +25,8 @@ struct PlaneSliceRequest {
   std::string statistic = "average";  // the value of a pixel of a thick slice, a name of sliceStatistic()
   int level = 0;                      // 0 is finest
   std::optional<Window> window;
-  std::string colormap = "gray";  // one of displayMapNames()
+  std::string colormap = "gray";   // one of displayMapNames()
+  std::vector<LabelStyle> labels;  // as SliceRequest::labels
   std::uint64_t memory_bytes = std::uint64_t{2} << 30;
 };
 
@@ -38,14 +40,13 @@ struct PlanePixels {
   glm::dvec3 at(double x, double y) const { return first + x * right + y * down; }
 };
 
-/// Returns the pixels that cover the slice of the volume's box. z is up; where the normal is nearer to z than to x and y,
-/// y is down, or up in RAS.
-/// throws: Error kUsage: no normal, a plane beside the volume, too many pixels.
+/// Returns the pixels that cover the slice of the volume's box. z is up; where the normal is nearer to z than to x and
+/// y, y is down, or up in RAS. throws: Error kUsage: no normal, a plane beside the volume, too many pixels.
 PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& request);
 
-/// Draws a slice. NaN and places outside the volume are transparent. Equal bits for all numbers of threads; sizes of
-/// bricks change the order of sums. memory: 32 bytes a pixel and one brick. throws: Error kUsage, kBudget; as
-/// `brick_of`.
+/// Draws a slice. Pixels of NaN, of labels without opacity or style, and outside the volume are transparent. Equal bits
+/// for all numbers of threads; sizes of bricks change the order of sums. memory: 32 bytes a pixel and one brick.
+/// throws: Error kUsage, kBudget; as `brick_of`.
 Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, const BrickOf& brick_of,
                        Progress& progress);
 /// As above, with bricks that are read. throws: also as BrickedVolume::read.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/vec3.hpp>
-#include <optional>
 #include <vector>
 
 #include "base/error.h"
@@ -78,33 +77,6 @@ class VoxelLine {
   NearestAxis axis_;
   std::int64_t voxels_;
   std::vector<std::int64_t> counted_;
-};
-
-// The colour of each value of a slice; null for values that are not drawn.
-class SliceColors {
- public:
-  SliceColors(const SliceRequest& request, const Manifest& manifest) {
-    for (const LabelStyle& style : request.labels) {
-      labels_.push_back(style.label);
-      if (style.opacity > 0)
-        colors_.emplace_back(glm::vec3(style.color));
-      else
-        colors_.emplace_back();
-    }
-    if (labels_.empty()) palette_.emplace(request.colormap, request.window.value_or(defaultWindow(manifest.histogram)));
-  }
-  const glm::vec3* of(double value) const {
-    if (palette_) return palette_->of(value);
-    const auto found = std::lower_bound(labels_.begin(), labels_.end(), value);
-    if (found == labels_.end() || *found != value) return nullptr;
-    const std::optional<glm::vec3>& color = colors_[static_cast<std::size_t>(found - labels_.begin())];
-    return color ? &*color : nullptr;
-  }
-
- private:
-  std::optional<SlicePalette> palette_;
-  std::vector<double> labels_;
-  std::vector<std::optional<glm::vec3>> colors_;
 };
 
 // Draws the pixels whose voxels are in the brick.
@@ -181,7 +153,8 @@ Image renderSlice(const BrickedVolume& store, const SliceRequest& request, const
   const std::int64_t index = request.index.value_or(SliceView::middle(view.across, volume.dims));
   if (index < 0 || index >= count)
     throw Error(ErrorCode::kUsage, fmt::format("--index: {} is not between 0 and {}", index, count - 1));
-  const SliceColors colors(request, store.manifest());
+  const SliceColors colors(request.labels, request.colormap,
+                           request.window.value_or(defaultWindow(store.manifest().histogram)));
   if (layout.width > kLargestSliceSide || layout.height > kLargestSliceSide) {
     throw Error(ErrorCode::kUsage, fmt::format("a slice of {} x {} pixels is larger than {}", layout.width,
                                                layout.height, kLargestSliceSide));

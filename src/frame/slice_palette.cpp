@@ -31,4 +31,23 @@ const glm::vec3* SlicePalette::of(double value) const {
   return &colors_[static_cast<std::size_t>(part * (kSteps - 1) + 0.5)];
 }
 
+SliceColors::SliceColors(const std::vector<LabelStyle>& labels, const std::string& map, const Window& window) {
+  for (const LabelStyle& style : labels) {
+    labels_.push_back(style.label);
+    if (style.opacity > 0)
+      colors_.emplace_back(glm::vec3(style.color));
+    else
+      colors_.emplace_back();
+  }
+  if (labels_.empty()) palette_.emplace(map, window);
+}
+
+const glm::vec3* SliceColors::of(double value) const {
+  if (palette_) return palette_->of(value);
+  const auto found = std::lower_bound(labels_.begin(), labels_.end(), value);
+  if (found == labels_.end() || *found != value) return nullptr;
+  const std::optional<glm::vec3>& color = colors_[static_cast<std::size_t>(found - labels_.begin())];
+  return color ? &*color : nullptr;
+}
+
 }  // namespace kiln

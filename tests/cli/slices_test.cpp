@@ -69,6 +69,11 @@ TEST_F(SlicesCli, Labels_haveTheirColours) {
   const Image sheet = readImage(in("s.exr"));
   for (int channel = 0; channel < 3; ++channel)
     EXPECT_EQ(sheet.pixel(8 + 7 * 9 + 4, 8 + 14 + 4 * 9 + 4)[channel], slice.pixel(7, 4)[channel]) << channel;
+  // A plane along z has the pixels of the slice.
+  done({"slice", in("l.kiln"), "-o", in("p.exr"), "--plane", "0,0,1,0"});
+  const Image plane = readImage(in("p.exr"));
+  for (int channel = 0; channel < 3; ++channel)
+    EXPECT_EQ(plane.pixel(7, 4)[channel], slice.pixel(7, 4)[channel]) << channel;
 }
 
 // The first panel is the slice along z, 8 pixels from the left, below a caption of 14 pixels; a voxel has 9 x 9 pixels.

@@ -130,6 +130,7 @@ void drawPlane(const SliceArguments& a, const StoreReader& store, const SliceReq
   PlaneSliceRequest request;
   request.window = slice.window;
   request.colormap = slice.colormap;
+  request.labels = slice.labels;
   request.memory_bytes = slice.memory_bytes;
   request.level = a.level;
   request.thickness = a.thickness;
@@ -168,7 +169,7 @@ void drawSheet(const SliceArguments& a, const StoreReader& store, const SliceReq
 
 // Labels have the colours of a picture, unless a window or a map is given, or they are too many for a palette.
 bool hasColorsOfLabels(const SliceArguments& a, const Manifest& manifest) {
-  const bool asked_for_values = !a.window.empty() || a.colormap != SliceArguments().colormap || a.plane;
+  const bool asked_for_values = !a.window.empty() || a.colormap != SliceArguments().colormap;
   if (manifest.volume_class != VolumeClass::kLabels || asked_for_values) return false;
   return labelsOf(manifest) || manifest.range.hi - manifest.range.lo < static_cast<double>(kMostLabels);
 }
