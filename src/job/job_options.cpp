@@ -348,6 +348,10 @@ Options<RenderJob> rootOptions() {
   const auto add = [&](Option<RenderJob> option) { out.push_back(std::move(option)); };
   add(Row("kiln", formatValue<RenderJob>().resolvedIf(kAlways), "Version of the job format.",
           "add \"kiln\": 2, the version of the job format"));
+  add(Row(
+      "$schema",
+      custom({{"type", "string"}}, [](const JobObject& root, const RenderJob&) { root.text("$schema", "an address"); }),
+      "Address of this schema, which editors read; no effect on the picture."));
   OptionValue<RenderJob> volumes = custom(volumeList().form().schema, readVolumes);
   volumes.write = [](const RenderJob& job) {
     ordered_json list = ordered_json::array();

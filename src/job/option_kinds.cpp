@@ -272,9 +272,10 @@ void FileName::read(const JobObject& object, std::string_view key, std::filesyst
 
 OptionForm Bytes::form() const {
   OptionForm out;
-  out.schema = {{"anyOf",
-                 {{{"type", "string"}, {"pattern", "^[0-9.]+([KMGT](iB|B)?|B)?$"}},
-                  Whole{1, std::int64_t{1} << 52}.form().schema}}};
+  out.schema = {
+      {"anyOf",
+       {{{"type", "string"}, {"pattern", "^([0-9]+[.]?[0-9]*|[.][0-9]+)([eE][-+]?[0-9]+)?[KMGTkmgt]?([iI]?[bB])?$"}},
+        Whole{1, std::int64_t{1} << 52}.form().schema}}};
   out.value_name = "BYTES";
   out.expected = "an amount of memory such as 512M or 2G";
   out.parse = textOfText;

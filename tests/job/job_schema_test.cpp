@@ -51,6 +51,12 @@ TEST(JobSchema, TheParserTakesWhatTheSchemaHas) {
   }
 }
 
+// An editor finds the schema by this key.
+TEST(JobSchema, ItsAddressInAJobHasNoEffect) {
+  const RenderJob job = parseJob(R"({"$schema": "kiln.json", "kiln": 2, "volume": "a.kiln"})", "job.json");
+  EXPECT_EQ(job.volume, "a.kiln");
+}
+
 TEST(JobSchema, LinesOfPlaces) {
   const std::string text = R"({ // {"a": 1}
   "a": 1, "volume": "x\"}, \"b\": [",

@@ -55,9 +55,18 @@ jobs = re.findall(r'```json[^\n]*\n(\{ "kiln": 2, (?:"volume|"output).*?)```', o
 for job in jobs: check.validate(json.loads(re.sub(r'//.*', '', job)))
 keys = [{}, {"volume": ""}, {"volume": "a", "camera": {"fvo": 3}}, {"volume": "a", "image": {"width": 0}},
         {"volume": "a", "lights": [{"kind": "sun"}]}, {"volume": "a", "frames": "1-"},
-        {"volume": "a", "image": {"background": "#12345"}}, {"volume": "a", "kiln": 3}]
+        {"volume": "a", "image": {"background": "#12345"}}, {"volume": "a", "kiln": 3},
+        {"volume": "a", "memory": "2X"}, {"volume": "a", "image": {"background": "nav"}},
+        {"volume": "a", "transferFunction": {"surfaces": [{"value": 1}], "points": [{"value": 1, "opacity": 1}]}},
+        {"volume": "a", "transferFunction": {}}, {"volume": "a", "lights": [{"type": "point"}]}]
 wrong = [{"kiln": 2, **job} for job in keys] + [{"volume": "a"}]
 assert len(jobs) >= 5 and not any(check.is_valid(job) for job in wrong)
+surfaces = {"surfaces": [{"value": 1}]}
+right = [{"memory": memory} for memory in ("1g", "500m", "1e9", "2GiB", ".5G", "512")]
+right += [{"transferFunction": surfaces}, {"image": {"background": "NAVY"}}, {"$schema": "kiln.json"},
+          {"transferFunction": {"regions": [{"values": [0, 1], "gradients": [0, 1]}]}},
+          {"lights": [{"type": "point", "position": [0, 0, 0]}]}]
+for job in right: check.validate({"kiln": 2, "volume": "a", **job})
 for format in 1, 2: check.validate({"kiln": format, "volume": "a", "image": {"background": "#12345a"}})
 )";
   std::string documents = readTextFile(fs::path(KILN_SOURCE_DIR) / "README.md");

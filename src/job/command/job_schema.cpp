@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <span>
+#include <string>
+#include <string_view>
+
 #include "image/named_color.h"
 #include "job/job_options.h"
 
@@ -28,8 +32,22 @@ void addObject(std::string_view name, const Options<Owner>& options, ordered_jso
   definitions[std::string(name)] = std::move(out);
 }
 
-void requireOneOf(std::initializer_list<const char*> keys, ordered_json& object) {
-  for (const char* key : keys) object["oneOf"].push_back({{"required", {key}}});
+ordered_json requiring(const char* key) { return {{"required", {key}}}; }
+
+// A point light has a position, as the parser requires.
+void requirePosition(ordered_json& light) {
+  light["if"] = {{"properties", {{"type", {{"const", "point"}}}}}, {"required", {"type"}}};
+  light["then"] = requiring("position");
+}
+
+// A pattern of the names in letters of any case.
+std::string patternOfNames(std::span<const std::string_view> names) {
+  std::string out = "^(";
+  for (const std::string_view name : names) {
+    if (out.size() > 2) out += '|';
+    for (const char c : name) out += fmt::format("[{}{}]", c, static_cast<char>(c - 'a' + 'A'));
+  }
+  return out + ")$";
 }
 
 // An object that holds keys at frames only.
@@ -84,12 +102,17 @@ std::string jobSchemaText() {
   addObject("shadow", shadowOptions(), definitions);
   addObject("ambientOcclusion", occlusionOptions(), definitions);
   addObject("clipPlane", clipPlaneOptions(), definitions);
-  requireOneOf({"points", "labels"}, definitions["transferFunction"]);
-  requireOneOf({"interocular", "keyframes"}, definitions["stereo"]);
+  // Regions and a table need no points.
+  const ordered_json of_points = {{"anyOf", {requiring("points"), requiring("regions"), requiring("table")}}};
+  definitions["transferFunction"]["oneOf"] = {of_points, requiring("surfaces"), requiring("labels")};
+  definitions["stereo"]["oneOf"] = {requiring("interocular"), requiring("keyframes")};
+  requirePosition(definitions["light"]);
   for (const SharedRange& range : sharedRanges())
     definitions[std::string(range.name)] = Number{range.range}.form().schema;
   definitions.update(ordered_json::parse(kShared));
-  definitions["colorName"]["anyOf"] = {{{"enum", colorNames()}}, {{"type", "string"}, {"pattern", kColorPattern}}};
+  definitions["colorName"]["anyOf"] = {{{"enum", colorNames()}},
+                                       {{"type", "string"}, {"pattern", patternOfNames(colorNames())}},
+                                       {{"type", "string"}, {"pattern", kColorPattern}}};
   ordered_json out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                       {"title", fmt::format("A job of kiln render, version {}", KILN_VERSION)},
                       {"$ref", "job"},
