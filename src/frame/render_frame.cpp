@@ -38,9 +38,9 @@ void requireRequest(const std::vector<const BrickedVolume*>& stores, const Frame
   for (const VolumeRequest& volume : request.volumes) requireSurfaces(request.engine(), volume.transfer_function);
   const int tile_px = request.tile_px;
   if (tile_px != 0 && (tile_px < kVisibilityTile || !std::has_single_bit(static_cast<unsigned>(tile_px)))) {
-    throw Error(ErrorCode::kUsage, fmt::format("a tile of {} pixels: expected a power of two from {} on, or 0 for the "
-                                               "whole frame",
-                                               tile_px, kVisibilityTile));
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--tile: expected a power of two from {} on, or 0 for the whole frame (found {})",
+                            kVisibilityTile, tile_px));
   }
 }
 

@@ -59,9 +59,9 @@ PixelRect drawnPixels(const ImageSize& size, const std::optional<PixelRect>& cro
   if (!crop) return all;
   if (!crop->empty() && intersection(*crop, all) == *crop) return *crop;
   throw Error(ErrorCode::kUsage,
-              fmt::format("a crop of {} x {} pixels from ({}, {}) on: expected at least one pixel, and none outside of "
-                          "the picture of {} x {} pixels",
-                          crop->width(), crop->height(), crop->x0, crop->y0, size.width, size.height));
+              fmt::format("--crop: expected at least one pixel, and none outside of the picture of {} x {} pixels "
+                          "(found {},{},{},{})",
+                          size.width, size.height, crop->x0, crop->y0, crop->width(), crop->height()));
 }
 
 View resolve(const Camera& camera, const ImageSize& size) {
