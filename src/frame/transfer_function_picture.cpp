@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/number_text.h"
 #include "frame/histogram_bars.h"
 #include "image/plot_image.h"
 
@@ -43,7 +44,7 @@ void drawGrid(PlotImage& plot, const ValueRange& range) {
     if (tick > range.hi) break;
     const int x = kLeft + static_cast<int>(std::lround((tick - range.lo) / (range.hi - range.lo) * (kRight - kLeft)));
     plot.fill({x, kTop, x + 1, kBandBottom + 6}, kGrid);
-    const std::string label = fmt::format("{:.6g}", tick == 0 ? 0 : tick);  // not -0
+    const std::string label = numberText(tick == 0 ? 0 : tick, step);  // not -0
     plot.text(x - PlotImage::textWidth(label) / 2, kBandBottom + 12, label, kInk);
   }
   for (double opacity = 0; opacity <= 1; opacity += kOpacityTick) {

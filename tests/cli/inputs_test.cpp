@@ -1,5 +1,6 @@
 // Volume files before any conversion: their values, their lists, and how they lie in the world. Known because the store
 // of a small file counts the same voxels, and because files are written here.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -67,6 +68,16 @@ TEST_F(Inputs, InfoOfAFile_HasItsHistogram) {
   EXPECT_EQ(cut.exit_code, 1);
   expectSays(cut, "dimensions   12 x 10 x 8 voxels");
   EXPECT_NE(cut.err.find("cut.nrrd: byte "), std::string::npos) << cut.err;
+}
+
+// Known: values from 101325 on, in steps of 0.01. Six digits would make all rows and windows equal.
+TEST_F(Inputs, TfTellsValuesWithAnOffsetApart) {
+  std::string text = "NRRD0004\ntype: float\ndimension: 3\nsizes: 4 4 4\nencoding: text\n\n";
+  for (int i = 0; i < 64; ++i) text += fmt::format("{:.2f} ", 101325 + 0.01 * i);
+  writeText(in("offset.nrrd"), text + "\n");
+  const ToolResult tf = done({"tf", in("offset.nrrd")});
+  expectSays(tf, "101325.04 to 101325.08");
+  EXPECT_EQ(tf.out.find("window       101325,"), std::string::npos) << tf.out;
 }
 
 TEST_F(Inputs, AListNamesEachVolume_WithTheOptionThatChoosesIt) {

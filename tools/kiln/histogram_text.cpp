@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/number_text.h"
+
 namespace kiln::tool {
 namespace {
 
@@ -42,7 +44,8 @@ std::string histogramText(const ValueHistogram& histogram, bool whole, const std
     largest = std::max(largest, row.count);
   }
   if (all == 0) return {};
-  const auto label = [&](double value) { return whole ? fmt::format("{:.0f}", value) : fmt::format("{:.5g}", value); };
+  const double step = rows.front().hi - rows.front().lo;
+  const auto label = [&](double value) { return whole ? fmt::format("{:.0f}", value) : numberText(value, step); };
   std::size_t width = 0;
   for (const Row& row : rows) width = std::max({width, label(row.lo).size(), label(row.hi).size()});
   std::string out;

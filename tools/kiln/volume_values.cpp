@@ -28,7 +28,7 @@ std::string countedText(const VolumeSample& sample) {
 }
 
 void sayWindow(const Window& window, const char* shows) {
-  say("window       {:<24} centre,width: {}\n", fmt::format("{:.6g},{:.6g}", window.centre, window.width), shows);
+  say("window       {:<24} centre,width: {}\n", windowText(window), shows);
 }
 
 Window windowOver(const ValueRange& range) { return {0.5 * (range.lo + range.hi), range.hi - range.lo}; }

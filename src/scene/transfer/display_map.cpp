@@ -1,6 +1,7 @@
 #include "scene/transfer/display_map.h"
 
 #include "base/error.h"
+#include "base/number_text.h"
 #include "scene/transfer/named_color_maps.h"
 
 namespace kiln {
@@ -39,6 +40,11 @@ Window defaultWindow(const ValueHistogram& histogram) {
   const double lo = quantile(histogram, 0.005);
   const double hi = quantile(histogram, 0.995);
   return {(lo + hi) / 2, hi > lo ? hi - lo : 1};
+}
+
+std::string windowText(const Window& window) {
+  constexpr double kSteps = 1000;  // as a picture shows no finer ones
+  return numberText(window.centre, window.width / kSteps) + "," + numberText(window.width, window.width / kSteps);
 }
 
 TransferFunction functionOf(const Section& section) {

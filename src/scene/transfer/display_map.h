@@ -17,6 +17,8 @@ std::vector<std::string> displayMapNames();
 ColorMap displayMap(std::string_view name);
 /// Returns the window of the middle 99 % of the values.
 Window defaultWindow(const ValueHistogram& histogram);
+/// Returns "CENTRE,WIDTH" with the digits that distinguish values of the window.
+std::string windowText(const Window& window);
 
 /// Returns the colours of a section's values, opaque. requires: a colour map and a window.
 TransferFunction functionOf(const Section& section);
