@@ -80,6 +80,14 @@ TEST_F(Inputs, TfTellsValuesWithAnOffsetApart) {
   EXPECT_EQ(tf.out.find("window       101325,"), std::string::npos) << tf.out;
 }
 
+// Known: all other values lie from 0 to 1, which are no Hounsfield units.
+TEST_F(Inputs, TfProposesNoWindowsForSingleInfinities) {
+  std::string text = "NRRD0004\ntype: float\ndimension: 3\nsizes: 4 4 4\nencoding: text\n\ninf -inf";
+  for (int i = 2; i < 64; ++i) text += fmt::format(" {:.2f}", i / 64.0);
+  writeText(in("infinite.nrrd"), text + "\n");
+  EXPECT_EQ(done({"tf", in("infinite.nrrd")}).out.find("Hounsfield"), std::string::npos);
+}
+
 TEST_F(Inputs, AListNamesEachVolume_WithTheOptionThatChoosesIt) {
   VdbSpec density, speed, tag;
   speed.name = "v", speed.kind = VdbKind::kVec3;

@@ -66,8 +66,8 @@ void sayWindows(const Manifest& manifest) {
   sayWindow(windowOver(colorMapRange(manifest)), "what is not empty, as colour maps show");
   // Values as low as air's are Hounsfield units, as for the ct- presets.
   constexpr double kBelowFat = -200, kBone = 300;
-  if (manifest.volume_class != VolumeClass::kUnknown || manifest.range.lo >= kBelowFat || manifest.range.hi < kBone)
-    return;
+  const ValueRange range = usableRange(manifest);
+  if (manifest.volume_class != VolumeClass::kUnknown || range.lo >= kBelowFat || range.hi < kBone) return;
   sayWindow({40, 400}, "soft tissue, if the values are Hounsfield units");
   sayWindow({40, 80}, "brain");
   sayWindow({-600, 1500}, "lung");
