@@ -57,9 +57,12 @@ void drawGrid(PlotImage& plot, const ValueRange& range) {
 void drawHistogram(PlotImage& plot, const ValueHistogram& histogram, const ValueRange& range) {
   const HistogramBars bars(histogram);
   for (int x = kLeft; x < kRight; ++x) {
-    const int height = static_cast<int>(bars.at(valueAt(range, x + 0.5)) * (kBottom - kTop));
+    const double bar = bars.over(valueAt(range, x - beside), valueAt(range, x + 1 + beside));
+    const int height = static_cast<int>(bar * (kBottom - kTop));
     plot.fill({x, kBottom - height, x + 1, kBottom}, kBar);
   }
+  // The bar of a single value is wider than a line of the grid, which may hide its middle.
+  const int beside = histogram.hi > histogram.lo ? 0 : 1;
 }
 
 void drawOpacity(PlotImage& plot, const TransferFunction& function, const ValueRange& range) {

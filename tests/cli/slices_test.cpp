@@ -1,7 +1,9 @@
 // Slices: numbered files, colours, and the sheet of three. Known: voxels have the value 2x + 3y + 5z.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <string>
 #include <tuple>
 
 #include "image/file/image_file.h"
@@ -67,13 +69,34 @@ TEST_F(SlicesCli, Labels_haveTheirColours) {
   done({"slice", in("l.kiln"), "-o", in("s.exr"), "--sheet", "--at", "0,1,0"});
   // A voxel of a small volume is 9 x 9 pixels of a sheet.
   const Image sheet = readImage(in("s.exr"));
-  for (int channel = 0; channel < 3; ++channel)
-    EXPECT_EQ(sheet.pixel(8 + 7 * 9 + 4, 8 + 14 + 4 * 9 + 4)[channel], slice.pixel(7, 4)[channel]) << channel;
   // A plane along z has the pixels of the slice.
   done({"slice", in("l.kiln"), "-o", in("p.exr"), "--plane", "0,0,1,0"});
   const Image plane = readImage(in("p.exr"));
   for (int channel = 0; channel < 3; ++channel)
     EXPECT_EQ(plane.pixel(7, 4)[channel], slice.pixel(7, 4)[channel]) << channel;
+  for (int channel = 0; channel < 3; ++channel)
+    EXPECT_EQ(sheet.pixel(8 + 7 * 9 + 4, 8 + 14 + 4 * 9 + 4)[channel], slice.pixel(7, 4)[channel]) << channel;
+}
+
+// Known: bins of labels are narrower than pixels here, and labels have no window. The colours are those of bars and
+// window lines, below the first panel and right of the second.
+TEST_F(SlicesCli, SheetOfLabels_hasBarsAndNoWindow) {
+  std::string voxels;
+  for (int i = 0; i < 64; ++i) voxels += i == 0 ? "60000 " : i % 2 == 0 ? "7 " : "0 ";
+  writeText(in("few.nrrd"), "NRRD0004\ntype: uint16\ndimension: 3\nsizes: 4 4 4\nencoding: text\n\n" + voxels + "\n");
+  done({"convert", in("few.nrrd"), in("few.kiln"), "--labels"});
+  done({"slice", in("few.kiln"), "-o", in("few.exr"), "--sheet"});
+  const Image sheet = readImage(in("few.exr"));
+  int bars = 0, lines = 0;
+  for (int y = sheet.height / 2 + 30; y < sheet.height; ++y) {
+    for (int x = 204; x < sheet.width; ++x) {
+      const float red = sheet.pixel(x, y)[0], blue = sheet.pixel(x, y)[2];
+      bars += std::abs(red - linearFromSrgb(0.45)) < 2e-3 && std::abs(blue - linearFromSrgb(0.58)) < 2e-3;
+      lines += std::abs(red - linearFromSrgb(0.95)) < 2e-3 && std::abs(blue - linearFromSrgb(0.2)) < 2e-3;
+    }
+  }
+  EXPECT_GT(bars, 120);
+  EXPECT_EQ(lines, 0);
 }
 
 // The first panel is the slice along z, 8 pixels from the left, below a caption of 14 pixels; a voxel has 9 x 9 pixels.

@@ -11,6 +11,7 @@
 #include "annotate/edge_letters.h"
 #include "base/error.h"
 #include "base/memory/memory.h"
+#include "base/number_text.h"
 #include "frame/histogram_bars.h"
 #include "frame/slice_palette.h"
 #include "image/plot_image.h"
@@ -143,22 +144,39 @@ void draw(PlotImage& sheet, const Panel& panel, int x, int y) {
   sheet.draw(panel.image, x, y + kPanelCaption);
 }
 
-// Draws the bars, and the ends of the window.
-void drawHistogram(PlotImage& sheet, const ValueHistogram& histogram, const Window& window, const PixelRect& rect) {
+std::string valueText(double value, const ValueRange& range) {
+  constexpr double kSteps = 1000;
+  return numberText(value, (range.hi - range.lo) / kSteps);
+}
+
+// Draws the bars, and the ends of the window. `window`: null where labels have colours of their own.
+void drawHistogram(PlotImage& sheet, const Manifest& manifest, const Window* window, const PixelRect& rect) {
+  const ValueHistogram& histogram = manifest.histogram;
   if (!(histogram.hi > histogram.lo)) return;
   const HistogramBars bars(histogram);
   const double width = rect.width();
+  const auto valueAt = [&](int x) { return std::lerp(histogram.lo, histogram.hi, (x - rect.x0) / width); };
   for (int x = rect.x0; x < rect.x1; ++x) {
-    const double value = std::lerp(histogram.lo, histogram.hi, (x - rect.x0 + 0.5) / width);
-    sheet.fill({x, rect.y1 - static_cast<int>(bars.at(value) * rect.height()), x + 1, rect.y1}, kSheetBar);
+    const double height = bars.over(valueAt(x), valueAt(x + 1));
+    sheet.fill({x, rect.y1 - static_cast<int>(height * rect.height()), x + 1, rect.y1}, kSheetBar);
   }
-  for (const double end : {window.centre - 0.5 * window.width, window.centre + 0.5 * window.width}) {
-    const int x = rect.x0 + static_cast<int>((end - histogram.lo) / (histogram.hi - histogram.lo) * width);
-    if (x >= rect.x0 && x < rect.x1) sheet.fill({x, rect.y0, x + 1, rect.y1}, kCrosshair);
+  if (window != nullptr) {
+    for (const double end : {window->centre - 0.5 * window->width, window->centre + 0.5 * window->width}) {
+      const int x = rect.x0 + static_cast<int>((end - histogram.lo) / (histogram.hi - histogram.lo) * width);
+      if (x >= rect.x0 && x < rect.x1) sheet.fill({x, rect.y0, x + 1, rect.y1}, kCrosshair);
+    }
   }
-  const std::string lo = fmt::format("{:.6g}", histogram.lo), hi = fmt::format("{:.6g}", histogram.hi);
+  // Bins of labels extend half a label beyond the range.
+  const bool labels = manifest.volume_class == VolumeClass::kLabels;
+  const ValueRange ends = labels ? manifest.range : ValueRange{histogram.lo, histogram.hi};
+  const std::string lo = valueText(ends.lo, ends), hi = valueText(ends.hi, ends);
   sheet.text(rect.x0, rect.y1 + 4, lo, kSheetCaption);
   sheet.text(rect.x1 - PlotImage::textWidth(hi), rect.y1 + 4, hi, kSheetCaption);
+}
+
+std::string valuesText(const ValueRange& range) {
+  if (range.empty()) return "no value is a number";
+  return fmt::format("values {} to {}", valueText(range.lo, range), valueText(range.hi, range));
 }
 
 // `window`: null where labels have colours of their own.
@@ -171,9 +189,8 @@ std::vector<std::string> linesOf(const BrickedVolume& store, const SliceSheet& s
   return {volumeNameOf(store.path()),
           fmt::format("{} x {} x {} voxels, {}", volume.dims.x, volume.dims.y, volume.dims.z, nameOf(manifest.type)),
           fmt::format("spacing {:.6g} x {:.6g} x {:.6g} {}", spacing.x, spacing.y, spacing.z, unit),
-          fmt::format("values {:.6g} to {:.6g}, {}", manifest.range.lo, manifest.range.hi,
-                      window == nullptr ? "in colours of labels"
-                                        : fmt::format("window {:.6g},{:.6g}", window->centre, window->width)),
+          fmt::format("{}, {}", valuesText(manifest.range),
+                      window == nullptr ? "in colours of labels" : "window " + windowText(*window)),
           fmt::format("voxel {},{},{}: {:.9g}", sheet.at.x, sheet.at.y, sheet.at.z, sheet.value),
           fmt::format("world {:.6g},{:.6g},{:.6g}", world.x, world.y, world.z)};
 }
@@ -195,7 +212,8 @@ SliceSheet renderSliceSheet(const BrickedVolume& store, const SliceSheetRequest&
   const std::array<SliceView, 3> views = sliceViews(manifest.geometry());
   const auto panel = [&](const SliceView& view) { return panelOf(store, request, out, view, progress); };
   const std::array<Panel, 3> panels = {panel(views[0]), panel(views[1]), panel(views[2])};
-  const std::vector<std::string> lines = linesOf(store, out, request.labels.empty() ? &window : nullptr);
+  const Window* const shown = request.labels.empty() ? &window : nullptr;
+  const std::vector<std::string> lines = linesOf(store, out, shown);
   // Two rows: the axial and the sagittal slice, the coronal slice and the texts. Slices of a column have the same
   // width.
   const auto widthOf = [](const Panel& one) { return std::max(one.image.width, PlotImage::textWidth(one.caption)); };
@@ -214,7 +232,7 @@ SliceSheet renderSliceSheet(const BrickedVolume& store, const SliceSheetRequest&
     sheet.text(second_x, y, line, kSheetInk);
     y += kTextLine;
   }
-  drawHistogram(sheet, manifest.histogram, window,
+  drawHistogram(sheet, manifest, shown,
                 {second_x, y + kTextLine, second_x + right, y + kTextLine + kHistogramHeight - kTextLine});
   out.image = std::move(sheet).take();
   return out;
