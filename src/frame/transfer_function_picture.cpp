@@ -24,7 +24,11 @@ double valueAt(const ValueRange& range, double x) {
   return std::lerp(range.lo, range.hi, (x - kLeft) / static_cast<double>(kRight - kLeft));
 }
 
-int rowOf(double opacity) { return static_cast<int>(std::lround(std::lerp(kBottom - 1.0, double{kTop}, opacity))); }
+// The slack keeps an opacity midway between two rows, such as 0.9, in one of both, whatever its rounding error.
+int rowOf(double opacity) {
+  constexpr double kSlack = 1e-6;
+  return static_cast<int>(std::floor(std::lerp(kBottom - 1.0, double{kTop}, opacity) + 0.5 - kSlack));
+}
 
 // Returns 1, 2 or 5 times a power of ten, for about eight steps over the range.
 double tickStep(double range) {
@@ -56,13 +60,13 @@ void drawGrid(PlotImage& plot, const ValueRange& range) {
 
 void drawHistogram(PlotImage& plot, const ValueHistogram& histogram, const ValueRange& range) {
   const HistogramBars bars(histogram);
+  // The bar of a single value is wider than a line of the grid, which may hide its middle.
+  const int beside = histogram.hi > histogram.lo ? 0 : 1;
   for (int x = kLeft; x < kRight; ++x) {
     const double bar = bars.over(valueAt(range, x - beside), valueAt(range, x + 1 + beside));
     const int height = static_cast<int>(bar * (kBottom - kTop));
     plot.fill({x, kBottom - height, x + 1, kBottom}, kBar);
   }
-  // The bar of a single value is wider than a line of the grid, which may hide its middle.
-  const int beside = histogram.hi > histogram.lo ? 0 : 1;
 }
 
 void drawOpacity(PlotImage& plot, const TransferFunction& function, const ValueRange& range) {
@@ -106,7 +110,7 @@ ValueRange pictureRange(const TransferFunction& function, const ValueHistogram& 
   ValueRange out;
   for (const TransferPoint& point : function.points) out.include(point.value);
   for (const IsoSurface& surface : function.surfaces) out.include(surface.value);
-  if (histogram.hi > histogram.lo) {
+  if (std::ranges::any_of(histogram.counts, [](std::uint64_t count) { return count > 0; })) {
     out.include(histogram.lo);
     out.include(histogram.hi);
   }
