@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "base/error.h"
 #include "base/thread/parallel.h"
@@ -38,11 +39,18 @@ SheetLayout layoutOf(const RenderJob& job) {
 
 }  // namespace
 
-std::vector<int> framesOfSheet(const std::vector<int>& frames, int count) {
-  if (frames.size() <= static_cast<std::size_t>(count)) return frames;
+std::vector<int> framesOfSheet(const RenderJob& job, int count) {
+  const std::vector<int> frames = framesOf(job);
+  const auto shown = static_cast<std::size_t>(count);
+  if (frames.size() <= shown) return frames;
+  // The last frame of a full turn is a step before the first frame.
+  const auto* const turn = std::get_if<Turntable>(&job.animation.camera);
+  const bool turns =
+      turn && std::fmod(turn->degrees, 360) == 0 && frames.size() == static_cast<std::size_t>(turn->frames);
   std::vector<int> out;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i)
-    out.push_back(frames[i * frames.size() / static_cast<std::size_t>(count)]);
+  for (std::size_t i = 0; i < shown; ++i)
+    out.push_back(frames[turns || shown == 1 ? i * frames.size() / shown
+                                             : (i * (frames.size() - 1) + (shown - 1) / 2) / (shown - 1)]);
   return out;
 }
 

@@ -14,8 +14,9 @@ inline constexpr int kMostSheetFrames = 400;
 /// The size of a frame of a sheet that has no size.
 inline constexpr ImageSize kSheetFrameSize{256, 256};
 
-/// Returns `count` of the frames at equal steps, the first among them; all frames if there are fewer.
-std::vector<int> framesOfSheet(const std::vector<int>& frames, int count);
+/// Returns `count` of the job's frames at equal steps, the first among them, and the last unless the frames are a
+/// full turn; all frames if there are fewer.
+std::vector<int> framesOfSheet(const RenderJob& job, int count);
 
 /// throws: Error kUsage naming --sheet for a job that a sheet cannot show: fewer than two frames, more files than one
 /// picture, a name for each frame, a deep or partial image, both eyes.

@@ -102,7 +102,7 @@ void applySheet(const RenderArguments& a, RenderJob& job) {
   if (a.resume || a.checkpoint || a.repeat > 1 || !a.stats.empty())
     throw Error(ErrorCode::kUsage,
                 "--sheet: a sheet is drawn at once; leave --resume, --checkpoint, --repeat and --stats out");
-  job.frames = framesOfSheet(framesOf(job), a.sheet);
+  job.frames = framesOfSheet(job, a.sheet);
   if (!a.job.given().has("--size") && isVolumeName(a.input)) job.picture.size = kSheetFrameSize;
   requireSheet(job);
 }
