@@ -452,12 +452,16 @@ TEST_F(SequenceCli, Sheet_showsFramesAtEqualSteps) {
     }
   }
   EXPECT_EQ(std::distance(fs::directory_iterator(directory_), {}), 2 + 4) << "a sheet has no frames' files";
-  // The last frame of a path is shown.
+  // The last frame of a path is shown. A preview has none of the job's planes.
   writeText(in("path.json"), R"({"kiln": 2, "volume": "h.kiln", "output": "p_#.exr",
-    "image": {"width": 48, "height": 40},
+    "image": {"width": 48, "height": 40, "aov": ["depth"]},
     "camera": {"keyframes": [{"frame": 1, "view": "front"}, {"frame": 10, "view": "left"}]}})");
   const ToolResult path = done({"render", in("path.json"), "-o", in("path.exr"), "--sheet", "4"});
   EXPECT_NE(path.out.find("4 frames (1,4,7,10)"), std::string::npos) << path.out;
+  EXPECT_NE(path.err.find("the planes of image.aov are left out"), std::string::npos) << path.err;
+  EXPECT_NE(done({"render", in("path.json"), "-o", in("path.png"), "--frames", "1"}).err.find("image.aov"),
+            std::string::npos);
+  refused({"render", in("path.json"), "-o", in("path.png"), "--frames", "1", "--aov", "depth"}, 2, "--aov");
   std::vector<std::string> still = {"render", in("h.kiln"), "-o", in("s.exr"), "--sheet", "4"};
   refused(still, 2, "--sheet: a sheet shows frames of a sequence (found 1)");
   still.insert(still.end(), {"--turntable", "8", "--resume"});
