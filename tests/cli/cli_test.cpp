@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -233,7 +234,13 @@ TEST_F(Cli, RenderAndCompare) {
   EXPECT_NE(expectDone({"compare", in("a.png"), in("a.png")}).out.find("equal"), std::string::npos);
   const ToolResult compared = expectDone({"compare", in("a.png"), in("b.png"), "--json", "-o", in("d.png")});
   EXPECT_GT(Json::parse(compared.out)["differing_pixels"], 0);
-  EXPECT_TRUE(Json::parse(expectDone({"compare", in("a.png"), in("a.png"), "--json"}).out)["psnr_db"].is_null());
+  EXPECT_EQ(Json::parse(expectDone({"compare", in("a.png"), in("a.png"), "--json"}).out)["psnr_db"], "inf");
+  Image broken = readImage(in("a.exr"));
+  broken.rgba.front() = std::numeric_limits<float>::quiet_NaN();
+  writeImage(broken, {}, {}, in("nan.exr"));
+  const Json judged = Json::parse(expectDone({"compare", in("a.exr"), in("nan.exr"), "--json"}).out);
+  EXPECT_EQ(judged["psnr_db"], "-inf");
+  EXPECT_EQ(judged["largest"], "inf");
   EXPECT_EQ(readImage(in("d.png")).width, 40);
 }
 

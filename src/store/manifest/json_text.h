@@ -1,7 +1,8 @@
-// JSON as text. Names of files and texts of headers need not be UTF-8; JSON must be.
+// Numbers and texts in JSON. Names of files and texts of headers need not be UTF-8; JSON must be.
 // Internal, not installed.
 #pragma once
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -21,6 +22,12 @@ void makeUtf8(Json& value) {
   }
 }
 }  // namespace json_detail
+
+/// Returns the number. JSON has no infinities and no NaN: they become the texts "inf", "-inf" and "nan".
+inline nlohmann::ordered_json numberJson(double value) {
+  if (std::isfinite(value)) return value;
+  return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+}
 
 /// Returns the JSON text, in one line for a negative indent. Strings that are not UTF-8 are escaped by utf8Of.
 template <class Json>

@@ -46,12 +46,6 @@ const char* nameIn(const std::pair<T, const char*> (&names)[N], T value) {
 
 Json triple(const Extent3& v) { return Json::array({v.x, v.y, v.z}); }
 
-// JSON has no infinities, but a background may be infinite.
-Json number(double value) {
-  if (std::isfinite(value)) return value;
-  return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
-}
-
 constexpr const char* kStoreRemedy = "; restore this file of the store, or convert the source again";
 
 // Reads the values of a JSON object by key, and reports keys that were never read.
@@ -345,10 +339,10 @@ nlohmann::ordered_json volumeJson(const Manifest& m) {
   const VolumeGeometry& geometry = m.geometry();
   return {{"dimensions", triple(geometry.dims)},
           {"type", std::string(nameOf(m.type))},
-          {"range", m.range.empty() ? Json(nullptr) : Json::array({number(m.range.lo), number(m.range.hi)})},
+          {"range", m.range.empty() ? Json(nullptr) : Json::array({numberJson(m.range.lo), numberJson(m.range.hi)})},
           {"nanCount", m.nan_count},
           {"histogram", {{"lo", m.histogram.lo}, {"hi", m.histogram.hi}, {"counts", m.histogram.counts}}},
-          {"background", number(m.background)},
+          {"background", numberJson(m.background)},
           {"class", wordOf(m.volume_class)},
           {"affine", rowsOf(geometry.world_from_index)},
           {"unit", geometry.unit},

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "base/file/file.h"
@@ -14,6 +13,7 @@
 #include "output_files.h"
 #include "say.h"
 #include "source_arguments.h"
+#include "store/manifest/json_text.h"
 
 namespace kiln::tool {
 namespace {
@@ -44,16 +44,10 @@ void run(const CompareArguments& arguments) {
   const ImageDifference d = compareImages(a, b);
   if (!arguments.output.empty()) writeImage(differenceImage(a, b), {}, {}, arguments.output);
   if (arguments.json) {
-    // JSON has no infinity: equal pictures have a PSNR of null.
-    const auto decibels = [](double db) {
-      return std::isfinite(db) ? nlohmann::ordered_json(db) : nlohmann::ordered_json(nullptr);
-    };
-    const nlohmann::ordered_json out = {{"psnr_db", decibels(d.psnr_db)},
-                                        {"foreground_psnr_db", decibels(d.foreground_psnr_db)},
-                                        {"largest", d.largest},
-                                        {"differing_pixels", d.differing},
-                                        {"foreground_pixels", d.foreground},
-                                        {"mean_brightness_ratio", d.mean_brightness_ratio}};
+    const nlohmann::ordered_json out = {
+        {"psnr_db", numberJson(d.psnr_db)},  {"foreground_psnr_db", numberJson(d.foreground_psnr_db)},
+        {"largest", numberJson(d.largest)},  {"differing_pixels", d.differing},
+        {"foreground_pixels", d.foreground}, {"mean_brightness_ratio", numberJson(d.mean_brightness_ratio)}};
     sayJson(out.dump(1) + "\n");
     return;
   }
@@ -76,7 +70,10 @@ void addCompare(CLI::App& app, Context& context) {
   command->add_option("B", a->b, "The other picture.")->required();
   command->add_option("-o,--output", a->output,
                       "The difference as a picture, in the colours of Lee and Ihm's Figure 11.");
-  command->add_flag("--json", a->json, "For programs.");
+  command->add_flag(
+      "--json", a->json,
+      "For programs. psnr_db, the first PSNR, counts alpha; foreground_psnr_db counts colours alone. Equal pictures "
+      "have inf.");
   addMemory(*command, a->memory, "both pictures and their difference")->capture_default_str();
   addExamples(*command, {"kiln compare face.png mip.png", "kiln compare face.png mip.png -o difference.png --json"});
   command->callback([a, &context] { context.action = [a] { run(*a); }; });
