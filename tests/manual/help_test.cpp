@@ -106,6 +106,17 @@ TEST(Help, ManualPagesAndCompletionNameEveryOption) {
   EXPECT_EQ(completed("kiln ver", 1), "verify\n");
   EXPECT_EQ(completed("kiln render --turnt", 2), "--turntable\n");
   EXPECT_EQ(completed("kiln render --visibility ra", 3), "range-tree\n");
+  // Options of one name have the words of their command.
+  EXPECT_EQ(completed("kiln render --mode c", 3), "composite\n");
+  EXPECT_EQ(completed("kiln slice --mode \"\"", 3), "average mip minip\n");
+  EXPECT_EQ(completed("kiln slice --level \"\"", 3), "\n");
+  EXPECT_EQ(completed("kiln export --background w", 3), "\n");
+  EXPECT_EQ(completed("kiln slice --axis co", 3), "coronal\n");
+  EXPECT_EQ(completed("kiln slice --colormap vi", 3), "viridis\n");
+  EXPECT_EQ(completed("kiln convert --type i1", 3), "i16\n");
+  EXPECT_EQ(completed("kiln export --type \"\"", 3), "float half\n");
+  EXPECT_EQ(completed("kiln render --add-tf ct-b", 3), "ct-bone ct-bone-and-skin\n");
+  EXPECT_NE(readTextFile(share / "man/man1/kiln-slice.1").find("\\-\\-axis\\fR \\fITEXT\\fR=z\n"), std::string::npos);
 }
 
 }  // namespace

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <utility>
 #include <vector>
 
 #include "job/job_flags.h"
+#include "job/job_names.h"
+#include "scene/transfer/display_map.h"
+#include "scene/transfer/presets.h"
 
 namespace kiln::tool {
 namespace {
@@ -42,6 +46,7 @@ std::string namesOf(const CLI::Option& option) {
   for (const std::string& name : option.get_snames()) add("-", name);
   for (const std::string& name : option.get_lnames()) add("--", name);
   if (!option.get_type_name().empty()) out += fmt::format(" \\fI{}\\fR", roff(option.get_type_name()));
+  if (!option.get_default_str().empty()) out += roff("=" + option.get_default_str());
   return out;
 }
 
@@ -77,6 +82,43 @@ std::string optionWords(const CLI::App& command) {
   std::string out;
   for (const CLI::Option* option : command.get_options()) {
     for (const std::string& name : option->get_lnames()) out += (out.empty() ? "--" : " --") + name;
+  }
+  return out;
+}
+
+// Returns the words of a command's option; nothing if the option takes other values.
+std::vector<std::string> wordsOf(const CLI::App& command, const CLI::Option& option) {
+  // The help of a job's flag distinguishes its option from an option of another meaning.
+  for (const JobFlag& flag : jobFlags()) {
+    if (option.check_lname(flag.flag.substr(flag.flag.find("--") + 2)) && option.get_description() == flag.help)
+      return flag.words;
+  }
+  static const std::vector<std::pair<std::string, std::vector<std::string>>> kWords = {
+      {"slice --axis", {"x", "y", "z", "axial", "coronal", "sagittal"}},
+      {"slice --mode", {"average", "mip", "minip"}},
+      {"--colormap", displayMapNames()},
+      {"export --type", {"float", "half"}},
+      {"--type", {"u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"}},
+      {"--endian", {"little", "big"}},
+      {"--look", {kLookNames.begin(), kLookNames.end()}},
+      {"--tf", presetNames()},
+      {"--add-tf", presetNames()}};
+  for (const auto& [name, words] : kWords) {
+    if (name == "--" + option.get_lnames().front() || name == command.get_name() + " --" + option.get_lnames().front())
+      return words;
+  }
+  return {};
+}
+
+// Returns the cases of a command's options with words, for "COMMAND --option".
+std::string wordCases(const CLI::App& command) {
+  std::string out;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_lnames().empty()) continue;
+    const std::vector<std::string> words = wordsOf(command, *option);
+    if (words.empty()) continue;
+    out += fmt::format("    \"{} --{}\") words=\"{}\" ;;\n", command.get_name(), option->get_lnames().front(),
+                       fmt::join(words, " "));
   }
   return out;
 }
@@ -117,10 +159,8 @@ std::string bashCompletion(const CLI::App& app) {
   out += fmt::format(
       "  if ((COMP_CWORD == 1)); then\n    COMPREPLY=($(compgen -W \"{} {}\" -- \"$current\"))\n    return\n  fi\n",
       commands, optionWords(app));
-  out += "  case $before in\n";
-  for (const JobFlag& flag : jobFlags()) {
-    if (!flag.words.empty()) out += fmt::format("    {}) words=\"{}\" ;;\n", flag.flag, fmt::join(flag.words, " "));
-  }
+  out += "  case \"${COMP_WORDS[1]} $before\" in\n";
+  for (const CLI::App* command : commandsOf(app)) out += wordCases(*command);
   out += "  esac\n  [[ -n $words ]] || [[ $current != -* ]] || case ${COMP_WORDS[1]} in\n" + cases + "  esac\n";
   out +=
       "  [[ -z $words ]] || COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n}\ncomplete -o default -F _kiln "
