@@ -33,9 +33,10 @@ ScaleBar scaleBarOf(const AnnotatedPicture& picture) {
 }
 
 std::optional<double> widthBelowScaleBar(const AnnotatedPicture& picture) {
-  if (!picture.annotations.scale_bar || !scaleBarRoom(picture, Style(picture)).empty()) return std::nullopt;
+  const Style style(picture);
+  if (!picture.annotations.scale_bar || !scaleBarRoom(picture, style).empty()) return std::nullopt;
   const ScaleBar bar = scaleBarOf(picture);
-  return bar.length / bar.length_px * picture.view.size.width;
+  return bar.length / bar.length_px * std::max(0.0, picture.view.size.width - 2 * style.margin);
 }
 
 void addScaleBar(const AnnotatedPicture& picture, Drawing& drawing) {

@@ -17,7 +17,7 @@ struct ScaleBar {
 /// Returns the bar of the length that the options give, else the longest bar of a round length that takes at most 22 %
 /// of the picture's width.
 ScaleBar scaleBarOf(const AnnotatedPicture& picture);
-/// Returns the width of the picture at the camera's target if the bar is too long to be drawn. unit: world.
+/// Returns the width between the margins at the camera's target if the bar is too long to be drawn. unit: world.
 std::optional<double> widthBelowScaleBar(const AnnotatedPicture& picture);
 
 }  // namespace kiln

@@ -50,10 +50,12 @@ void warnOfLostAnnotations(const FrameScene& scene, Progress& progress) {
   const auto width = widthBelowScaleBar(picture);
   if (!width) return;
   const ScaleBar bar = scaleBarOf(picture);
+  const bool given = scene.picture.annotations.scale_bar_length.has_value();
   progress.warn(
-      fmt::format("--scale-bar-length: the bar must fit into the picture, which is {:.3g} {} wide at its target (found "
-                  "{}); no bar is drawn; give a shorter length",
-                  *width, bar.unit, bar.label));
+      fmt::format("{}: the bar must fit between the margins of the picture, which are {:.3g} {} apart at its "
+                  "target (found {}); no bar is drawn; give a {}",
+                  given ? "--scale-bar-length" : "--scale-bar", *width, bar.unit, bar.label,
+                  given ? "shorter length" : "larger --size"));
 }
 
 std::vector<FreeEdges> freeEdges(const FrameScene& scene) {

@@ -157,7 +157,11 @@ TEST_F(AnnotationsCli, AScaleBarWithoutRoomIsWarnedOf) {
   std::vector<std::string> words = render("long.png", {"--scale-bar", "--scale-bar-length", "50"}, false);
   EXPECT_EQ(done(words).err.find("--scale-bar-length"), std::string::npos);
   words.back() = "5000";
-  EXPECT_NE(done(words).err.find("wide at its target (found 5000 mm)"), std::string::npos);
+  EXPECT_NE(done(words).err.find("apart at its target (found 5000 mm)"), std::string::npos);
+  // A bar of no given length has 22 % of the width, and fits unless the margins take more than 78 %.
+  const ToolResult narrow = done({"render", in("h.kiln"), "-o", in("narrow.png"), "--size", "12x400", "--scale-bar"});
+  EXPECT_NE(narrow.err.find("--scale-bar: the bar must fit"), std::string::npos) << narrow.err;
+  EXPECT_NE(narrow.err.find("give a larger --size"), std::string::npos) << narrow.err;
 }
 
 // Known: "over", in linear light.
