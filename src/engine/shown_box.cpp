@@ -22,6 +22,9 @@ namespace {
 // and thick shows in the views along the axes.
 constexpr double kLeastAlpha = 1.0 / 32;
 
+// Most voxels along an axis of the level that is seen, whatever the size of bricks: a brick of the default size.
+constexpr std::int64_t kMostSeenEdge = 128;
+
 bool contains(const VoxelBox& outer, const VoxelBox& inner) { return intersection(outer, inner) == inner; }
 
 void include(VoxelBox& box, const VoxelBox& more) { box = box.empty() ? more : bounding(box, more); }
@@ -104,12 +107,50 @@ VoxelBox boxBesideNothing(const BrickedVolume& store, const ShownDepths& shown, 
   return boxOfIndex(store, shown, region, diagonal, kLeastColumn, progress);
 }
 
+// Voxels of a level that a mask leaves.
+class ShownOfLevel {
+ public:
+  explicit ShownOfLevel(const Extent3& dims) : dims_(dims) {}
+
+  void add(const BrickBlock& block) {
+    if (block.shown.all()) return;
+    if (hidden_.empty()) hidden_.resize(static_cast<std::size_t>(dims_.count()));
+    forVoxels(block.core, [&](const VoxelCoord& v) {
+      if (!block.shown.at(block.offsetOf(v))) hidden_[placeOf(v)] = true;
+      return false;
+    });
+  }
+  bool any(const VoxelBox& box) const {
+    return hidden_.empty() || forVoxels(box, [&](const VoxelCoord& v) { return !hidden_[placeOf(v)]; });
+  }
+
+ private:
+  // Returns whether `found` is true of a voxel of the box; stops there.
+  template <class Found>
+  static bool forVoxels(const VoxelBox& box, Found&& found) {
+    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
+      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
+        for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
+          if (found(VoxelCoord{x, y, z})) return true;
+        }
+      }
+    }
+    return false;
+  }
+  std::size_t placeOf(const VoxelCoord& v) const {
+    return static_cast<std::size_t>((v.z * dims_.y + v.y) * dims_.x + v.x);
+  }
+
+  const Extent3 dims_;
+  std::vector<bool> hidden_;  // empty: none
+};
+
 // Adds the cells of a brick to the views. A cell is a voxel and its next neighbours.
 class CellsOfBrick {
  public:
   CellsOfBrick(const BrickBlock& block, const ShownDepths& shown, const ClipRegion& region, const VolumeGeometry& level,
                const std::optional<Section>& section)
-      : block_(block), shown_(shown), region_(region), dims_(level.dims) {
+      : block_(block), shown_(shown), region_(region), lo_(block.core.lo), dims_(block.core.extent()) {
     const glm::dvec3 spacing = level.spacing();
     spacing_ = {spacing.x, spacing.y, spacing.z};
     faces_ = section && section->opacity > 0 && !region.showsAll();
@@ -125,7 +166,7 @@ class CellsOfBrick {
   }
 
  private:
-  // Numbers of the values of a slice, with a column and a row more than the volume; ShownDepths::kNone: missing,
+  // Numbers of the values of a slice, with a column and a row more than the brick; ShownDepths::kNone: missing,
   // hidden.
   using Numbers = std::vector<int>;
 
@@ -134,7 +175,7 @@ class CellsOfBrick {
     out.reserve(static_cast<std::size_t>((dims_.x + 1) * (dims_.y + 1)));
     withVoxelType(block_.type, [&]<class T>(std::type_identity<T>) {
       for (std::int64_t y = 0; y <= dims_.y; ++y) {
-        const std::int64_t row = block_.offsetOf({0, y, z});
+        const std::int64_t row = block_.offsetOf({lo_.x, lo_.y + y, lo_.z + z});
         for (std::int64_t x = 0; x <= dims_.x; ++x) {
           const bool hidden = !block_.shown.all() && !block_.shown.at(row + x);
           out.push_back(hidden ? ShownDepths::kNone : shown_.binOf(static_cast<double>(block_.data<T>()[row + x])));
@@ -160,7 +201,7 @@ class CellsOfBrick {
         }
         first = static_cast<int>(least);
       }
-      if (last != ShownDepths::kNone) addCell({x, y, z}, first, last, views);
+      if (last != ShownDepths::kNone) addCell({lo_.x + x, lo_.y + y, lo_.z + z}, first, last, views);
     }
   }
 
@@ -188,29 +229,18 @@ class CellsOfBrick {
   const BrickBlock& block_;
   const ShownDepths& shown_;
   const ClipRegion& region_;
+  const VoxelCoord lo_;
   const Extent3 dims_;
   std::array<double, 3> spacing_;
   bool faces_, values_on_faces_;
 };
 
-// True if a mask leaves a voxel of the box, of the block's level.
-bool anyShown(const BrickBlock& block, const VoxelBox& box) {
-  if (block.shown.all()) return true;
-  for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
-    for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
-      for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
-        if (block.shown.at(block.offsetOf({x, y, z}))) return true;
-      }
-    }
-  }
-  return false;
-}
-
 // Step 2: adds what the voxels of a coarser level hide. A cube at the border of an object reaches beyond the object,
 // and counts only if the level shows nothing of the cube.
-void addThinCubes(const BrickedVolume& store, const BrickBlock& block, const ShownDepths& shown,
-                  const ClipRegion& region, const Extent3& span, const Progress& progress, SideViews& views) {
+void addThinCubes(const BrickedVolume& store, int level, const ShownOfLevel& unmasked, const ShownDepths& shown,
+                  const ClipRegion& region, const Progress& progress, SideViews& views) {
   const Manifest& manifest = store.manifest();
+  const Extent3 span = manifest.spanOf(level);
   const double most = static_cast<double>(std::max({span.x, span.y, span.z}));
   const double length = most * manifest.geometry().meanSpacing();
   const auto cube = static_cast<double>(manifest.brick_size / subBricksOf(manifest.brick_size));
@@ -219,20 +249,27 @@ void addThinCubes(const BrickedVolume& store, const BrickBlock& block, const Sho
   const auto wanted = [&](const VoxelBox&, const ValueRange& range) { return opacityIn(shown, range, length) > 0; };
   std::vector<std::pair<VoxelBox, double>> found;
   forCubes(store, region, progress, wanted, [&](const VoxelBox& box, const ValueRange& range) {
-    const VoxelBox coarse = intersection(coarseBox(box, span), block.core);
+    const VoxelBox coarse = intersection(coarseBox(box, span), boxOf(store.level(level).geometry.dims));
     // The range holds the values of the next voxels, too.
-    if (!views.showsIn(dilated(coarse, 1)) && anyShown(block, coarse))
+    if (!views.showsIn(dilated(coarse, 1)) && unmasked.any(coarse))
       found.emplace_back(coarse, line * opacityIn(shown, range, length));
   });
   for (const auto& [box, opacity] : found) views.addThin(box, opacity);
 }
 
-// Returns the finest level that is one brick; nothing if there is none.
-std::optional<int> levelOfOneBrick(const BrickedVolume& store) {
-  for (int level = 0; level < store.index().levels(); ++level) {
-    if (store.index().lattice(level).count() == 1) return level;
-  }
-  return std::nullopt;
+// Returns the finest level of few voxels, else of one larger brick; nothing if there is none.
+std::optional<int> seenLevel(const BrickedVolume& store) {
+  const auto finest = [&](auto wanted) -> std::optional<int> {
+    for (int level = 0; level < store.index().levels(); ++level) {
+      if (wanted(level)) return level;
+    }
+    return std::nullopt;
+  };
+  const auto few = finest([&](int level) {
+    const Extent3& dims = store.level(level).geometry.dims;
+    return std::max({dims.x, dims.y, dims.z}) <= kMostSeenEdge;
+  });
+  return few ? few : finest([&](int level) { return store.index().lattice(level).count() == 1; });
 }
 
 // A box of voxels of a coarser level in voxels of level 0.
@@ -251,22 +288,29 @@ struct SeenBoxes {
   std::vector<VoxelBox> rows;  // of cells
 };
 
-SeenBoxes boxesOfBrick(const BrickedVolume& store, int level, const ShownDepths& shown, const Clipping& clipping,
+SeenBoxes boxesOfLevel(const BrickedVolume& store, int level, const ShownDepths& shown, const Clipping& clipping,
                        const ClipRegion& region, const Progress& progress, ShownBox& reads) {
   const Manifest& manifest = store.manifest();
-  const BrickKey key{level, {}};
-  const BrickEntry& entry = store.index().at(key);
   const VolumeGeometry& geometry = store.level(level).geometry;
   const Extent3 span = manifest.spanOf(level);
   SideViews views(geometry.dims);
-  const BrickBlock block = store.read(key);
-  CellsOfBrick(block, shown, ClipRegion(clipping, manifest.geometry(), span), geometry, clipping.section).addTo(views);
-  reads.files += entry.constant ? 0 : 1;
-  reads.file_bytes += entry.file_bytes;
+  const ClipRegion of_level(clipping, manifest.geometry(), span);
+  ShownOfLevel unmasked(geometry.dims);
+  const Extent3 lattice = store.index().lattice(level);
+  for (std::int64_t i = 0; i < lattice.count(); ++i) {
+    progress.throwIfCancelled("looking for the visible box");
+    const BrickKey key{level, brickAt(lattice, i)};
+    const BrickEntry& entry = store.index().at(key);
+    const BrickBlock block = store.read(key);
+    CellsOfBrick(block, shown, of_level, geometry, clipping.section).addTo(views);
+    unmasked.add(block);
+    reads.files += entry.constant ? 0 : 1;
+    reads.file_bytes += entry.file_bytes;
+  }
   // A range of labels holds labels that are nowhere in the cube. The level of the most frequent of 2³ labels lacks only
   // what is one voxel thin.
   const bool halved = std::max({span.x, span.y, span.z}) <= 2;
-  if (level > 0 && !(shown.ofLabels() && halved)) addThinCubes(store, block, shown, region, span, progress, views);
+  if (level > 0 && !(shown.ofLabels() && halved)) addThinCubes(store, level, unmasked, shown, region, progress, views);
   const Extent3& dims = manifest.geometry().dims;
   SeenBoxes out{fineBox(views.box(), span, dims), views.rows()};
   // A part that counts in the view along an axis alone has no place along the axis in the box of the views.
@@ -285,7 +329,7 @@ VoxelBox boxOfClip(const VolumeGeometry& volume, Clipping clipping) {
 }
 
 ShownBox shownBox(const BrickedVolume& store, std::span<const TransferFunction> functions, const Clipping& clipping,
-                  bool read_brick, const Progress& progress) {
+                  bool read_level, const Progress& progress) {
   const Manifest& manifest = store.manifest();
   Clipping whole = clipping;
   whole.part.reset();
@@ -293,10 +337,10 @@ ShownBox shownBox(const BrickedVolume& store, std::span<const TransferFunction> 
   const double spacing = manifest.geometry().meanSpacing();
   const ShownDepths shown(functions, spacing, manifest.range, progress);
   ShownBox out;
-  const std::optional<int> level = read_brick ? levelOfOneBrick(store) : std::nullopt;
+  const std::optional<int> level = read_level ? seenLevel(store) : std::nullopt;
   std::vector<VoxelBox> parts;
   if (level) {
-    SeenBoxes seen = boxesOfBrick(store, *level, shown, whole, region, progress, out);
+    SeenBoxes seen = boxesOfLevel(store, *level, shown, whole, region, progress, out);
     out.box = seen.box, parts = std::move(seen.rows);
   } else {
     const auto cube = static_cast<double>(manifest.brick_size / subBricksOf(manifest.brick_size));
