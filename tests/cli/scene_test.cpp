@@ -286,14 +286,14 @@ TEST_F(SceneCli, ACropIsThatPartOfThePicture) {
 }
 
 TEST_F(SceneCli, SamplesOfAPixel) {
-  const Image one = drawn({"--samples", "1"});
-  const Image four = drawnTwice({"--samples", "4"});
+  const Image one = drawn({"--zoom", "0.5", "--samples", "1"});
+  const Image four = drawnTwice({"--zoom", "0.5", "--samples", "4"});
   // By default, small voxels get more samples.
-  EXPECT_EQ(drawn({}).rgba, four.rgba);
-  EXPECT_EQ(drawn({"--samples", "auto"}).rgba, four.rgba);
+  EXPECT_EQ(drawn({"--zoom", "0.5"}).rgba, four.rgba);
+  EXPECT_EQ(drawn({"--zoom", "0.5", "--samples", "auto"}).rgba, four.rgba);
   EXPECT_EQ(drawn({"--zoom", "8"}).rgba, drawn({"--zoom", "8", "--samples", "1"}).rgba);
   EXPECT_NE(four.rgba, one.rgba);
-  EXPECT_EQ(drawn({"--samples", "4", "--repeat", "2", "--visibility", "none"}).rgba, four.rgba);
+  EXPECT_EQ(drawn({"--zoom", "0.5", "--samples", "4", "--repeat", "2", "--visibility", "none"}).rgba, four.rgba);
   expectRefused({"--samples", "9"}, "--samples: expected auto, 1, 2, 4 or 16");
   expectRefused({"--samples", "2", "--lattice", "voxel"},
                 "--samples 2: needs --lattice pixel, or several volumes (found --lattice voxel)");

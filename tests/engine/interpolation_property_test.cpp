@@ -62,7 +62,8 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
   const FrameLevels levels(volume, 0, view, ProjectedArea::kBox);
   const double unit = request.transfer_function.unit;
   const SampleTable table(request.transfer_function, unit, volume.type, volume.range);
-  const GradientSense gradients{static_cast<float>(kGradientNoise * (volume.range.hi - volume.range.lo))};
+  const auto noise = static_cast<float>(kGradientNoise * (volume.range.hi - volume.range.lo));
+  const GradientSense gradients{noise, noise};
   const auto visibility = makeMaskVisibility(request.view.size.width, request.view.size.height);
   const BrickBlock block = store.read({0, {0, 0, 0}});
   Image image(request.view.size.width, request.view.size.height);

@@ -120,6 +120,30 @@ TEST(Surfaces, OfABallAreItsSurface) {
 
 // Between voxels of R² - r², the Catmull-Rom spline is exact and the B-spline averages over a variance of 1/3 along
 // each axis.
+// Known because powers of two scale floats exactly, and a surface has no size of values.
+TEST(Surfaces, OfHugeAndTinyValues_lookTheSame) {
+  const auto ballOf = [](double scale) {
+    return fill({{40, 41, 42}, VoxelType::f32}, [scale](auto i, auto j, auto k) {
+      return scale * (15 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(20.3, 19.8, 20.1)));
+    });
+  };
+  const auto drawn = [&](double scale) {
+    const DenseVolume volume = ballOf(scale);
+    FrameRequest request = answerRequest(volume.geometry, {0.4, -0.8, 0.3}, Projection::kOrthographic, 80);
+    request.transfer_function = surfacesAt({{2 * scale}});
+    request.clipping.planes = {{{1, 0.3, 0.2}, 8}};
+    return draw(makeStore(volume, "scaled", 32), request);
+  };
+  const Image truth = drawn(1);
+  EXPECT_GT(glm::length(normalAt(truth, 40, 40)), 0.9);
+  for (const double scale : {std::ldexp(1.0, 80), std::ldexp(1.0, -80)}) {
+    const Image other = drawn(scale);
+    float most = 0;
+    for (std::size_t i = 0; i < truth.rgba.size(); ++i) most = std::max(most, std::abs(other.rgba[i] - truth.rgba[i]));
+    EXPECT_LT(most, 1e-5f) << scale;
+  }
+}
+
 TEST(Surfaces, OfCubicsAreTheSurfaceOfTheInterpolation) {
   const glm::dvec3 centre(20.3, 19.8, 20.1);
   const double radius2 = 256;

@@ -13,12 +13,12 @@ float factorToOne(float size) { return std::ldexp(1.0f, -std::clamp(std::ilogb(s
 }  // namespace
 
 GradientScale::GradientScale(const GradientSense& sense) {
-  const float noise = sense.noise;
   // Keep a factor of 1 unless squares come near the limits of a float.
-  if (noise > 0 && (noise < 1e-8f || noise > 1e8f)) factor = factorToOne(noise);
-  const float scaled = noise * factor;
+  const float size = sense.size;
+  if (size > 0 && (size < 1e-8f || size > 1e8f)) factor = factorToOne(size);
+  const float scaled = sense.noise * factor;
   least_squared = scaled * scaled;
-  if (noise > 0) directed = 2 * noise;
+  if (size > 0) directed = 2 * size;
   factor *= sense.outward_sign;
   directed *= -sense.outward_sign;
 }

@@ -12,6 +12,7 @@ namespace kiln {
 /// How gradients of a volume tell of its surfaces.
 struct GradientSense {
   float noise = 0;          // shorter gradients have no direction. unit: value per voxel
+  float size = 0;           // short gradients of the volume; 0: unknown. unit: value per voxel
   float outward_sign = -1;  // the factor that turns gradients out of matter
 };
 

@@ -24,13 +24,15 @@ namespace kiln {
 /// Noise threshold of gradients, as a fraction of the classified range per voxel. Samples with shorter gradients are
 /// not shaded.
 inline constexpr double kGradientNoise = 1e-5;
-/// Noise threshold of a volume. unit: value per voxel.
-inline float gradientNoiseOf(const Manifest& manifest, const TransferFunction& function) {
+/// Length of short gradients of a volume. unit: value per voxel.
+inline float gradientSizeOf(const Manifest& manifest, const TransferFunction& function) {
   // Gradients of labels are gradients of opacity, whose range is 1.
   if (manifest.volume_class == VolumeClass::kLabels) return static_cast<float>(kGradientNoise);
-  // A surface has a direction wherever its values differ.
-  if (!function.surfaces.empty()) return 0;
-  const ValueRange range = classifiedRange(function, manifest.range);
+  // The histogram leaves out single values far beyond all others.
+  const ValueHistogram& usual = manifest.histogram;
+  const ValueRange range = function.surfaces.empty() ? classifiedRange(function, manifest.range)
+                           : usual.counts.empty()    ? manifest.range
+                                                     : ValueRange{usual.lo, usual.hi};
   return range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (range.hi - range.lo));
 }
 
@@ -42,7 +44,9 @@ inline float outwardSignOf(const TransferFunction& function) {
 }
 
 inline GradientSense gradientSenseOf(const Manifest& manifest, const TransferFunction& function) {
-  return {gradientNoiseOf(manifest, function), outwardSignOf(function)};
+  const float size = gradientSizeOf(manifest, function);
+  // A surface has a direction wherever its values differ.
+  return {function.surfaces.empty() ? size : 0, size, outwardSignOf(function)};
 }
 
 /// Cosines to the eye of normals that point away from the eye, but are lit as at a silhouette. A ray that grazes a ball
