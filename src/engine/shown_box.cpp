@@ -22,9 +22,6 @@ namespace {
 // and thick shows in the views along the axes.
 constexpr double kLeastAlpha = 1.0 / 32;
 
-// Most voxels along an axis of the level that is seen, whatever the size of bricks: a brick of the default size.
-constexpr std::int64_t kMostSeenEdge = 128;
-
 bool contains(const VoxelBox& outer, const VoxelBox& inner) { return intersection(outer, inner) == inner; }
 
 void include(VoxelBox& box, const VoxelBox& more) { box = box.empty() ? more : bounding(box, more); }
@@ -257,21 +254,6 @@ void addThinCubes(const BrickedVolume& store, int level, const ShownOfLevel& unm
   for (const auto& [box, opacity] : found) views.addThin(box, opacity);
 }
 
-// Returns the finest level of few voxels, else of one larger brick; nothing if there is none.
-std::optional<int> seenLevel(const BrickedVolume& store) {
-  const auto finest = [&](auto wanted) -> std::optional<int> {
-    for (int level = 0; level < store.index().levels(); ++level) {
-      if (wanted(level)) return level;
-    }
-    return std::nullopt;
-  };
-  const auto few = finest([&](int level) {
-    const Extent3& dims = store.level(level).geometry.dims;
-    return std::max({dims.x, dims.y, dims.z}) <= kMostSeenEdge;
-  });
-  return few ? few : finest([&](int level) { return store.index().lattice(level).count() == 1; });
-}
-
 // A box of voxels of a coarser level in voxels of level 0.
 VoxelBox fineBox(const VoxelBox& coarse, const Extent3& span, const Extent3& dims) {
   VoxelBox out;
@@ -337,7 +319,7 @@ ShownBox shownBox(const BrickedVolume& store, std::span<const TransferFunction> 
   const double spacing = manifest.geometry().meanSpacing();
   const ShownDepths shown(functions, spacing, manifest.range, progress);
   ShownBox out;
-  const std::optional<int> level = read_level ? seenLevel(store) : std::nullopt;
+  const std::optional<int> level = read_level ? store.overviewLevel() : std::nullopt;
   std::vector<VoxelBox> parts;
   if (level) {
     SeenBoxes seen = boxesOfLevel(store, *level, shown, whole, region, progress, out);

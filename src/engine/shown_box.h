@@ -1,12 +1,12 @@
 // Box and outline of the part of a volume that transfer functions show: a camera fits its picture to the outline.
 // Problem. A scan is often mostly air; a picture of its whole box shows the subject small. The box must be known
 // before a brick is drawn, in time that a user does not notice.
-// Method. (1) The voxels of the finest level of at most 128 voxels along each axis give the views along the three axes
+// Method. (1) The voxels of a coarse level (BrickedVolume::overviewLevel) give the views along the three axes
 // (side_views.h): the box around all that counts in them. (2) The sub-ranges of the index bound the values in cubes of
 // 1/8 brick. Cubes outside the box that may show something hold matter thinner than a voxel of step 1, which counts by
 // its share. (3) The box is cut by the clip region. (4) The outline (shown_outline.h) holds what of the views' cells is
 // in the box. Invariant. Box and outline contain what a person sees, but for specks of a negligible share of the
-// visible opacity. Both depend on store, functions, region and sections alone. Cost. The files of that level: one with
+// visible opacity. Both depend on store, functions, region and sections alone. Cost. At most 64 files: one with
 // bricks of 128³. The index once: bricks inside the box of step 1 are skipped.
 #pragma once
 

@@ -80,8 +80,9 @@ std::function<bool(const BrickKey&)> bricksOfStorePart(const StoreReader& store,
   std::vector<ClipRegion::Part> parts;  // a level each
   for (int level = 0; level < store.index().levels(); ++level)
     parts.push_back(ClipRegion(clipping, store.manifest().geometry(), store.manifest().spanOf(level)).part());
-  return [&store, parts = std::move(parts)](const BrickKey& key) {
-    return !store.index().at(key).constant &&
+  return [&store, parts = std::move(parts), overview = store.overviewLevel()](const BrickKey& key) {
+    if (store.index().at(key).constant) return false;
+    return key.level == overview ||
            parts[static_cast<std::size_t>(key.level)].touches(dilated(store.frame(key).core(), store.manifest().apron));
   };
 }

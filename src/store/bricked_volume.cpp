@@ -43,4 +43,20 @@ std::uint64_t BrickedVolume::largestReadBytes() const {
 
 std::uint64_t BrickedVolume::heldBytes() const { return index_->bytes(); }
 
+std::optional<int> BrickedVolume::overviewLevel() const {
+  // Limits for the time that a camera takes: at most 64 files, of at most the voxels of a brick of the default size.
+  constexpr std::int64_t kMostEdge = 128, kMostBricks = 64;
+  const auto finest = [&](auto wanted) -> std::optional<int> {
+    for (int level = 0; level < index().levels(); ++level) {
+      if (wanted(manifest().levels[static_cast<std::size_t>(level)])) return level;
+    }
+    return std::nullopt;
+  };
+  const auto few = finest([&](const LevelInfo& level) {
+    const Extent3& dims = level.geometry.dims;
+    return std::max({dims.x, dims.y, dims.z}) <= kMostEdge && level.bricks.count() <= kMostBricks;
+  });
+  return few ? few : finest([](const LevelInfo& level) { return level.bricks.count() == 1; });
+}
+
 }  // namespace kiln

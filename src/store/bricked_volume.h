@@ -56,6 +56,10 @@ class BrickedVolume {
   /// Returns the volume with a place in the world of its own. cost: index and voxels are shared.
   virtual std::unique_ptr<BrickedVolume> share() const = 0;
 
+  /// Returns the finest level of at most 128 voxels a side and 64 bricks, else the finest level of one brick; nothing
+  /// without such levels. Cameras are fitted to this level, so each part of a split store holds all its bricks.
+  std::optional<int> overviewLevel() const;
+
  protected:
   explicit BrickedVolume(std::filesystem::path path);
   BrickedVolume(const BrickedVolume&);

@@ -56,7 +56,7 @@ File opened(const fs::path& path, std::uint64_t bytes, const fs::path& store) {
     std::error_code unknown;
     const char* const remedy = fs::exists(store / kPartFile, unknown)
                                    ? "the store is a part that kiln split made (kiln info names its voxels); draw the "
-                                     "part with --part, or name the whole store"
+                                     "part with --part, name the whole store, or split the store again"
                                    : "restore the file or convert the source again";
     throw Error(ErrorCode::kNotFound, path, "", fmt::format("is missing, expected {} bytes; {}", bytes, remedy));
   }

@@ -248,7 +248,8 @@ TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
       EXPECT_EQ(readImageText(directory_ / "many" / name), readImageText(directory_ / "one" / name));
     }
   }
-  // Each rank has only its part of the store, and the job's own volume is not there.
+  // Each rank has only its part of the store, and the job's own volume is not there. In few bricks a part is the whole.
+  EXPECT_EQ(runTool({"convert", "phantom:head:64x64x64", volume_, "--brick-size", "8", "--overwrite"}).exit_code, 0);
   const std::string parts = (directory_ / "part_#.kiln").string();
   const ToolResult split = runTool({"split", volume_, "-o", parts, "--parts", "3", "--tf", "ct-skin"});
   ASSERT_EQ(split.exit_code, 0) << split.err;
@@ -257,6 +258,15 @@ TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
       runTool({"render", (directory_ / "part_1.kiln").string(), "-o", (directory_ / "h.png").string()});
   EXPECT_EQ(half.exit_code, 1);
   EXPECT_NE(half.err.find("the store is a part that kiln split made"), std::string::npos) << half.err;
+  // A part holds what its camera is fitted to, and has the camera of the whole store.
+  const auto cameraOf = [&](const std::string& store) {
+    const std::string picture = (directory_ / "camera.exr").string();
+    const ToolResult drawn =
+        runTool({"render", store, "-o", picture, "--part", "1/3", "--tf", "ct-skin", "--size", "40x30"});
+    EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
+    return nlohmann::json::parse(readImageText(picture).at("kiln:job")).at("camera");
+  };
+  EXPECT_EQ(cameraOf((directory_ / "part_1.kiln").string()), cameraOf(volume_));
   EXPECT_NE(runTool({"info", (directory_ / "part_1.kiln").string()}).out.find("part         voxels 0,0,0 to "),
             std::string::npos);
   std::vector<std::string> look = looks[1];
