@@ -489,10 +489,12 @@ TEST(ConvertStopped, WhatIsThereIsNotReplaced) {
                     "holds 'thesis.txt' beside the store");
   fs::remove(out / "thesis.txt");
   fs::create_directory(out / "bricks/mine");
-  FileSystem::real().writeFile(out / "bricks/mine/thesis.txt", {}, WritePolicy::kUnsynced);
-  test::expectError([&] { convert(other, out, options(How::kOverwrite), silent); }, ErrorCode::kExists,
-                    "holds 'bricks/mine/thesis.txt' beside the store");
-  fs::remove_all(out / "bricks/mine");
+  for (const char* name : {"bricks/mine/thesis.txt", "bricks/0/.notes", "bricks/0/2024", "bricks/0/2024.pdf"}) {
+    FileSystem::real().writeFile(out / name, {}, WritePolicy::kUnsynced);
+    test::expectError([&] { convert(other, out, options(How::kOverwrite), silent); }, ErrorCode::kExists,
+                      "holds '" + std::string(name) + "' beside the store");
+    fs::remove(out / name);
+  }
   EXPECT_TRUE(holds(out, oldVolume()));
   // A store at OUT.old, the name for moving the old store, is not replaced either; an incomplete store is.
   const fs::path kept = out.string() + ".old";

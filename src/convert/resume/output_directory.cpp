@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <regex>
 #include <set>
 #include <system_error>
 #include <vector>
@@ -52,18 +53,23 @@ bool isDroppedByDesktop(const fs::path& name) {
   return kNames.contains(name.string()) || name.string().starts_with("._");
 }
 
-// Folders below a store's, which any program may have named, hold brick files.
-bool isNameOfBrick(const std::string& name) { return name.find_first_not_of("0123456789_") == name.find('.'); }
+// True for the names, from the store's folder on, of bricks and of the halves that a conversion sets aside.
+bool isNameBelowStore(const std::string& name) {
+  static const std::regex kBrick(R"(bricks/\d+/\d+_\d+_\d+\.vdb(\.tmp)?)"),
+      kHalf(R"(parts/(\d+/)?\d+_\d+_\d+_\d+\.tmp)");
+  return std::regex_match(name, kBrick) || std::regex_match(name, kHalf);
+}
 
 // Returns the names in a directory that do not belong to a store, in alphabetical order, with their folders below.
 std::vector<std::string> strangersIn(const fs::path& directory) {
   std::vector<std::string> out;
   forEachEntryBelow(directory, [&](const fs::directory_entry& entry) {
     const fs::path name = entry.path().filename();
+    const std::string from_store = entry.path().lexically_relative(directory).string();
     std::error_code unknown;
     const bool below = entry.path().parent_path() != directory;
-    const bool known = below ? entry.is_directory(unknown) || isNameOfBrick(name.string()) : isNameInStore(name);
-    if (!known && !isDroppedByDesktop(name)) out.push_back(entry.path().lexically_relative(directory).string());
+    const bool known = below ? entry.is_directory(unknown) || isNameBelowStore(from_store) : isNameInStore(name);
+    if (!known && !isDroppedByDesktop(name)) out.push_back(from_store);
     return Walk::kGoOn;
   });
   std::sort(out.begin(), out.end());
@@ -228,8 +234,11 @@ void OutputDirectory::removeOld() {
     disk_.removeAll(old() / kManifestFile);
     disk_.removeAll(old());
   } else {
-    left_old_ = fmt::format("{} is left of the store that was replaced: {} came into it meanwhile", old().string(),
-                            inQuotes(strangers.front()));
+    left_old_ = fmt::format(
+        "{} is left of the store that was replaced, because {} came into it meanwhile; move this file away, then "
+        "remove "
+        "the folder",
+        old().string(), inQuotes(strangers.front()));
   }
 }
 
