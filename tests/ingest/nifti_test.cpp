@@ -88,9 +88,11 @@ void Nifti::expectContainers(const Type& t, bool big, bool second) {
   test::writeBytes(directory_ / "E.HDR", test::niftiHeader(h));
   test::writeBytes(directory_ / "E.IMG", voxels);
   test::writeBytes(directory_ / "f.hdr", test::niftiHeader(h));
+  test::writeBytes(directory_ / "G.HDR.gz", test::gzipped(test::niftiHeader(h)));
+  test::writeBytes(directory_ / "G.IMG.gz", test::gzipped(voxels));
   test::writeBytes(directory_ / "f.IMG.GZ", test::gzipped(voxels));
-  for (const char* name :
-       {"a.nii", "b.nii.gz", "c.hdr", "c.img", "d.hdr.gz", "d.img.gz", "E.HDR", "E.IMG", "f.hdr", "f.IMG.GZ"}) {
+  for (const char* name : {"a.nii", "b.nii.gz", "c.hdr", "c.img", "d.hdr.gz", "d.img.gz", "E.HDR", "E.IMG", "f.hdr",
+                           "f.IMG.GZ", "G.HDR.gz", "G.IMG.gz"}) {
     const auto source = openSource(directory_ / name);
     EXPECT_EQ(source->info().format, second ? "NIfTI-2" : "NIfTI-1");
     EXPECT_EQ(source->info().type, t.type);

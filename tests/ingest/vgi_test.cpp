@@ -41,6 +41,9 @@ TEST(IngestVgi, ResolutionIsTheSpacing) {
   options.spacing = glm::dvec3(2);
   expectRefused(path, ErrorCode::kUsage, "--spacing", options);
   const auto twice = files.write("c.vgi", whole + "{volumeprimitive2}\n[geometry]\nresolution = 9 9 9\n");
+  const auto only_second = files.write("d.vgi", replaced(whole, "resolution = 0.5 0.75 2\n", "status = visible\n") +
+                                                    "{volumeprimitive2}\n[geometry]\nresolution = 9 9 9\n");
+  EXPECT_EQ(openSource(only_second)->info().geometry.worldOf({2, 4, 3}), glm::dvec3(2, 4, 3));
   EXPECT_EQ(openSource(twice)->info().geometry.worldOf({2, 4, 3}), glm::dvec3(1, 3, 6));
   const auto unplaced = files.write("b.vgi", replaced(whole, "resolution = 0.5 0.75 2\n", ""));
   EXPECT_EQ(openSource(unplaced, options)->info().geometry.worldOf({1, 1, 1}), glm::dvec3(2));

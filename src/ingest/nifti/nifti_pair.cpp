@@ -22,9 +22,11 @@ fs::path besideInPair(PairFile file, const fs::path& other) {
   fs::path stem = endsInGz(other) ? fs::path(other).replace_extension() : other;
   stem.replace_extension();
   const std::string lower = endingOf(file), upper = file == PairFile::kHeader ? ".HDR" : ".IMG";
-  for (const std::string& ending : {lower, upper, lower + ".gz", upper + ".GZ"}) {
-    std::error_code unknown;
-    if (const fs::path name = stem.string() + ending; fs::exists(name, unknown)) return name;
+  for (const char* const packed : {"", ".gz", ".GZ"}) {
+    for (const std::string& ending : {lower, upper}) {
+      std::error_code unknown;
+      if (const fs::path name = stem.string() + ending + packed; fs::exists(name, unknown)) return name;
+    }
   }
   return stem.string() + lower;
 }

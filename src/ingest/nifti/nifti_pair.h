@@ -14,7 +14,7 @@ bool endsInGz(const std::filesystem::path& path);
 bool isNamed(PairFile file, const std::filesystem::path& path);
 
 /// Returns the given file beside the other file of the pair: the first that is there, in the order NAME.hdr, NAME.HDR,
-/// NAME.hdr.gz, NAME.HDR.GZ; without any the first name.
+/// then with .gz, then with .GZ; without any the first name.
 std::filesystem::path besideInPair(PairFile file, const std::filesystem::path& other);
 
 }  // namespace kiln

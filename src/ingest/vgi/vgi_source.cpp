@@ -32,6 +32,7 @@ class VgiParser {
         section.clear();
       } else if (text.front() == '[') {
         section = lowered(text.substr(1, text.find(']') - 1));
+        if (section == "geometry" && ++geometries_ > 1) section = "another geometry";
       } else if (section == "file1" || section == "geometry") {
         take(section, text, out);
       } else if (section.starts_with("file")) {
@@ -55,14 +56,13 @@ class VgiParser {
   void take(const std::string& section, const std::string& text, HeaderFields& out) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) fail(inQuotes(text) + " is not as NAME = VALUE");
-    const std::string written = trimmed(text.substr(0, equals)), key = section + "/" + lowered(written);
-    if (section == "geometry" && out.find(key) != nullptr) return;
-    out.add({key, written, trimmed(text.substr(equals + 1)), lines_.number()}, true);
+    const std::string written = trimmed(text.substr(0, equals));
+    out.add({section + "/" + lowered(written), written, trimmed(text.substr(equals + 1)), lines_.number()}, true);
   }
 
   std::filesystem::path path_;
   HeaderLines lines_;
-  int volumes_ = 0;
+  int volumes_ = 0, geometries_ = 0;
 };
 
 VoxelType vgiType(const HeaderFields& fields) {
