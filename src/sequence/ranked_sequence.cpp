@@ -23,12 +23,12 @@ struct SharedStore {
   std::int32_t error = kNoError;
 };
 
-// A volume file that cannot be converted fails the frames that show the volume, and no other frame.
-SharedStore storeOf(const fs::path& volume, const StoreFor& store_for, bool single) {
+// `fails_alone`: a volume file that cannot be converted fails the frames that show the volume, and no other frame.
+SharedStore storeOf(const fs::path& volume, const StoreFor& store_for, bool fails_alone) {
   try {
     return {(store_for ? store_for(volume) : volume).string()};
   } catch (const Error& error) {
-    if (single || error.code() == ErrorCode::kCancelled) throw;
+    if (!fails_alone || error.code() == ErrorCode::kCancelled) throw;
     return {error.what(), static_cast<std::int32_t>(error.code())};
   }
 }
@@ -173,11 +173,12 @@ void RankedSequence::finish() {
 StoreFor sharedStores(const RenderJob& job, const SequenceOptions& options) {
   std::map<fs::path, SharedStore> stores;
   const std::vector<int> frames = framesOf(job);
+  const bool fails_alone = isSeries(job) && frames.size() > 1;
   for (const int frame : frames) {
     for (const fs::path& volume : inputVolumesOf(jobAtFrame(job, frame))) {
       if (stores.contains(volume)) continue;
       SharedStore store;
-      if (options.ranks->first()) store = storeOf(volume, options.store_for, frames.size() == 1);
+      if (options.ranks->first()) store = storeOf(volume, options.store_for, fails_alone);
       std::vector<char> letters(store.text.begin(), store.text.end());
       broadcastList(*options.ranks, letters);
       std::vector<std::int32_t> code{store.error};

@@ -61,7 +61,7 @@ class RankedSequence {
 };
 
 /// Collective. Returns the store of each volume; rank 0 converts foreign files. The store of a file that cannot be
-/// converted is an error, unless the job has one frame: then rank 0 throws here.
+/// converted is an error of its frames in a time series; else rank 0 throws here.
 StoreFor sharedStores(const RenderJob& job, const SequenceOptions& options);
 
 }  // namespace kiln

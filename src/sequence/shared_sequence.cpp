@@ -48,16 +48,23 @@ class SharedSequence : public RankedSequence {
   // Rank 0 plans for all ranks.
   void makePlan() {
     if (ranks_.first()) {
-      // Frames of a series are opened, and fail, one by one.
       const bool by_frames = job_.distribution == Distribution::kFrames || viewWithoutTiles(job_) != nullptr ||
-                             (isSeries(job_) && !single());
-      if (!by_frames)
-        split_ = planTiles(frames_.openedFor(toDraw().front()), toDraw(), ranks_.count(), job_.distribution);
+                             (isSeries(job_) && toDraw().size() > 1);
+      if (!by_frames) planTilesOfOne();
     }
     broadcastList(ranks_, split_.tiles);
     broadcastList(ranks_, split_.bounds);
     broadcastList(ranks_, split_.homes);
     if (shared_reads_) shared_reads_->settle(split_.homes);
+  }
+
+  // A frame that cannot be opened is handed out whole, and fails when it is drawn.
+  void planTilesOfOne() {
+    try {
+      split_ = planTiles(frames_.openedFor(toDraw().front()), toDraw(), ranks_.count(), job_.distribution);
+    } catch (const Error& error) {
+      if (single() || !isSeries(job_) || error.code() == ErrorCode::kCancelled) throw;
+    }
   }
 
   void share() override {
