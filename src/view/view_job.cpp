@@ -29,8 +29,9 @@ constexpr std::array<std::string_view, 17> kSessionsOwn = {
     "volume", "mask", "colorBy", "output",  "outputs", "video",      "exr",        "png", "jpeg",
     "frames", "part", "memory",  "threads", "trace",   "distribute", "shareReads", "aov"};
 // Keys that a saved job keeps of the opened job.
-constexpr std::array<std::string_view, 12> kKept = {"output", "outputs",    "video",  "frames",  "exr",        "png",
-                                                    "jpeg",   "distribute", "memory", "threads", "shareReads", "trace"};
+constexpr std::array<std::string_view, 13> kKept = {"$schema", "output",     "outputs", "video",      "frames",
+                                                    "exr",     "png",        "jpeg",    "distribute", "memory",
+                                                    "threads", "shareReads", "trace"};
 // Keys of files in each of several volumes.
 constexpr std::array<std::string_view, 3> kFilesOfVolume = {"volume", "mask", "colorBy"};
 

@@ -100,8 +100,9 @@ void applyShare(const std::string& text, RenderJob& job) {
 // Leaves out planes of the job that an output of the command line cannot hold, as in a preview.
 void dropPlanes(const RenderArguments& a, RenderJob& job, Context& context) {
   const fs::path& path = job.output.path;
+  const bool replaced = a.sheet > 0 || a.job.given().has("--output");
   const bool holds_planes = a.sheet == 0 && (path.empty() || isExrPath(path));
-  if (!job.picture.aovs.any() || holds_planes || !a.job.given().has("--output") || a.job.given().has("--aov")) return;
+  if (!job.picture.aovs.any() || holds_planes || !replaced || a.job.given().has("--aov")) return;
   job.picture.aovs = {};
   if (context.ranks->first())
     context.progress.note(fmt::format("{}: holds colours alone; the planes of image.aov are left out", path.string()));
@@ -211,9 +212,9 @@ void requireOnePicture(const RenderArguments& a, const RenderJob& job, const Con
 RenderJob jobOf(const RenderArguments& a, StandardOutput& standard_output, Context& context) {
   RenderJob job = jobOfInput(a.input, a.job.given(), a.volumes);
   if (isStandardOutputName(job.output.path)) requireOnePicture(a, job, context);
+  dropPlanes(a, job, context);
   standard_output.take(job.output);
   requireOutput(a, job.output);
-  dropPlanes(a, job, context);
   if (a.share) applyShare(*a.share, job);
   findEncoder(a, job);
   requirePart(job);
