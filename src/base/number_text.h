@@ -1,12 +1,11 @@
-// Texts of numbers whose neighbours a reader has to tell apart.
+// Texts of numbers with enough digits to differ from their neighbours.
 #pragma once
 
 #include <string>
 
 namespace kiln {
 
-/// Returns the number with six digits, or with as many more as the digits of `step`, a difference from its neighbours,
-/// need.
+/// Returns the number with at least six digits, down to the decimal place of `step`, the distance to a neighbour.
 std::string numberText(double number, double step);
 
 }  // namespace kiln

@@ -54,9 +54,8 @@ class BrickCache {
   using SkipHandler = std::function<void(const Error&)>;
 
   /// `readers` threads read announced bricks; with 0 nothing is read ahead. With `skip`, an unreadable brick is no
-  /// error. With `supplier`, bricks that are not constant come from
-  /// there. throws: Error kBudget, naming the smallest sufficient budget,
-  /// if the largest brick does not fit.
+  /// error. With `supplier`, bricks that are not constant come from there. throws: Error kBudget, naming the smallest
+  /// sufficient budget, if the largest brick does not fit.
   BrickCache(const BrickedVolume& store, std::uint64_t budget_bytes, unsigned readers = 0, SkipHandler skip = {})
       : BrickCache(std::vector<const BrickedVolume*>{&store}, budget_bytes, readers, std::move(skip)) {}
   /// A cache for the bricks of several volumes under one budget.

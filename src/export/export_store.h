@@ -28,10 +28,13 @@ struct ExportRequest {
   bool resume = false;
   /// Compresses a format that may be compressed or not.
   bool compress = false;
-  /// OpenVDB: the values of the grid, and a number of files side by side instead of one.
+  /// OpenVDB: the values of the grid.
   VdbValues values;
+  /// OpenVDB: the function whose densities and colours are written instead of values.
   std::optional<TransferFunction> baked;
+  /// OpenVDB: the number of files side by side.
   int tiles = 1;
+  /// Upper bound of the memory of the whole export: index, bricks and buffers. unit: bytes.
   std::uint64_t memory_bytes = UINT64_MAX;
   FileSystem* disk = nullptr;  // null: the operating system's
 };

@@ -43,6 +43,16 @@ double VolumeGeometry::shortestEdge() const {
 
 double VolumeGeometry::meanSpacing() const { return std::cbrt(voxelVolume()); }
 
+bool VolumeGeometry::isUnturned() const {
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      const double entry = world_from_index[column][row];
+      if (column == row ? !(entry > 0) : entry != 0) return false;
+    }
+  }
+  return true;
+}
+
 void requireInvertible(const glm::dmat4& world_from_index, const std::string& path) {
   for (int column = 0; column < 4; ++column) {
     for (int row = 0; row < 4; ++row) {

@@ -40,6 +40,8 @@ struct VolumeGeometry {
   double voxelVolume() const;
   /// Edge of a cube of the voxel's volume: the default unit of opacity. unit: world.
   double meanSpacing() const;
+  /// True if axes of voxels and world agree but for lengths: no rotation, exchange or mirroring.
+  bool isUnturned() const;
 };
 
 /// throws: Error kFormat, naming `path`, if the affine has a non-finite entry or is not invertible.

@@ -15,7 +15,7 @@
 namespace kiln {
 namespace {
 
-struct NumberedName {
+struct NameWithNumbers {
   std::filesystem::path path;
   /// The name of the file.
   std::string name;
@@ -27,8 +27,8 @@ struct NumberedName {
   std::vector<std::size_t> places;
 };
 
-NumberedName numberedName(const std::filesystem::path& path) {
-  NumberedName out;
+NameWithNumbers numbersOf(const std::filesystem::path& path) {
+  NameWithNumbers out;
   out.path = path;
   out.name = path.filename().string();
   out.texts.emplace_back();
@@ -52,7 +52,7 @@ NumberedName numberedName(const std::filesystem::path& path) {
 }
 
 // Returns the name with `*` for the number at index `running`, or for all numbers if the index is beyond them.
-std::string patternOf(const NumberedName& name, std::size_t running) {
+std::string patternOf(const NameWithNumbers& name, std::size_t running) {
   std::string out = name.texts.front();
   const bool all = running >= name.numbers.size();
   for (std::size_t i = 0; i < name.numbers.size(); ++i) {
@@ -62,10 +62,10 @@ std::string patternOf(const NumberedName& name, std::size_t running) {
 }
 
 // Returns a sentence about the stacks that the names form.
-std::string stacksOf(const std::vector<NumberedName>& names, std::size_t running) {
+std::string stacksOf(const std::vector<NameWithNumbers>& names, std::size_t running) {
   constexpr std::size_t kMostListed = 6;
-  std::map<std::string, std::vector<const NumberedName*>> groups;
-  for (const NumberedName& name : names) groups[patternOf(name, running)].push_back(&name);
+  std::map<std::string, std::vector<const NameWithNumbers*>> groups;
+  for (const NameWithNumbers& name : names) groups[patternOf(name, running)].push_back(&name);
   std::string list;
   std::size_t listed = 0;
   for (const auto& [pattern, members] : groups) {
@@ -82,7 +82,7 @@ std::string stacksOf(const std::vector<NumberedName>& names, std::size_t running
 
 // The names of files, and the values of the numbers in them.
 struct NumberedNames {
-  explicit NumberedNames(std::vector<NumberedName> members);
+  explicit NumberedNames(std::vector<NameWithNumbers> members);
   explicit NumberedNames(const std::vector<std::filesystem::path>& files) : NumberedNames(namesOf(files)) {}
 
   /// Indices of the numbers by which the names differ.
@@ -90,26 +90,26 @@ struct NumberedNames {
   /// The number that counts slices: the first one with the most values.
   std::size_t running() const;
 
-  std::vector<NumberedName> names;
+  std::vector<NameWithNumbers> names;
   /// True if all names have the same texts between their numbers.
   bool alike;
   /// The distinct values of each number; empty unless the names are alike.
   std::vector<std::set<std::string>> values;
 
  private:
-  static std::vector<NumberedName> namesOf(const std::vector<std::filesystem::path>& files) {
-    std::vector<NumberedName> out;
-    for (const std::filesystem::path& file : files) out.push_back(numberedName(file));
+  static std::vector<NameWithNumbers> namesOf(const std::vector<std::filesystem::path>& files) {
+    std::vector<NameWithNumbers> out;
+    for (const std::filesystem::path& file : files) out.push_back(numbersOf(file));
     return out;
   }
 };
 
-NumberedNames::NumberedNames(std::vector<NumberedName> members) : names(std::move(members)) {
+NumberedNames::NumberedNames(std::vector<NameWithNumbers> members) : names(std::move(members)) {
   alike = std::all_of(names.begin(), names.end(),
-                      [&](const NumberedName& name) { return name.texts == names.front().texts; });
+                      [&](const NameWithNumbers& name) { return name.texts == names.front().texts; });
   if (!alike || names.empty()) return;
   values.resize(names.front().numbers.size());
-  for (const NumberedName& name : names)
+  for (const NameWithNumbers& name : names)
     for (std::size_t i = 0; i < values.size(); ++i) values[i].insert(name.numbers[i]);
 }
 
@@ -125,12 +125,12 @@ std::size_t NumberedNames::running() const {
   return static_cast<std::size_t>(std::max_element(values.begin(), values.end(), fewer) - values.begin());
 }
 
-std::string sameNumber(const NumberedName& a, const NumberedName& b) {
+std::string sameNumber(const NameWithNumbers& a, const NameWithNumbers& b) {
   return fmt::format("{} and {} have the same number", inQuotes(a.name), inQuotes(b.name));
 }
 
 // Returns the name of the slice with another number, padded with zeros if the name has leading zeros.
-std::string renumbered(const NumberedName& name, std::size_t field, std::int64_t number) {
+std::string renumbered(const NameWithNumbers& name, std::size_t field, std::int64_t number) {
   const std::string& digits = name.digits[field];
   const bool padded = digits.size() > name.numbers[field].size();
   std::string out = name.name;
@@ -139,9 +139,9 @@ std::string renumbered(const NumberedName& name, std::size_t field, std::int64_t
 }
 
 // Returns a sentence about the first unequal step of one field; empty if all steps are equal.
-std::string irregularSteps(const std::vector<NumberedName>& names, std::size_t field) {
+std::string irregularSteps(const std::vector<NameWithNumbers>& names, std::size_t field) {
   std::vector<std::int64_t> numbers;
-  for (const NumberedName& name : names) {
+  for (const NameWithNumbers& name : names) {
     const std::string& text = name.numbers[field];
     const auto number = text.empty() ? 0 : integerOf(text);
     if (!number) return fmt::format("the number in {} is too long to be the number of a slice", inQuotes(name.name));
@@ -164,7 +164,7 @@ std::string irregularSteps(const std::vector<NumberedName>& names, std::size_t f
   const std::int64_t step = numbers[first] - numbers[first - 1];
   std::string what = fmt::format("a step of {} where others are {}", step, usual);
   if (step % usual == 0) {
-    const NumberedName& before = names[first - 1];
+    const NameWithNumbers& before = names[first - 1];
     const std::string next = renumbered(before, field, numbers[first - 1] + usual);
     what = step == 2 * usual
                ? next + " is missing"
@@ -209,13 +209,13 @@ void chooseByName(SliceFiles& slices, NumberedNames& numbered, const SourceOptio
   if (!options.channel && !options.time)
     throw Error(ErrorCode::kUsage, slices.input, "", stacks + "; choose one by its number with --channel or --time");
   const std::string wanted = by_time ? std::to_string(*options.time) : *options.channel;
-  std::vector<NumberedName> kept;
-  for (const NumberedName& name : numbered.names)
+  std::vector<NameWithNumbers> kept;
+  for (const NameWithNumbers& name : numbered.names)
     if (name.numbers[*second] == withoutZeros(wanted)) kept.push_back(name);
   if (kept.empty())
     throw Error(ErrorCode::kUsage, slices.input, option, "no name has the number " + inQuotes(wanted) + "; " + stacks);
   slices.files.clear();
-  for (const NumberedName& name : kept) slices.files.push_back(name.path);
+  for (const NameWithNumbers& name : kept) slices.files.push_back(name.path);
   slices.part = fmt::format(", {} {}", by_time ? "time" : "channel", wanted);
   numbered = NumberedNames(std::move(kept));
 }
@@ -224,16 +224,16 @@ void chooseByName(SliceFiles& slices, NumberedNames& numbered, const SourceOptio
 
 std::vector<std::vector<std::filesystem::path>> stacksByName(const std::vector<std::filesystem::path>& files) {
   // Files whose names have equal texts between their numbers are compared number by number.
-  std::map<std::vector<std::string>, std::vector<NumberedName>> alike;
+  std::map<std::vector<std::string>, std::vector<NameWithNumbers>> alike;
   for (const std::filesystem::path& file : files) {
-    NumberedName name = numberedName(file);
-    std::vector<NumberedName>& members = alike[name.texts];
+    NameWithNumbers name = numbersOf(file);
+    std::vector<NameWithNumbers>& members = alike[name.texts];
     members.push_back(std::move(name));
   }
   std::map<std::string, std::vector<std::filesystem::path>> stacks;
   for (auto& [texts, members] : alike) {
     const NumberedNames numbered(std::move(members));
-    for (const NumberedName& name : numbered.names) stacks[patternOf(name, numbered.running())].push_back(name.path);
+    for (const NameWithNumbers& name : numbered.names) stacks[patternOf(name, numbered.running())].push_back(name.path);
   }
   std::vector<std::vector<std::filesystem::path>> out;
   for (auto& [pattern, members] : stacks) out.push_back(std::move(members));
@@ -245,7 +245,7 @@ std::vector<std::string> numbersOfStacks(const std::vector<std::filesystem::path
   std::vector<std::string> out;
   const std::optional<std::size_t> second = secondNumber(NumberedNames(files));
   for (std::size_t i = 0; second && i < stacks.size(); ++i) {
-    const std::string number = numberedName(stacks[i].front()).numbers[*second];
+    const std::string number = numbersOf(stacks[i].front()).numbers[*second];
     out.push_back(number.empty() ? "0" : number);
   }
   return out;

@@ -118,8 +118,6 @@ TEST(Surfaces, OfABallAreItsSurface) {
   }
 }
 
-// Between voxels of R² - r², the Catmull-Rom spline is exact and the B-spline averages over a variance of 1/3 along
-// each axis.
 // Known because powers of two scale floats exactly, and a surface has no size of values.
 TEST(Surfaces, OfHugeAndTinyValues_lookTheSame) {
   const auto ballOf = [](double scale) {
@@ -144,6 +142,8 @@ TEST(Surfaces, OfHugeAndTinyValues_lookTheSame) {
   }
 }
 
+// Between voxels of R² - r², the Catmull-Rom spline is exact and the B-spline averages over a variance of 1/3 along
+// each axis.
 TEST(Surfaces, OfCubicsAreTheSurfaceOfTheInterpolation) {
   const glm::dvec3 centre(20.3, 19.8, 20.1);
   const double radius2 = 256;

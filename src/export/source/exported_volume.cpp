@@ -58,15 +58,8 @@ VolumeGeometry withUnitOf(std::initializer_list<std::string_view> units, const V
   return out;
 }
 
-bool isUnturned(const glm::dmat4& world_from_index) {
-  for (int column = 0; column < 3; ++column)
-    for (int row = 0; row < 3; ++row)
-      if (column == row ? !(world_from_index[column][row] > 0) : world_from_index[column][row] != 0) return false;
-  return true;
-}
-
 bool isPlacedBySpacing(const VolumeGeometry& geometry) {
-  return isUnturned(geometry.world_from_index) && geometry.worldOf({0, 0, 0}) == glm::dvec3(0);
+  return geometry.isUnturned() && geometry.worldOf({0, 0, 0}) == glm::dvec3(0);
 }
 
 std::string extentText(const ExportedVolume& volume) {

@@ -40,9 +40,6 @@ glm::dmat4 affineIn(PatientFrame frame, const VolumeGeometry& geometry);
 VolumeGeometry withUnitOf(std::initializer_list<std::string_view> units, const VolumeGeometry& geometry,
                           ExportNotes& notes);
 
-/// True if axes of voxels and world agree but for lengths: no rotation, exchange or mirroring.
-bool isUnturned(const glm::dmat4& world_from_index);
-
 /// True if spacings alone place the voxels: axes unturned, and the first voxel at the origin.
 bool isPlacedBySpacing(const VolumeGeometry& geometry);
 

@@ -1,6 +1,5 @@
 // Voxels of bricks in one grid. A leaf overlaps up to eight bricks unless the grid's coordinates are offset by
-// multiples of
-// 8. So voxels are set individually through an accessor; a constant brick is a fill.
+// multiples of 8. So voxels are set individually through an accessor; a constant brick is a fill.
 // Invariant: unset voxels have the grid's background value, so bricks of background are free.
 #pragma once
 

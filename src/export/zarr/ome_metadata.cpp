@@ -82,7 +82,7 @@ glm::dvec3 translationOf(const VolumeGeometry& geometry) {
     }
     return out;
   }
-  if (isUnturned(geometry.world_from_index)) return origin;
+  if (geometry.isUnturned()) return origin;
   glm::dvec3 out;
   for (int axis = 0; axis < 3; ++axis)
     out[axis] = glm::dot(glm::normalize(glm::dvec3(geometry.world_from_index[axis])), origin);
@@ -98,7 +98,7 @@ ordered_json axesJson(const VolumeGeometry& geometry, ExportNotes& notes) {
   if (!geometry.unit.empty() && unit.empty())
     notes.push_back("OME-Zarr has no such unit of length; lengths are written without a unit");
   const auto anatomy = anatomyOf(geometry);
-  const bool turned = !anatomy && (geometry.frame != PatientFrame::kUnknown || !isUnturned(geometry.world_from_index));
+  const bool turned = !anatomy && (geometry.frame != PatientFrame::kUnknown || !geometry.isUnturned());
   if (turned)
     notes.push_back(
         "OME-Zarr holds spacing, origin and the directions of axes along those of a patient; the "

@@ -11,7 +11,7 @@
 
 namespace kiln {
 
-/// Opens the chunks of `layout`; `layout.table` or the library finds the chunks.
+/// Opens the chunks of `layout`; `layout.table` or the library finds the chunks. throws: Error kNotFound, kIo.
 std::unique_ptr<ChunkedArray> openHdf5Chunks(const std::filesystem::path& file, Hdf5Layout layout);
 
 }  // namespace kiln

@@ -24,16 +24,6 @@ const Direction* directionOf(char letter) {
   return found == kDirections.end() ? nullptr : &*found;
 }
 
-// True if the file has spacings and an origin only: no rotation, exchange or mirroring of axes.
-bool isUpright(const glm::dmat4& affine) {
-  for (int column = 0; column < 3; ++column) {
-    for (int row = 0; row < 3; ++row) {
-      if (column == row ? !(affine[column][row] > 0) : affine[column][row] != 0) return false;
-    }
-  }
-  return true;
-}
-
 glm::dmat4 mirrored(glm::dmat4 affine, int axis, std::int64_t voxels) {
   affine[3] += affine[axis] * static_cast<double>(voxels - 1);
   affine[axis] = glm::dvec4(0) - affine[axis];  // no zero becomes -0
@@ -81,7 +71,7 @@ VolumeGeometry placed(const VolumeGeometry& geometry, const Placement& placement
   const bool patient = geometry.frame != PatientFrame::kUnknown;
   VolumeGeometry out = geometry;
   if (placement.axes) {
-    if (patient || !isUpright(geometry.world_from_index))
+    if (patient || !geometry.isUnturned())
       refuse("--orient", std::string("is for files without directions of axes (found ") +
                              (patient ? "a patient frame" : "a rotated or mirrored affine") +
                              "); leave it out, or mirror axes with --flip");
@@ -107,7 +97,7 @@ VolumeGeometry placed(const VolumeGeometry& geometry, const Placement& placement
 
 std::string orientationNote(const SourceInfo& info) {
   const VolumeGeometry& geometry = info.geometry;
-  const bool open = geometry.frame == PatientFrame::kUnknown && isUpright(geometry.world_from_index);
+  const bool open = geometry.frame == PatientFrame::kUnknown && geometry.isUnturned();
   // A computed volume has no files. The grids of OpenVDB have z or y up by custom, and no patient.
   if (!open || info.files.empty() || info.vdb) return {};
   return "states no orientation; x is taken as left, y as back, z as up; --orient sets another, such as --orient RAS";

@@ -63,6 +63,8 @@ struct DecodedBlocks {
   }
 };
 
+/// thread: `order` states which reads may run together; other calls that change the source from one thread, with no
+/// read under way.
 class VolumeSource {
  public:
   virtual ~VolumeSource() = default;

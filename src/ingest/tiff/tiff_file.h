@@ -40,7 +40,7 @@ struct TiffPage {
   std::uint64_t bytes() const { return static_cast<std::uint64_t>(width * height) * sizeOf(type); }
   /// Size of a whole block, decoded. unit: bytes.
   std::uint64_t blockBytes() const { return static_cast<std::uint64_t>(block_width * block_height) * sizeOf(type); }
-  /// Memory of the decoding of a block: packed bytes, hardly longer than the samples, and the samples.
+  /// Memory of the decoding of a block: packed bytes, hardly longer than the samples, and the samples. unit: bytes.
   std::uint64_t decodingBytes() const { return 2 * blockBytes() * static_cast<std::uint64_t>(samples); }
   /// True if both pages may be slices of one volume. Their blocks may differ.
   bool isLike(const TiffPage& other) const {

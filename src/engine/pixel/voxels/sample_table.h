@@ -77,7 +77,7 @@ class SampleTable {
   /// show as much. `beside_nothing`: visible material may end within the voxels. requires: not labels. cost: O(1).
   bool soft(const ValueRange& range, double length, bool beside_nothing) const;
   /// Returns true if voxels of edge `length` with values in `range` hold no border of a layer that one sample could
-  /// miss or count twice: the change is below 9/10 of the extinction, or faint. requires: not labels. cost: O(1).
+  /// miss or count twice: the change is at most 9/10 of the extinction, or faint. requires: not labels. cost: O(1).
   bool even(const ValueRange& range, double length) const;
   /// Colour (r, g, b) of the values of `range` if all are equal; otherwise null. requires: not labels. cost: O(1).
   const float* oneColor(const ValueRange& range) const;
