@@ -734,8 +734,9 @@ TEST_F(Cli, ADamagedStoreIsNamed) {
 TEST_F(Cli, DamagedBricksAreSkippedWhereAskedFor) {
   makeRampStore();
   const auto draw = [&](const std::string& picture, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"render", in("v.kiln"), "-o",           in(picture),
-                                          "--size", "40x40",      "--visibility", "none"};
+    // A camera that fits what is visible reads bricks, too.
+    std::vector<std::string> arguments = {"render", in("v.kiln"),   "-o",   in(picture), "--size",
+                                          "40x40",  "--visibility", "none", "--fit",     "box"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return expectDone(arguments);
   };
@@ -758,7 +759,7 @@ TEST_F(Cli, DamagedBricksAreSkippedWhereAskedFor) {
   }
   EXPECT_GT(compareImages(readImage(in("whole.exr")), readImage(in("part.exr"))).differing, 0u);
   writeText(in("job.json"), R"({"kiln": 1, "volume": "v.kiln", "output": "p.exr", "skipDamaged": true,
-    "image": {"width": 40, "height": 40}, "visibility": {"method": "none"}})");
+    "image": {"width": 40, "height": 40}, "visibility": {"method": "none"}, "camera": {"fit": "box"}})");
   EXPECT_EQ(expectDone({"render", in("job.json")}).errorLines().size(), 2u);
   EXPECT_EQ(readFile(in("p.exr")), readFile(in("part.exr")));
   // A composited picture reports damage found in any of its parts.

@@ -64,7 +64,7 @@ TEST_F(CompanionsCli, OptionsAreTheJobsKeys) {
 }
 
 TEST_F(CompanionsCli, StatisticsCountWhatTheMaskHides) {
-  drawn({in("h.kiln"), "--mask", in("m.kiln") + ":3", "--level", "0", "--stats", in("s.json")});
+  drawn({in("h.kiln"), "--mask", in("m.kiln") + ":3", "--level", "0", "--fit", "box", "--stats", in("s.json")});
   const Json stats = Json::parse(readFile(in("s.json")));
   EXPECT_GT(stats["bricks"]["masked"].get<int>() + stats["bricks"]["emptied"].get<int>(), 0);
   EXPECT_GT(stats["companions"]["read"], 0);
