@@ -17,6 +17,7 @@
 #include "engine/shared/projector.h"
 #include "scene/camera/camera.h"
 #include "scene/shading.h"
+#include "scene/transfer/preset_ranges.h"
 #include "store/manifest/manifest.h"
 
 namespace kiln {
@@ -28,11 +29,8 @@ inline constexpr double kGradientNoise = 1e-5;
 inline float gradientSizeOf(const Manifest& manifest, const TransferFunction& function) {
   // Gradients of labels are gradients of opacity, whose range is 1.
   if (manifest.volume_class == VolumeClass::kLabels) return static_cast<float>(kGradientNoise);
-  // The histogram leaves out single values far beyond all others.
-  const ValueHistogram& usual = manifest.histogram;
-  const ValueRange range = function.surfaces.empty() ? classifiedRange(function, manifest.range)
-                           : usual.counts.empty()    ? manifest.range
-                                                     : ValueRange{usual.lo, usual.hi};
+  const ValueRange range =
+      function.surfaces.empty() ? classifiedRange(function, manifest.range) : usableRange(manifest);
   return range.empty() ? 0.0f : static_cast<float>(kGradientNoise * (range.hi - range.lo));
 }
 
