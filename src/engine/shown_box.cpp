@@ -112,28 +112,17 @@ class ShownOfLevel {
   void add(const BrickBlock& block) {
     if (block.shown.all()) return;
     if (hidden_.empty()) hidden_.resize(static_cast<std::size_t>(dims_.count()));
-    forVoxels(block.core, [&](const VoxelCoord& v) {
+    forEachCoord(block.core, [&](const VoxelCoord& v) {
       if (!block.shown.at(block.offsetOf(v))) hidden_[placeOf(v)] = true;
-      return false;
     });
   }
   bool any(const VoxelBox& box) const {
-    return hidden_.empty() || forVoxels(box, [&](const VoxelCoord& v) { return !hidden_[placeOf(v)]; });
+    bool out = hidden_.empty();
+    if (!out) forEachCoord(box, [&](const VoxelCoord& v) { out = out || !hidden_[placeOf(v)]; });
+    return out;
   }
 
  private:
-  // Returns whether `found` is true of a voxel of the box; stops there.
-  template <class Found>
-  static bool forVoxels(const VoxelBox& box, Found&& found) {
-    for (std::int64_t z = box.lo.z; z < box.hi.z; ++z) {
-      for (std::int64_t y = box.lo.y; y < box.hi.y; ++y) {
-        for (std::int64_t x = box.lo.x; x < box.hi.x; ++x) {
-          if (found(VoxelCoord{x, y, z})) return true;
-        }
-      }
-    }
-    return false;
-  }
   std::size_t placeOf(const VoxelCoord& v) const {
     return static_cast<std::size_t>((v.z * dims_.y + v.y) * dims_.x + v.x);
   }
