@@ -83,6 +83,7 @@ PixelRect scaled(const PixelRect& crop, const ImageSize& from, const ImageSize& 
   return {out.x0, out.y0, std::min(out.x1, to.width), std::min(out.y1, to.height)};
 }
 
+// Returns the job without size, camera and frames: equal for jobs whose pixels cost alike.
 std::string costOf(const ViewedJob& job) {
   RenderJob plain = job.job;
   plain.picture.camera = {};
@@ -144,7 +145,6 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job, const Prog
     planned_ = std::move(text);
   }
   out->memory = plan_;
-  out->cost = costOf(*out);
   return out;
 }
 
@@ -281,7 +281,7 @@ DrawnFrame ViewPainter::exact(const ViewedJob& job, Progress& progress) {
   judge(out, request_for(out.scene), volumes_);
   if (out.statistics.bricks_read == 0) {
     exact_pixel_s_ = out.statistics.wall_s / pixelsOf(job.job.picture.size);
-    exact_cost_ = job.cost;
+    exact_cost_ = costOf(job);
   }
   return out;
 }
@@ -304,7 +304,7 @@ double ViewPainter::exactSeconds(const ImageSize& size) const {
 }
 
 double ViewPainter::renderSeconds(const ViewedJob& job) const {
-  if (job.cost != exact_cost_) return std::numeric_limits<double>::infinity();
+  if (costOf(job) != exact_cost_) return std::numeric_limits<double>::infinity();
   return exactSeconds(job.job.picture.size) * static_cast<double>(framesOf(job.job).size());
 }
 

@@ -28,7 +28,6 @@ struct ViewedJob {
   int frame = 1;
   FrameScene scene;  // the frame's
   FrameMemory memory;
-  std::string cost;  // equal for jobs whose pixels cost alike: the job without size, camera and frames
 };
 
 struct ViewPicture {
@@ -93,7 +92,7 @@ class ViewPainter {
   double moving_pixels_ = 0;  // of the next preview; 0: not known yet
   int moving_coarser_ = 0;    // levels by which the next preview is coarser
   double exact_pixel_s_ = 0;  // measured; 0: not yet
-  std::string exact_cost_;    // ViewedJob::cost of the measured job
+  std::string exact_cost_;    // of the measured job; its camera and size may differ
 
   struct ShownMemo {
     std::size_t volume = 0;
