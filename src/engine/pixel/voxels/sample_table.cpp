@@ -152,18 +152,20 @@ bool SampleTable::interestingInParts(const ValueRange& range) const {
   return before_[entryAbove(range.hi) + 1] > before_[entryBelow(range.lo)];
 }
 
+double SampleTable::changeOver(const ValueRange& range) const {
+  return changes_[entryAbove(range.hi)] - changes_[entryBelow(range.lo)];
+}
+
 bool SampleTable::soft(const ValueRange& range, double length, bool beside_nothing) const {
   if (of_surfaces_) return false;
-  const std::size_t from = entryBelow(range.lo), to = entryAbove(range.hi);
-  const double most = kSoftChange / length - (changes_[to] - changes_[from]);
-  return most >= (beside_nothing ? static_cast<double>(extinctions_[from]) : 0.0);
+  const double most = kSoftChange / length - changeOver(range);
+  return most >= (beside_nothing ? static_cast<double>(extinctions_[entryBelow(range.lo)]) : 0.0);
 }
 
 bool SampleTable::even(const ValueRange& range, double length) const {
-  const std::size_t from = entryBelow(range.lo), to = entryAbove(range.hi);
-  const double change = changes_[to] - changes_[from];
-  return change * length <= kFaintChange ||
-         change <= kEvenShare * static_cast<double>(std::max(extinctions_[from], extinctions_[to]));
+  const double change = changeOver(range);
+  const float larger = std::max(extinctions_[entryBelow(range.lo)], extinctions_[entryAbove(range.hi)]);
+  return change * length <= kFaintChange || change <= kEvenShare * static_cast<double>(larger);
 }
 
 // Includes an entry below the range: interpolation may round a value to just outside the range.

@@ -95,6 +95,8 @@ class SampleTable {
   }
   bool interestingInParts(const ValueRange& range) const;
   std::size_t entryBelow(double value) const;
+  // The larger of the changes of extinction and of light over the values of a range.
+  double changeOver(const ValueRange& range) const;
   std::size_t entryAbove(double value) const;
   void addSurfaces(const std::vector<IsoSurface>& surfaces);
   void addLabels(const std::vector<LabelStyle>& looks, double unit);
