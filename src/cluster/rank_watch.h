@@ -1,8 +1,7 @@
 // Detects hung ranks.
 // Problem. A stopped rank, or a rank whose disk (NFS) does not answer, keeps all ranks waiting forever.
 // Method. Each rank sends a pulse once a second with the time since its last work. Work is a finished read or write,
-// used processor time, or a wait for further ranks or another process. All ranks watch
-// rank 0, which watches all ranks.
+// used processor time, or a wait for further ranks or another process. All ranks watch rank 0, and rank 0 all ranks.
 // Invariant. A rank waiting for a hung rank is never reported.
 #pragma once
 

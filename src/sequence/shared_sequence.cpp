@@ -50,7 +50,7 @@ class SharedSequence : public RankedSequence {
     if (ranks_.first()) {
       const bool by_frames = job_.distribution == Distribution::kFrames || viewWithoutTiles(job_) != nullptr ||
                              (isSeries(job_) && toDraw().size() > 1);
-      if (!by_frames) planTilesOfOne();
+      if (!by_frames) planTilesOfVolume();
     }
     broadcastList(ranks_, split_.tiles);
     broadcastList(ranks_, split_.bounds);
@@ -58,8 +58,8 @@ class SharedSequence : public RankedSequence {
     if (shared_reads_) shared_reads_->settle(split_.homes);
   }
 
-  // A frame that cannot be opened is handed out whole, and fails when it is drawn.
-  void planTilesOfOne() {
+  // The frames have one volume. A frame of a series that cannot be opened is handed out whole, and fails when drawn.
+  void planTilesOfVolume() {
     try {
       split_ = planTiles(frames_.openedFor(toDraw().front()), toDraw(), ranks_.count(), job_.distribution);
     } catch (const Error& error) {

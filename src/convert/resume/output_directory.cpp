@@ -236,8 +236,7 @@ void OutputDirectory::removeOld() {
   } else {
     left_old_ = fmt::format(
         "{} is left of the store that was replaced, because {} came into it meanwhile; move this file away, then "
-        "remove "
-        "the folder",
+        "remove the folder",
         old().string(), inQuotes(strangers.front()));
   }
 }

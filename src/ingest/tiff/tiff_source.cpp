@@ -171,13 +171,13 @@ void addFile(Stack& stack, const std::vector<fs::path>& files, std::size_t index
   stack.pages.push_back(stack.slices.size() - before);
   const Slice last = stack.slices.back();
   const std::int64_t behind = notes && stack.slices.size() == before + 1 ? imagesBehind(file, *notes) : 0;
-  const std::uint64_t table_bytes = (stack.slices.size() + static_cast<std::uint64_t>(behind)) * sizeof(Slice);
+  const std::size_t images = stack.slices.size() + static_cast<std::size_t>(behind);
+  const std::uint64_t table_bytes = images * sizeof(Slice);
   if (table_bytes > options.memory_bytes)
     throw Error(ErrorCode::kBudget, files[index], "",
-                fmt::format("the table of {} images takes {} (allowed: {}); give --memory {} or more",
-                            stack.slices.size() + static_cast<std::uint64_t>(behind), formatBytes(table_bytes),
-                            formatBytes(options.memory_bytes), formatBytes(2 * table_bytes)));
-  stack.slices.reserve(stack.slices.size() + static_cast<std::size_t>(behind));
+                fmt::format("the table of {} images takes {} (allowed: {}); give --memory {} or more", images,
+                            formatBytes(table_bytes), formatBytes(options.memory_bytes), formatBytes(2 * table_bytes)));
+  stack.slices.reserve(images);
   for (std::int64_t k = 1; k <= behind; ++k) {
     stack.slices.push_back({last.file, last.page, last.directory, static_cast<std::uint64_t>(k) * file.page().bytes()});
   }
