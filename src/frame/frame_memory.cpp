@@ -12,7 +12,7 @@
 #include "base/thread/parallel.h"
 #include "base/thread/trace.h"
 #include "frame/background.h"
-#include "frame/light/illuminate.h"
+#include "frame/light/light_plan.h"
 #include "frame/panorama.h"
 #include "frame/part_image.h"
 #include "frame/pass/aov_planes.h"

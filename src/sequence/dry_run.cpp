@@ -6,7 +6,7 @@
 
 #include "base/thread/parallel.h"
 #include "frame/empty_frame.h"
-#include "frame/light/illuminate.h"
+#include "frame/light/light_plan.h"
 #include "frame/pass/frame_progress.h"
 #include "job/frame/frame_scene.h"
 #include "job/job_facts.h"

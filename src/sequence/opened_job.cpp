@@ -15,7 +15,7 @@
 #include "engine/shown_box.h"
 #include "frame/empty_frame.h"
 #include "frame/hidden_section.h"
-#include "frame/light/illuminate.h"
+#include "frame/light/light_plan.h"
 #include "frame/pass/frame_progress.h"
 #include "job/job_facts.h"
 #include "scene/transfer/label_styles.h"
