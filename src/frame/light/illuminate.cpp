@@ -42,11 +42,30 @@ std::uint64_t rowsOf(const std::vector<Seen>& views) {
 }
 
 // Returns the maps of light i in an earlier frame of the same scene; null if the light differs or casts no shadows.
-const ShadowedLight* knownShadow(const FrameRequest& request, std::size_t i, const Illumination* earlier) {
+const ShadowedLight* knownShadow(const FrameRequest& request, std::size_t i, const Illumination& earlier) {
   const Light& light = request.shading.lights[i];
-  if (earlier == nullptr || i >= earlier->lights.size() || !castsShadows(request.shading, light)) return nullptr;
-  const ShadowedLight& known = earlier->lights[i];
+  if (i >= earlier.lights.size() || !castsShadows(request.shading, light)) return nullptr;
+  const ShadowedLight& known = earlier.lights[i];
   return known.light == light && known.place == standing(light, request.view).place ? &known : nullptr;
+}
+
+// Returns the parts of an earlier illumination, which may be null, that a frame would draw again.
+std::shared_ptr<Illumination> keptIllumination(const FrameRequest& request, const ShownExtent& extent,
+                                               const Illumination* earlier) {
+  const std::vector<Light>& lights = request.shading.lights;
+  const AmbientOcclusion& occlusion = request.shading.occlusion;
+  auto out = std::make_shared<Illumination>();
+  out->scene = shadowSceneOf(request);
+  out->lights.resize(lights.size());
+  if (occlusion.strength > 0) out->ambient_radius = ambientRadius(occlusion, extent);
+  if (earlier == nullptr || !(earlier->scene == out->scene)) return out;
+  if (earlier->ambient_radius == out->ambient_radius) out->ambient = earlier->ambient;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const ShadowedLight* const known = knownShadow(request, i, *earlier);
+    if (known != nullptr && known->edge_px == shadowEdgeOf(lights[i], extent, request.view.size))
+      out->lights[i] = *known;
+  }
+  return out;
 }
 
 // Draws the views of lights of a frame.
@@ -69,14 +88,13 @@ struct LightDrawing {
     return std::make_shared<AmbientGrid>(gatherAmbient(lattice, radius, progress));
   }
 
-  // Without maps if the light casts no shadows.
-  ShadowedLight shadow(std::size_t i, int edge_px) const {
+  // requires: the light casts shadows.
+  ShadowedLight shadow(std::size_t i) const {
     const Light& light = request.shading.lights[i];
     ShadowedLight out;
-    if (!castsShadows(request.shading, light)) return out;
     out.light = light;
     out.place = standing(light, request.view).place;
-    out.edge_px = edge_px;
+    out.edge_px = shadowEdgeOf(light, extent, request.view.size);
     const std::vector<std::vector<ShadowView>> points = shadowMapViews(light, request, extent);
     std::uint64_t rows = 0;
     for (const std::vector<ShadowView>& point : points) rows += rowsOf(point);
@@ -109,7 +127,7 @@ std::shared_ptr<const Illumination> knownIllumination(const FrameRequest& reques
       earlier->scene.clippings != out->scene.clippings)
     return out;
   for (std::size_t i = 0; i < out->lights.size(); ++i) {
-    if (const ShadowedLight* const known = knownShadow(request, i, earlier)) out->lights[i] = *known;
+    if (const ShadowedLight* const known = knownShadow(request, i, *earlier)) out->lights[i] = *known;
   }
   if (request.shading.occlusion.strength > 0) {
     out->ambient = earlier->ambient;
@@ -120,31 +138,19 @@ std::shared_ptr<const Illumination> knownIllumination(const FrameRequest& reques
 
 void illuminate(BrickCache& cache, Progress& progress, FrameRequest& request, FrameStatistics& statistics) {
   if (request.illumination || !isIlluminated(request)) return;
-  const AmbientOcclusion& occlusion = request.shading.occlusion;
-  auto out = std::make_shared<Illumination>();
-  out->scene = shadowSceneOf(request);
-  const Illumination* previous = request.last_illumination != nullptr ? request.last_illumination->get() : nullptr;
-  if (previous != nullptr && !(previous->scene == out->scene)) {
-    previous = nullptr;
-    request.last_illumination->reset();
-  }
-  const LightDrawing drawing{cache, request, shownExtentOf(cache.stores(), out->scene.clippings), progress, statistics};
+  std::shared_ptr<const Illumination>* const last = request.last_illumination;
+  const LightDrawing drawing{cache, request, shownExtentOf(cache.stores(), shadowSceneOf(request).clippings), progress,
+                             statistics};
   if (drawing.extent.corners.empty()) return;
-  if (occlusion.strength > 0) {
-    out->ambient_radius = ambientRadius(occlusion, drawing.extent);
-    const bool known = previous != nullptr && previous->ambient && previous->ambient_radius == out->ambient_radius;
-    out->ambient = known ? previous->ambient : drawing.ambient(out->ambient_radius);
+  const auto out = keptIllumination(request, drawing.extent, last != nullptr ? last->get() : nullptr);
+  // Frees the other parts before new parts take memory. A cancelled frame leaves its finished parts to the next frame.
+  if (last != nullptr) *last = out;
+  if (request.shading.occlusion.strength > 0 && !out->ambient) out->ambient = drawing.ambient(out->ambient_radius);
+  for (std::size_t i = 0; i < out->lights.size(); ++i) {
+    if (castsShadows(request.shading, request.shading.lights[i]) && out->lights[i].points.empty())
+      out->lights[i] = drawing.shadow(i);
   }
-  // A cancelled frame leaves the occlusion to the next frame: often only lights differ.
-  if (previous == nullptr && request.last_illumination != nullptr)
-    *request.last_illumination = std::make_shared<Illumination>(*out);
-  for (std::size_t i = 0; i < request.shading.lights.size(); ++i) {
-    const ShadowedLight* const known = knownShadow(request, i, previous);
-    const int edge_px = shadowEdgeOf(request.shading.lights[i], drawing.extent, request.view.size);
-    out->lights.push_back(known != nullptr && known->edge_px == edge_px ? *known : drawing.shadow(i, edge_px));
-  }
-  request.illumination = std::move(out);
-  if (request.last_illumination != nullptr) *request.last_illumination = request.illumination;
+  request.illumination = out;
 }
 
 }  // namespace kiln

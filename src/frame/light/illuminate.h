@@ -17,9 +17,9 @@ namespace kiln {
 /// casts no shadow. Levels and interpolation may differ. `earlier` may be null.
 std::shared_ptr<const Illumination> knownIllumination(const FrameRequest& request, const Illumination* earlier);
 
-/// Gives the request the shadow maps of its lights and its ambient occlusion, unless the request has them. The parts of
-/// the last illumination that are right are kept. Reports each part as a step of its own. Adds the cost to
-/// `statistics`. throws: as renderFrame.
+/// Gives the request the shadow maps of its lights and its ambient occlusion, unless the request has them. Keeps the
+/// parts of the last illumination that are right, and frees the others before drawing. Reports each part as a step of
+/// its own. Adds the cost to `statistics`. throws: as renderFrame; the last illumination has the finished parts.
 void illuminate(BrickCache& cache, Progress& progress, FrameRequest& request, FrameStatistics& statistics);
 
 }  // namespace kiln

@@ -1,0 +1,99 @@
+// Shadow maps and ambient occlusion from frame to frame. Known: a map stays exactly if its light
+// stays, and maps of two frames of a moving light are never in memory together.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "frame/light/illuminate.h"
+#include "store/store_reader.h"
+#include "support/reference/drawing.h"
+#include "support/system/expect_error.h"
+#include "support/volumes/test_store.h"
+
+namespace kiln::test {
+namespace {
+
+constexpr int kMapEdge = 48;
+
+Light lightAt(LightKind kind, const glm::dvec3& place, double softness = 0) {
+  Light out;
+  out.kind = kind;
+  out.place = place;
+  out.shadow.resolution = kMapEdge;
+  out.shadow.softness = softness;
+  return out;
+}
+
+// Calls a function at each question whether the frame is cancelled, which is its answer.
+struct Watch : Progress {
+  explicit Watch(std::function<bool()> the_question) : question(std::move(the_question)) {}
+  bool cancelled() const override { return question(); }
+  std::function<bool()> question;
+};
+
+class IlluminationFrames : public ::testing::Test {
+ protected:
+  IlluminationFrames()
+      : store_(makeStore(ball({{32, 32, 32}, VoxelType::u8}, {15, 15, 15}, 10, 200), "illumination", 16)),
+        cache_({&store_}, 1ull << 28, 0) {
+    request_.view = resolve({.eye = {15.5, -60, 15.5}, .target = {15.5, 15.5, 15.5}, .up = {0, 0, 1}}, {64, 64});
+    request_.transfer_function.unit = 1;
+    request_.transfer_function.points = {{100, {1, 1, 1}, 0.0}, {180, {1, 1, 1}, 0.9}};
+    request_.shading.shadows = true;
+    request_.shading.occlusion.strength = 0.5;
+    request_.shading.lights = {lightAt(LightKind::kDirectional, {-1, -1, 1}),
+                               lightAt(LightKind::kDirectional, {1, -1, 1})};
+    request_.last_illumination = &last_;
+  }
+  void light(FrameRequest request, Progress& progress) {
+    FrameStatistics ignored;
+    illuminate(cache_, progress, request, ignored);
+  }
+  std::shared_ptr<const DeepShadowMap> mapOf(std::size_t light) const {
+    return last_->lights[light].points.front().front();
+  }
+
+  const StoreReader store_;
+  BrickCache cache_;
+  FrameRequest request_;
+  std::shared_ptr<const Illumination> last_;
+  Progress silent_;
+};
+
+TEST_F(IlluminationFrames, MovedLight_losesItsMapBeforeAnotherIsDrawn) {
+  light(request_, silent_);
+  const std::weak_ptr<const DeepShadowMap> moved = mapOf(0);
+  const auto standing = mapOf(1);
+  const auto ambient = last_->ambient;
+  request_.shading.lights[0].place = {0, -1, 1};
+  std::atomic<bool> drawn = false, both = false;
+  Watch maps([&] {
+    drawn = true;
+    if (!moved.expired()) both = true;
+    return false;
+  });
+  light(request_, maps);
+  EXPECT_TRUE(drawn);
+  EXPECT_FALSE(both);
+  EXPECT_EQ(mapOf(1), standing);
+  EXPECT_EQ(last_->ambient, ambient);
+}
+
+TEST_F(IlluminationFrames, CancelledFrame_leavesItsFinishedParts) {
+  Watch first_light([&] { return last_ != nullptr && !last_->lights[0].points.empty(); });
+  expectError([&] { light(request_, first_light); }, ErrorCode::kCancelled, "");
+  ASSERT_TRUE(last_->ambient);
+  ASSERT_TRUE(last_->lights[1].points.empty());
+  const auto ambient = last_->ambient;
+  const auto map = mapOf(0);
+  light(request_, silent_);
+  EXPECT_EQ(last_->ambient, ambient);
+  EXPECT_EQ(mapOf(0), map);
+  EXPECT_FALSE(last_->lights[1].points.empty());
+}
+
+}  // namespace
+}  // namespace kiln::test
