@@ -197,7 +197,7 @@ class FrameAccount {
     std::vector<Clipping> clippings;
     for (const VolumeOptions& volume : job_.volumes) clippings.push_back(volume.clipping);
     if (clippings.empty()) clippings.push_back(job_.picture.clipping);
-    out_.shadows = illuminationBytes(stores_, clippings, shadingOf(job_), size_);
+    out_.shadows = illuminationBytes(stores_, clippings, shadingOf(job_), !job_.animation.lights.empty(), size_);
   }
 
   void chargeIndex() {

@@ -1,4 +1,4 @@
-// Shadow maps and ambient occlusion from frame to frame. Known: a map stays exactly if its light
+// Shadow maps and ambient occlusion from frame to frame, and their memory. Known: a map stays exactly if its light
 // stays, and maps of two frames of a moving light are never in memory together.
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "frame/light/illuminate.h"
+#include "frame/light/light_plan.h"
 #include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/system/expect_error.h"
@@ -55,6 +56,12 @@ class IlluminationFrames : public ::testing::Test {
   std::shared_ptr<const DeepShadowMap> mapOf(std::size_t light) const {
     return last_->lights[light].points.front().front();
   }
+  std::uint64_t bytesOf(const Light& light, bool lights_move = false) const {
+    Shading shading;
+    shading.shadows = true;
+    shading.lights = {light};
+    return illuminationBytes({&store_}, {Clipping()}, shading, lights_move, {64, 64});
+  }
 
   const StoreReader store_;
   BrickCache cache_;
@@ -93,6 +100,21 @@ TEST_F(IlluminationFrames, CancelledFrame_leavesItsFinishedParts) {
   EXPECT_EQ(last_->ambient, ambient);
   EXPECT_EQ(mapOf(0), map);
   EXPECT_FALSE(last_->lights[1].points.empty());
+}
+
+// A soft light has a map for each of its points, or six for each point that the volume surrounds. A point light that
+// moves may be surrounded in some frame.
+TEST_F(IlluminationFrames, Memory_isForTheMapsOfALight) {
+  const std::uint64_t map = DeepShadowMap::bytesFor(kMapEdge, kMapEdge, false);
+  const glm::dvec3 distant(15, -200, 15), within(15, 15, 14);
+  const std::uint64_t one = bytesOf(lightAt(LightKind::kPoint, distant));
+  EXPECT_EQ(bytesOf(lightAt(LightKind::kDirectional, {-1, -1, 1})), one);
+  EXPECT_EQ(bytesOf(lightAt(LightKind::kDirectional, {-1, -1, 1}, 10), true), one + 15 * map);
+  EXPECT_EQ(bytesOf(lightAt(LightKind::kCamera, {-1, 1, 1}, 10)), one + 15 * map);
+  EXPECT_EQ(bytesOf(lightAt(LightKind::kPoint, distant, 10)), one + 15 * map);
+  EXPECT_EQ(bytesOf(lightAt(LightKind::kPoint, within)), one + 5 * map);
+  EXPECT_EQ(bytesOf(lightAt(LightKind::kPoint, within, 10)), one + 95 * map);
+  EXPECT_EQ(bytesOf(lightAt(LightKind::kPoint, distant, 10), true), one + 95 * map);
 }
 
 }  // namespace

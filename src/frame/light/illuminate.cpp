@@ -95,7 +95,7 @@ struct LightDrawing {
     out.light = light;
     out.place = standing(light, request.view).place;
     out.edge_px = shadowEdgeOf(light, extent, request.view.size);
-    const std::vector<std::vector<ShadowView>> points = shadowMapViews(light, request, extent);
+    const std::vector<std::vector<ShadowView>> points = shadowMapViews(light, request.view, extent, out.edge_px);
     std::uint64_t rows = 0;
     for (const std::vector<ShadowView>& point : points) rows += rowsOf(point);
     const std::string step = fmt::format("shadows of light {}", i + 1);

@@ -88,14 +88,12 @@ int shadowEdgeOf(const Light& light, const ShownExtent& extent, const ImageSize&
   return std::max(light.shadow.softness > 0 ? edge / 2 : edge, kLeastShadowEdge);
 }
 
-std::vector<std::vector<ShadowView>> shadowMapViews(const Light& light, const FrameRequest& request,
-                                                    const ShownExtent& extent) {
-  std::vector<std::vector<ShadowView>> out;
-  if (!castsShadows(request.shading, light)) return out;
+std::vector<std::vector<ShadowView>> shadowMapViews(const Light& light, const View& eye, const ShownExtent& extent,
+                                                    int edge_px) {
   glm::dvec3 centre(0);
   for (const glm::dvec3& corner : extent.corners) centre += corner / static_cast<double>(extent.corners.size());
-  for (const Light& point : pointsOf(light, request.view, centre))
-    out.push_back(shadowViews(point, extent.corners, shadowEdgeOf(light, extent, request.view.size)));
+  std::vector<std::vector<ShadowView>> out;
+  for (const Light& point : pointsOf(light, eye, centre)) out.push_back(shadowViews(point, extent.corners, edge_px));
   return out;
 }
 
@@ -146,7 +144,7 @@ double ambientRadius(const AmbientOcclusion& occlusion, const ShownExtent& exten
 }
 
 std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes,
-                                const std::vector<Clipping>& clippings, const Shading& shading,
+                                const std::vector<Clipping>& clippings, const Shading& shading, bool lights_move,
                                 const ImageSize& picture) {
   const ShownExtent extent = shownExtentOf(volumes, clippings);
   if (extent.corners.empty() || !shading.phong) return 0;
@@ -160,8 +158,10 @@ std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes
     if (!castsShadows(shading, light)) continue;
     const int edge = shadowEdgeOf(light, extent, picture);
     // The views of a far light have equal bounds for all directions.
-    std::size_t maps = isFar(light.kind) ? 1 : shadowViews(light, extent.corners, edge).size();
-    if (light.shadow.softness > 0) maps = isFar(light.kind) ? kSoftLights : 6 * kSoftLights;
+    const bool approaches = lights_move && !isFar(light.kind);
+    std::size_t maps = 0;
+    for (const std::vector<ShadowView>& point : shadowMapViews(light, View(), extent, edge))
+      maps += approaches ? kMostShadowViews : point.size();
     const std::uint64_t finished = DeepShadowMap::bytesFor(edge, edge, false);
     kept += maps * finished;
     drawing = std::max(drawing, DeepShadowMap::bytesFor(edge, edge, true) - finished + bandBytes(edge, edge));
@@ -196,7 +196,9 @@ std::vector<FrameRequest> lightRequests(const std::vector<const BrickedVolume*>&
   std::vector<FrameRequest> out;
   if (request.shading.occlusion.strength > 0) out = latticeRequests(volumes, request);
   for (const Light& light : request.shading.lights) {
-    for (const std::vector<ShadowView>& point : shadowMapViews(light, request, extent)) {
+    if (!castsShadows(request.shading, light)) continue;
+    const int edge_px = shadowEdgeOf(light, extent, request.view.size);
+    for (const std::vector<ShadowView>& point : shadowMapViews(light, request.view, extent, edge_px)) {
       for (const ShadowView& map : point) out.push_back(opacityRequest(request, map.view));
     }
   }

@@ -39,9 +39,9 @@ bool isIlluminated(const FrameRequest& request);
 /// Returns the longest edge of a light's shadow maps. unit: pixels.
 int shadowEdgeOf(const Light& light, const ShownExtent& extent, const ImageSize& picture);
 
-/// Returns the views of the shadow maps of a light, for each of its points; none if the light casts no shadows.
-std::vector<std::vector<ShadowView>> shadowMapViews(const Light& light, const FrameRequest& request,
-                                                    const ShownExtent& extent);
+/// Returns the views of the shadow maps of a light, for each of its points. requires: corners.
+std::vector<std::vector<ShadowView>> shadowMapViews(const Light& light, const View& eye, const ShownExtent& extent,
+                                                    int edge_px);
 
 /// Returns the request whose drawing has the opacities of a view only.
 FrameRequest opacityRequest(FrameRequest request, const View& view);
@@ -53,9 +53,9 @@ LatticeView ambientLattice(const VolumeGeometry& first, const ShownExtent& exten
 double ambientRadius(const AmbientOcclusion& occlusion, const ShownExtent& extent);
 
 /// Returns the memory for a shading's shadow maps and ambient occlusion, with the memory for drawing one of them.
-/// `clippings`: of the volumes. unit: bytes.
+/// `clippings`: of the volumes. `lights_move`: places of lights differ from frame to frame. unit: bytes.
 std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes,
-                                const std::vector<Clipping>& clippings, const Shading& shading,
+                                const std::vector<Clipping>& clippings, const Shading& shading, bool lights_move,
                                 const ImageSize& picture);
 
 /// Returns the requests whose drawings fill the lattice for ambient occlusion: one, or three along different axes if

@@ -3,6 +3,7 @@
 // Invariant. The views depend on the light, the box and the edge of the map, never on the picture's crop.
 #pragma once
 
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
@@ -31,6 +32,8 @@ inline constexpr int kSoftLights = 16;
 
 /// Least edge of a map: beside its margins some pixels are left. unit: pixels.
 inline constexpr int kLeastShadowEdge = 8;
+/// Most views of a light: the faces of a cube. unit: views.
+inline constexpr std::size_t kMostShadowViews = 6;
 /// Returns the views of a light that together contain the points. `edge_px`: longest edge of a map. requires: a
 /// directional or point light; edge_px >= kLeastShadowEdge; points that are not all equal.
 std::vector<ShadowView> shadowViews(const Light& light, std::span<const glm::dvec3> points, int edge_px);
