@@ -114,6 +114,8 @@ void RankStatistics::setReads(const SharedReadCounts& shared) {
 
 void RenderStatistics::add(const FrameStatistics& frame) {
   frames.push_back(frame);
+  frames.back().contributing = {};
+  frames.back().damaged = {};
   load_s += frame.load_s;
   render_s += frame.wall_s - frame.load_s;
   output_s += frame.output_s;

@@ -55,7 +55,7 @@ struct RenderStatistics {
   std::vector<RankStatistics> ranks;  // empty for one process
   std::string shared_by;              // the unit that ranks share: "tiles", "frames", "bricks"
   std::vector<int> kept, failed;      // frames of a sequence missing in `frames`
-  /// Appends a frame and adds it to the sums.
+  /// Appends a frame without its lists of bricks, which grow with the volume, and adds the frame to the sums.
   void add(const FrameStatistics& frame);
 };
 
