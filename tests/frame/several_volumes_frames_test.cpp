@@ -170,5 +170,21 @@ TEST_F(VolumeMixEquality, ATransparentVolumeIsNoMatterOfOrder) {
   EXPECT_TRUE(equalBits(image, draw({stores_[1][1], stores_[0][1]}, request)));
 }
 
+// Two faint balls, each in eight bricks that hold an octant: each brick changes pixels.
+TEST(SeveralVolumesStatistics, BricksThatChangePixels_areCounted) {
+  const DenseVolume volume = ball({{32, 32, 32}, VoxelType::u8}, {15.5, 15.5, 15.5}, 12, 200);
+  const std::filesystem::path path = makeStore(volume, "octants", 16);
+  FrameRequest request = answerRequest(volume.geometry, {0.3, -1, 0.4}, Projection::kPerspective, 64);
+  const TransferFunction faint{1, {{100, glm::dvec3(1), 0}, {180, glm::dvec3(1), 0.01}}};
+  request.volumes = {{faint, {}, {}}, {faint, {}, {}}};
+  FrameStatistics statistics;
+  draw(Paths{path, path}, request, 1ull << 30, &statistics);
+  const StoreReader store(path);
+  std::uint64_t bytes = 0;
+  for (std::int64_t i = 0; i < 8; ++i) bytes += store.index().at({0, brickAt(store.index().lattice(0), i)}).file_bytes;
+  EXPECT_EQ(statistics.bricks_contributing, 16u);
+  EXPECT_EQ(statistics.bricks_contributing_bytes, 2 * bytes);
+}
+
 }  // namespace
 }  // namespace kiln::test

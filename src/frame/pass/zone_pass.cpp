@@ -43,6 +43,11 @@ class ZonePass::Drawing {
 
  private:
   using Bricks = std::vector<const MultiVolume::Brick*>;
+  struct TileCosts {
+    DrawCounts drawn;
+    std::vector<LevelStatistics> levels;
+    std::vector<StoredBrick> changed;  // bricks that changed a pixel
+  };
 
   Bricks visibleBricks(std::size_t zone, std::span<const PixelRect> tiles) const {
     Bricks out;
@@ -117,29 +122,31 @@ class ZonePass::Drawing {
     parallelFor(bricks.size(), [&](std::size_t i) { prepared[i] = engine.prepare(bricks[i]); });
     const std::uint64_t steps = pass_.steps(zone, tiles);
     std::atomic<std::uint64_t> so_far = 0;
-    std::vector<std::vector<LevelStatistics>> levels(tiles.size());
-    std::vector<DrawCounts> counts(tiles.size());
+    std::vector<TileCosts> costs(tiles.size());
     parallelFor(tiles.size(), [&](std::size_t t) {
       const ProfileScope span(Activity::kTile);
-      levels[t].resize(context_.costs.statistics.levels.size());
-      counts[t] = drawTile(engine, bricks, prepared, tiles[t], levels[t]);
+      costs[t] = drawTile(engine, bricks, prepared, tiles[t]);
       part_.within(steps, so_far += volumes_.bricksIn(zone, tiles[t]), steps);
     });
     steps_ += steps;
-    for (std::size_t t = 0; t < tiles.size(); ++t) {
-      context_.costs.drawn.add(counts[t]);
-      for (std::size_t level = 0; level < levels[t].size(); ++level) {
-        LevelStatistics& statistics = context_.costs.statistics.levels[level];
-        statistics.voxels_visited += levels[t][level].voxels_visited;
-        statistics.voxels_splats += levels[t][level].voxels_splats;
-      }
+    for (const TileCosts& tile : costs) add(tile);
+  }
+
+  void add(const TileCosts& tile) {
+    FrameStatistics& statistics = context_.costs.statistics;
+    context_.costs.drawn.add(tile.drawn);
+    for (std::size_t level = 0; level < tile.levels.size(); ++level) {
+      statistics.levels[level].voxels_visited += tile.levels[level].voxels_visited;
+      statistics.levels[level].voxels_splats += tile.levels[level].voxels_splats;
+    }
+    for (const StoredBrick& brick : tile.changed) {
+      const BrickedVolume& store = *context_.cache.stores()[static_cast<std::size_t>(brick.store)];
+      statistics.addContributing(brick, store.index().at(brick.key).file_bytes);
     }
   }
 
-  // Returns the counts of all bricks, and adds them by level.
-  DrawCounts drawTile(Engine& engine, const std::vector<BrickToDraw>& bricks,
-                      const std::vector<std::unique_ptr<const PreparedBrick>>& prepared, const PixelRect& tile,
-                      std::vector<LevelStatistics>& levels) const {
+  TileCosts drawTile(Engine& engine, const std::vector<BrickToDraw>& bricks,
+                     const std::vector<std::unique_ptr<const PreparedBrick>>& prepared, const PixelRect& tile) const {
     std::vector<const PreparedBrick*> touching;
     std::vector<std::size_t> places;
     for (std::size_t i = 0; i < bricks.size(); ++i) {
@@ -149,14 +156,17 @@ class ZonePass::Drawing {
     }
     std::vector<DrawCounts> counts(touching.size());
     engine.draw(touching, {target_.pixels.of(tile), target_.visibility, target_.opacity_threshold, counts});
-    DrawCounts total;
+    TileCosts out;
+    out.levels.resize(context_.costs.statistics.levels.size());
     for (std::size_t i = 0; i < counts.size(); ++i) {
-      total.add(counts[i]);
-      LevelStatistics& level = levels[static_cast<std::size_t>(bricks[places[i]].brick.key.level)];
+      const StoredBrick& brick = bricks[places[i]].brick;
+      out.drawn.add(counts[i]);
+      LevelStatistics& level = out.levels[static_cast<std::size_t>(brick.key.level)];
       level.voxels_visited += counts[i].visited;
       level.voxels_splats += counts[i].splats;
+      if (counts[i].changed) out.changed.push_back(brick);
     }
-    return total;
+    return out;
   }
 
   ZonePass& pass_;
