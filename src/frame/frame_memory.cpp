@@ -35,16 +35,18 @@ EngineMemory largestOf(const EngineMemory& a, const EngineMemory& b) {
   return out;
 }
 
-// `tile`: the size of the largest tile. The lattice of ambient occlusion is drawn by the engine of several volumes.
+// `tile`: the size of the largest tile. Shadow maps are drawn by the default engine, the lattice of ambient occlusion
+// by the default engine of several volumes.
 EngineMemory engineMemory(const RenderJob& job, const ImageSize& tile, std::int64_t brick_size) {
   const EngineChoice engine = engineOf(job);
-  const bool layers = job.picture.aovs.any() || drawsDeep(job) || castsShadows(shadingOf(job));
-  EngineMemory out = passMemory(engine, layers, tile, brick_size);
-  if (job.picture.shading.occlusion.strength > 0 && engine.capabilities().composites) {
-    EngineChoice of_lattice;
-    of_lattice.several_volumes = true;
-    out = largestOf(out, passMemory(of_lattice, false, tile, brick_size));
-  }
+  const bool shadows = castsShadows(shadingOf(job));
+  EngineMemory out = passMemory(engine, job.picture.aovs.any() || drawsDeep(job) || shadows, tile, brick_size);
+  if (!engine.capabilities().composites) return out;
+  EngineChoice of_light;
+  of_light.several_volumes = engine.several_volumes;
+  if (shadows) out = largestOf(out, passMemory(of_light, true, tile, brick_size));
+  of_light.several_volumes = true;
+  if (job.picture.shading.occlusion.strength > 0) out = largestOf(out, passMemory(of_light, false, tile, brick_size));
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "frame/frame_memory.h"
 #include "frame/light/illuminate.h"
 #include "frame/light/light_plan.h"
 #include "store/store_reader.h"
@@ -115,6 +116,20 @@ TEST_F(IlluminationFrames, Memory_isForTheMapsOfALight) {
   EXPECT_EQ(bytesOf(lightAt(LightKind::kPoint, within)), one + 5 * map);
   EXPECT_EQ(bytesOf(lightAt(LightKind::kPoint, within, 10)), one + 95 * map);
   EXPECT_EQ(bytesOf(lightAt(LightKind::kPoint, distant, 10), true), one + 95 * map);
+}
+
+// Shadow maps are drawn by the pixel engine, whatever engine draws the picture.
+TEST_F(IlluminationFrames, Memory_isForTheEngineOfTheMaps) {
+  RenderJob job;
+  job.volume = store_.path();
+  job.picture.size = {64, 64};
+  job.picture.lattice = Lattice::kPixel;
+  const std::uint64_t of_pixels = frameMemory(store_, job).least_slabs;
+  job.picture.lattice = Lattice::kVoxel;
+  EXPECT_LT(frameMemory(store_, job).least_slabs, of_pixels);
+  job.picture.shading = request_.shading;
+  job.picture.shading.occlusion = {};
+  EXPECT_GE(frameMemory(store_, job).least_slabs, of_pixels);
 }
 
 }  // namespace
