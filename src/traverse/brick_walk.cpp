@@ -136,7 +136,6 @@ void BrickWalk::node(const Visit& visit, std::size_t layer, const VoxelCoord& at
     visit.log->add(voxels, std::countr_zero(static_cast<std::uint64_t>(nodes.edge / kCellSize)), hidden);
   if (hidden) {
     ++visit.counts.nodes_hidden;
-    visit.counts.hidden += node->interesting;
     return;
   }
   if (node->finer) {
@@ -155,31 +154,23 @@ void BrickWalk::node(const Visit& visit, std::size_t layer, const VoxelCoord& at
   const BrickKey key{
       nodes.level, {static_cast<std::int32_t>(at.x), static_cast<std::int32_t>(at.y), static_cast<std::int32_t>(at.z)}};
   // Finer bricks are nearer and may have hidden the brick; the brick's parts are also smaller than `rect`.
-  const Seen seen = this->seen(key, rect, visit.visibility);
-  if (seen == Seen::kHidden) ++visit.counts.hidden;
-  if (seen == Seen::kOpen) visit.draw(key, rect);
+  if (open(key, rect, visit.visibility)) visit.draw(key, rect);
 }
 
-// Returns the visibility of the brick's parts inside `rect`.
-BrickWalk::Seen BrickWalk::seen(const BrickKey& key, const PixelRect& rect, const Visibility& visibility,
-                                std::span<const PixelRect> covered) const {
+// Returns whether a part of the brick inside `rect` is neither hidden nor covered.
+bool BrickWalk::open(const BrickKey& key, const PixelRect& rect, const Visibility& visibility,
+                     std::span<const PixelRect> covered) const {
   const VoxelBox core = coreBox(key.brick, brick_size_, levels_.dims(key.level));
-  Seen out = Seen::kOutside;
-  visiblePart(key.level, core, store_.index().at(key), [&](const PixelRect& part) {
+  return visiblePart(key.level, core, store_.index().at(key), [&](const PixelRect& part) {
     const PixelRect touched = intersection(part, rect);
-    if (touched.empty()) return false;
-    const bool hidden =
-        visibility.hidden(touched) ||
-        std::any_of(covered.begin(), covered.end(), [&](const PixelRect& r) { return r.contains(touched); });
-    out = hidden ? Seen::kHidden : Seen::kOpen;
-    return out == Seen::kOpen;
+    return !touched.empty() && !visibility.hidden(touched) &&
+           std::none_of(covered.begin(), covered.end(), [&](const PixelRect& r) { return r.contains(touched); });
   });
-  return out;
 }
 
 bool BrickWalk::hidden(const BrickInView& brick, const Visibility& visibility,
                        std::span<const PixelRect> covered) const {
-  return visibility.hidden(brick.rect) || seen(brick.key, brick.rect, visibility, covered) != Seen::kOpen;
+  return visibility.hidden(brick.rect) || !open(brick.key, brick.rect, visibility, covered);
 }
 
 ChooseLevel voxelLevelChoice(const FrameLevels& levels) {

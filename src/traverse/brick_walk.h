@@ -24,7 +24,7 @@ struct BrickWalkCounts {
   std::uint64_t bricks = 0;       // all bricks, in the image or not
   std::uint64_t interesting = 0;  // bricks visible to the transfer function and the clip region
   std::uint64_t masked = 0;       // bricks that a mask hides, by its index
-  std::uint64_t hidden = 0;       // interesting bricks inside the image, behind opaque pixels
+  std::uint64_t hidden = 0;       // interesting bricks inside the image, behind opaque pixels; counted by passes
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
   void add(const BrickWalkCounts& other) {
     bricks += other.bricks, interesting += other.interesting, masked += other.masked, hidden += other.hidden;
@@ -71,8 +71,7 @@ class BrickWalk {
     std::vector<Node> nodes;
   };
   struct Visit;
-  enum class Seen { kOpen, kHidden, kOutside };
-  Seen seen(const BrickKey& key, const PixelRect& rect, const Visibility& visibility,
+  bool open(const BrickKey& key, const PixelRect& rect, const Visibility& visibility,
             std::span<const PixelRect> covered = {}) const;
   void addLayer(Layer layer);
   bool visiblePart(int level, const VoxelBox& core, const BrickEntry& entry, const RectTest& test) const;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "store/store_reader.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"
 #include "support/system/expect_error.h"
@@ -34,6 +35,7 @@ class Crop : public ::testing::TestWithParam<Lattice> {
   void check(std::uint64_t first_seed, int scenes) {
     const DenseVolume volume = head({{40, 51, 37}, VoxelType::u8, anisotropicAffine()}, usualRange(VoxelType::u8));
     const auto store = makeStore(volume, "crop", 16);
+    const StoreReader reader(store);
     int with_something = 0;
     for (int i = 0; i < scenes; ++i) {
       const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
@@ -49,9 +51,15 @@ class Crop : public ::testing::TestWithParam<Lattice> {
         request.crop = crop;
         request.visibility.method = kExact[turn % std::size(kExact)];
         request.tile_px = turn % 3 == 0 ? 0 : 64 << turn % 2;
-        EXPECT_TRUE(equalBits(partOf(whole, crop), draw(store, request)))
+        EXPECT_TRUE(equalBits(partOf(whole, crop), draw(store, request, 1ull << 30, &statistics)))
             << "seed " << seed << ", crop " << crop.x0 << " " << crop.y0 << " " << crop.x1 << " " << crop.y1
             << ", method " << static_cast<int>(request.visibility.method) << ", tiles of " << request.tile_px;
+        // Each brick in view is drawn or hidden, though nodes of the walk lie across the crop.
+        BrickWalkCounts ignored;
+        std::uint64_t drawn = 0;
+        for (const LevelStatistics& level : statistics.levels) drawn += level.bricks;
+        EXPECT_EQ(drawn + statistics.bricks_hidden, bricksInView({&reader}, request, ignored).size())
+            << "seed " << seed;
         ++turn;
       }
     }

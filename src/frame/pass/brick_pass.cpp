@@ -44,7 +44,8 @@ class BrickPass::Drawing {
         context_(context),
         drawn_together_(drawnTogether(pass.request())),
         in_view_(bricksInView(target.pixels.rect)),
-        part_(context.progress, "bricks", in_view_.size()),
+        bricks_in_view_(in_view_.size()),
+        part_(context.progress, "bricks", bricks_in_view_),
         prefetcher_(std::move(in_view_), [&](const BrickInView& brick, std::span<const PixelRect> before) {
           return pass_.walk().hidden(brick, target_.visibility, before);
         }) {}
@@ -52,8 +53,10 @@ class BrickPass::Drawing {
   PixelRect run() {
     // The first bricks, too, are read by all threads.
     prefetcher_.announce(context_.cache);
-    const auto draw = [&](const BrickKey& key, const PixelRect& rect) { takeTurn({key, rect}); };
+    std::size_t turns = 0;
+    const auto draw = [&](const BrickKey& key, const PixelRect& rect) { ++turns, takeTurn({key, rect}); };
     pass_.walk().run(target_.pixels.rect, target_.visibility, draw, context_.costs.walked, pass_.request().node_log);
+    context_.costs.walked.hidden += bricks_in_view_ - turns;
     drawDue();
     part_.finish();
     return shown_;
@@ -166,6 +169,7 @@ class BrickPass::Drawing {
   PassContext& context_;
   const std::size_t drawn_together_;
   std::vector<BrickInView> in_view_;  // until the prefetcher has them
+  const std::size_t bricks_in_view_;
   PartProgress part_;
   Prefetcher prefetcher_;
   std::vector<DueBrick> due_;
