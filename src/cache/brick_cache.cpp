@@ -28,6 +28,18 @@ bool differInSize(const std::vector<const BrickedVolume*>& stores) {
                      [&](const BrickedVolume* store) { return voxels(store) != voxels(stores.front()); });
 }
 
+// Returns whether a brick stays unreadable, because its file is damaged or missing. A lack of memory, or a failed read
+// of the system, may pass.
+bool lasts(const std::exception_ptr& failure) {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const Error& error) {
+    return error.code() != ErrorCode::kIo && error.code() != ErrorCode::kReplaced;
+  } catch (...) {
+    return false;
+  }
+}
+
 }  // namespace
 
 BrickCache::BrickCache(std::vector<const BrickedVolume*> stores, std::uint64_t budget_bytes, unsigned readers,
@@ -197,7 +209,7 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {
     slot->second.awaited = true;
     changed_.wait(lock, [&] { return slot->second.state != State::kReading; });
     slot->second.awaited = false;
-    if (!skip_ && slot->second.state == State::kFailed) {
+    if (slot->second.state == State::kFailed && !(skip_ && lasts(slot->second.failure))) {
       slots_.erase(slot);
       slot = slots_.end();
     } else {
@@ -224,10 +236,10 @@ std::shared_ptr<const BrickBlock> BrickCache::get(const StoredBrick& brick) {
   const bool first = !std::exchange(slot->second.asked_for, true);
   counts_.load_seconds += secondsSince(begun);
   if (slot->second.state != State::kFailed) return slot->second.block;
-  if (skip_) return skip(slot->second, first, lock);
   const std::exception_ptr failure = slot->second.failure;
-  slots_.erase(slot);
-  std::rethrow_exception(failure);
+  if (!skip_ || !lasts(failure)) slots_.erase(slot);
+  if (!skip_) std::rethrow_exception(failure);
+  return skip(failure, first, lock);
 }
 
 // Bricks announced before a requested brick have become hidden: their turn has passed.
@@ -252,8 +264,7 @@ bool BrickCache::holds(const StoredBrick& brick) const {
   return slots_.contains(brick);
 }
 
-std::shared_ptr<const BrickBlock> BrickCache::skip(const Slot& failed, bool first, Lock& lock) {
-  const std::exception_ptr failure = failed.failure;
+std::shared_ptr<const BrickBlock> BrickCache::skip(const std::exception_ptr& failure, bool first, Lock& lock) {
   ++counts_.skipped;
   lock.unlock();
   try {

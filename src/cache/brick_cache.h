@@ -2,7 +2,7 @@
 // Method. A brick is charged before it is read, including the working memory of its decoding. The least recently used
 // brick is evicted first. Held bricks stay; announced bricks are evicted only for a request without room.
 // Invariant. Charges never exceed the budget. A brick in memory, or being read, is not read again. An unreadable brick
-// is read again at each request, unless unreadable bricks are skipped.
+// is read again at each request, unless unreadable bricks are skipped and the file is damaged or missing.
 #pragma once
 
 #include <condition_variable>
@@ -50,7 +50,7 @@ struct NextBrick {
 class BrickCache {
  public:
   class Aside;
-  /// Receives the error of a damaged, missing or unreadable brick, once per brick, at its first request.
+  /// Receives the error of a skipped brick: of a damaged or missing brick once, of a failed read at each request.
   using SkipHandler = std::function<void(const Error&)>;
 
   /// `readers` threads read announced bricks; with 0 nothing is read ahead. With `skip`, an unreadable brick is no
@@ -66,7 +66,8 @@ class BrickCache {
   BrickCache& operator=(const BrickCache&) = delete;
 
   /// Returns a brick from memory or disk; the brick stays while the caller holds the pointer. Returns null for an
-  /// unreadable brick if `skip` is set. Without `skip`, each request reads a brick that could not be read before.
+  /// unreadable brick if `skip` is set. Each request reads a brick again that could not be read before, except damaged
+  /// and missing bricks if `skip` is set.
   /// thread: one caller at a time.
   /// throws: Error kBudget if held bricks leave no room; any exception of BrickedVolume::read.
   std::shared_ptr<const BrickBlock> get(const StoredBrick& brick);
@@ -123,7 +124,7 @@ class BrickCache {
   Slots::iterator begin(const StoredBrick& brick);
   void read(Slots::iterator slot, Lock& lock);
   void countRead(const BrickEntry& entry, const BrickBlock& block, bool from_disk);
-  std::shared_ptr<const BrickBlock> skip(const Slot& failed, bool first, Lock& lock);
+  std::shared_ptr<const BrickBlock> skip(const std::exception_ptr& failure, bool first, Lock& lock);
   void erase(Slots::iterator slot);
   void noteFreed(std::uint64_t bytes);
   void passTurnsUpTo(const StoredBrick& brick);

@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <exception>
 #include <fstream>
+#include <new>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "base/error.h"
 #include "cache/brick_cache.h"
@@ -259,6 +262,39 @@ TEST_F(BrickCacheTest, DamagedBricksAreSkippedOnceToldAndNotReadAgain) {
     EXPECT_LE(cache.peakBytes(), cache.budgetBytes());
     for (const std::filesystem::path& file : files) std::filesystem::rename(file, file.string() + ".away");
   }
+}
+
+// A supplier that fails at its first call.
+class FailingOnce : public BrickSupplier {
+ public:
+  FailingOnce(const StoreReader& store, std::exception_ptr failure) : store_(store), failure_(std::move(failure)) {}
+  SuppliedBrick supply(const StoredBrick& brick) override {
+    if (calls_++ == 0) std::rethrow_exception(failure_);
+    return {store_.read(brick.key)};
+  }
+
+ private:
+  const StoreReader& store_;
+  const std::exception_ptr failure_;
+  int calls_ = 0;
+};
+
+// With skipping, a brick whose file is damaged stays away. A lack of memory and a failed read pass.
+TEST_F(BrickCacheTest, SkippedBricks_areReadAgainAfterAPassingFailure) {
+  const auto cacheWith = [&](FailingOnce& supplier) {
+    return BrickCache(
+        {&*store_}, 1u << 30, 0, [](const Error&) {}, &supplier);
+  };
+  const auto errorOf = [&](ErrorCode code) { return std::make_exception_ptr(Error(code, path_, "", "fails once")); };
+  FailingOnce damage(*store_, errorOf(ErrorCode::kDamaged)), read(*store_, errorOf(ErrorCode::kIo)),
+      memory(*store_, std::make_exception_ptr(std::bad_alloc()));
+  BrickCache damaged = cacheWith(damage), unread = cacheWith(read), full = cacheWith(memory);
+  EXPECT_EQ(damaged.get(keys_[0]), nullptr);
+  EXPECT_EQ(damaged.get(keys_[0]), nullptr);
+  EXPECT_EQ(unread.get(keys_[0]), nullptr);
+  EXPECT_NE(unread.get(keys_[0]), nullptr);
+  EXPECT_THROW(full.get(keys_[0]), std::bad_alloc);
+  EXPECT_NE(full.get(keys_[0]), nullptr);
 }
 
 TEST_F(BrickCacheTest, WhatIsHeldIsNotGivenAway) {
