@@ -1,8 +1,9 @@
 // A cache of decoded bricks under a memory budget, with reading ahead of the frame.
 // Method. A brick is charged before it is read, including the working memory of its decoding. The least recently used
 // brick is evicted first. Held bricks stay; announced bricks are evicted only for a request without room.
-// Invariant. Charges never exceed the budget. A brick in memory, or being read, is not read again. An unreadable brick
-// is read again at each request, unless unreadable bricks are skipped and the file is damaged or missing.
+// Invariant. Charges of bricks never exceed the budget; with a part set aside, only bricks held before may exceed the
+// rest. A brick in memory, or being read, is not read again. An unreadable brick is read again at each request, unless
+// unreadable bricks are skipped and the file is damaged or missing.
 #pragma once
 
 #include <condition_variable>

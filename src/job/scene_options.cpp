@@ -272,8 +272,8 @@ const Options<Shadow>& shadowOptions() {
       Row("softness", {KILN_MEMBER(softness), Number{{0, 45}, "degrees"}, kAlways},
           "Angle of the light, seen from the volume: 0 for sharp shadows, 0.5 for the sun."),
       Row("resolution", {KILN_MEMBER(resolution), Whole{0, kMostShadowEdge, "pixels"}, kAlways},
-          "Longest edge of the shadow map; 0: the longer side of the picture, from 512 to 1024 pixels, and at most the "
-          "longest side of the volume in voxels; half as much for soft shadows."),
+          "Longest edge of the shadow map; 0: the longer side of the picture, from 512 to 1024 pixels, and at most two "
+          "pixels a voxel of the volume's longest side; half as much for soft shadows."),
   };
   return kOptions;
 }

@@ -48,7 +48,7 @@ class FramePass {
  public:
   virtual ~FramePass() = default;
 
-  /// Returns the bricks for the pixels if nothing is hidden, each once, and adds to the counts.
+  /// Returns the bricks for the pixels if nothing is hidden, each once, and sets the counts.
   virtual std::vector<BrickOfFrame> inView(const PixelRect& pixels, BrickWalkCounts& counts) const = 0;
   /// Returns the total of the progress of `draw` for these pixels (frame/pass/frame_progress.h).
   virtual std::uint64_t steps(const PixelRect& pixels) const = 0;

@@ -79,7 +79,7 @@ struct FrameStatistics {
   std::map<StoredBrick, std::uint64_t> contributing;  // size of the files
   std::set<StoredBrick> damaged;
   void addContributing(const StoredBrick& brick, std::uint64_t file_bytes);
-  /// Adds parts of the frame drawn elsewhere, except start, wall_s and output_s.
+  /// Adds parts of the frame drawn elsewhere, except `frame`, `empty`, `one_colour`, `wall_s` and `output_s`.
   void merge(const FrameStatistics& other);
   /// Adds another view of the frame, drawn later.
   void addView(const FrameStatistics& view);

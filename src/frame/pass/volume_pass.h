@@ -29,6 +29,7 @@ class VolumePass : public FramePass {
 
   std::vector<BrickOfFrame> inView(const PixelRect& pixels, BrickWalkCounts& counts) const final {
     std::vector<BrickOfFrame> out;
+    counts = {};
     for (const BrickInView& brick : walk_.inView(pixels, counts)) out.push_back({stored(brick.key), brick.rect});
     return out;
   }
