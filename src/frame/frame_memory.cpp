@@ -94,8 +94,8 @@ constexpr int kNoBands = 1 << 24;
 
 PixelFilter filterOf(const RenderJob& job) {
   const bool panorama = job.picture.camera.projection == Projection::kEquirectangular;
-  return PixelFilter(job.picture.samples.value_or(1), engineOf(job).capabilities().filters_rays && !panorama &&
-                                                          !drawsPart(job.picture) && !drawsDeep(job));
+  return pixelFilterOf(engineOf(job), job.picture.samples.value_or(1),
+                       !panorama && !drawsPart(job.picture) && !drawsDeep(job));
 }
 
 // A partial image is a picture of its samples: each sample is a pixel.
@@ -106,12 +106,6 @@ RenderJob ofDrawnPixels(RenderJob job) {
   job.picture.crop = window.samples;
   job.picture.samples = 1;
   return job;
-}
-
-// unit: sub-pixels.
-ImageSize bandSize(const PixelRect& drawn, const PixelFilter& filter, int rows) {
-  const int edge = filter.edge(), beside = 2 * filter.reach();
-  return {edge * drawn.width() + beside, std::min(rows, edge * drawn.height()) + beside};
 }
 
 std::uint64_t bandBytes(const RenderJob& job, const ImageSize& band) {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
-#include <vector>
 
 #include "base/thread/parallel.h"
 #include "base/thread/profile_scope.h"
 #include "job/job_facts.h"
+#include "occlusion/visibility.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "frame/pixel_filter.cpp"
@@ -108,8 +108,26 @@ PixelFilter::PixelFilter(int samples, bool of_rays) : edge_(subPixelsAlongEdge(s
   }
 }
 
-PixelFilter pixelFilterOf(const EngineChoice& engine, int samples) {
-  return PixelFilter(samples, engine.capabilities().filters_rays);
+PixelFilter pixelFilterOf(const EngineChoice& engine, int samples, bool filters_rays) {
+  return PixelFilter(samples, filters_rays && engine.capabilities().filters_rays);
+}
+
+std::vector<PixelRect> bandsOf(const PixelRect& pixels, const ImageSize& size, const PixelFilter& filter, int band_px) {
+  if (filter.inPlace(pixels, size)) return {pixels};
+  const int tile = kVisibilityTile / filter.edge();
+  const int step = std::max(band_px / kVisibilityTile, 1) * tile;
+  std::vector<PixelRect> out;
+  PixelRect band = pixels;
+  for (; band.y0 < pixels.y1; band.y0 = band.y1) {
+    band.y1 = std::min(pixels.y1, band.y0 / tile * tile + step);
+    out.push_back(band);
+  }
+  return out;
+}
+
+ImageSize bandSize(const PixelRect& pixels, const PixelFilter& filter, int band_px) {
+  const int edge = filter.edge(), beside = 2 * filter.reach();
+  return {edge * pixels.width() + beside, std::min(band_px, edge * pixels.height()) + beside};
 }
 
 PixelRect PixelFilter::samplesOf(const PixelRect& pixels, const ImageSize& size) const {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "engine/capabilities.h"
 #include "image/image.h"
@@ -54,7 +55,14 @@ class PixelFilter {
   std::array<float, kMostTaps> weights_{};  // weights along a line, from the first sample that contributes
 };
 
-/// Returns the filter of the engine's pictures. throws: as PixelFilter.
-PixelFilter pixelFilterOf(const EngineChoice& engine, int samples);
+/// Returns the filter of the engine's pictures. `filters_rays`: false for pictures whose pixels are rays themselves,
+/// such as deep images and panoramas. throws: as PixelFilter.
+PixelFilter pixelFilterOf(const EngineChoice& engine, int samples, bool filters_rays = true);
+
+/// Returns bands of rows, in pixels, to draw in turn: `pixels` themselves if they replace their samples in place. Bands
+/// of sub-pixels end at borders of tiles, hence at borders of pixels. `band_px`: as FrameRequest.
+std::vector<PixelRect> bandsOf(const PixelRect& pixels, const ImageSize& size, const PixelFilter& filter, int band_px);
+/// Returns the size of the largest such band if `pixels` are drawn in bands. unit: sub-pixels.
+ImageSize bandSize(const PixelRect& pixels, const PixelFilter& filter, int band_px);
 
 }  // namespace kiln

@@ -52,8 +52,7 @@ BusyTimes busySince(const BusyTimes& before) {
 }
 
 PixelFilter filterOf(const FrameRequest& request) {
-  return request.filters_rays && !request.deep ? pixelFilterOf(request.engine(), request.samples)
-                                               : PixelFilter(request.samples, false);
+  return pixelFilterOf(request.engine(), request.samples, request.filters_rays && !request.deep);
 }
 
 // Several volumes: the origin of view space is near the box around all volumes, independent of their order.
@@ -71,21 +70,6 @@ View drawnViewOf(const View& view, const std::vector<const BrickedVolume*>& stor
 FrameRequest ofSubPixels(FrameRequest request, int edge, const std::vector<const BrickedVolume*>& stores) {
   request.view = enlarged(drawnViewOf(request.view, stores), edge);
   return request;
-}
-
-// Returns bands of rows, in pixels, to draw in turn. Bands of sub-pixels end at borders of tiles, hence at borders of
-// pixels.
-std::vector<PixelRect> bandsOf(const PixelRect& pixels, const ImageSize& size, const PixelFilter& filter, int band_px) {
-  if (filter.inPlace(pixels, size)) return {pixels};
-  const int tile = kVisibilityTile / filter.edge();
-  const int step = std::max(band_px / kVisibilityTile, 1) * tile;
-  std::vector<PixelRect> out;
-  PixelRect band = pixels;
-  for (; band.y0 < pixels.y1; band.y0 = band.y1) {
-    band.y1 = std::min(pixels.y1, band.y0 / tile * tile + step);
-    out.push_back(band);
-  }
-  return out;
 }
 
 Image drawFiltered(FrameDrawing& drawing, const PixelRect& pixels, const PixelFilter& filter,
