@@ -3,13 +3,29 @@
 #include <atomic>
 
 namespace kiln {
+namespace {
+
+// Returns the squares along an axis of the next level.
+int halved(int squares) { return (squares + 1) / 2; }
+
+}  // namespace
+
+std::uint64_t quadtreeBytes(int width, int height) {
+  const auto squares = [&] { return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height); };
+  std::uint64_t out = squares();
+  while (width > 1 || height > 1) {
+    width = halved(width), height = halved(height);
+    out += squares();
+  }
+  return out;
+}
 
 AlphaQuadtree::AlphaQuadtree(int width, int height) {
   levels_.push_back({width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height)});
   while (levels_.back().columns > 1 || levels_.back().rows > 1) {
     const int fine_columns = levels_.back().columns;
     const int fine_rows = levels_.back().rows;
-    Level coarse{(fine_columns + 1) / 2, (fine_rows + 1) / 2, {}};
+    Level coarse{halved(fine_columns), halved(fine_rows), {}};
     coarse.counts.resize(static_cast<std::size_t>(coarse.columns) * coarse.rows);
     // Quarters outside the image count as opaque from the start.
     for (int y = 0; y < coarse.rows; ++y) {

@@ -40,14 +40,15 @@ std::uint64_t bitsIn(const PixelRect& units, int x, int y) {
   return columnsFrom(first_x) & columnsUpTo(last_x) & rowsFrom(first_y) & rowsUpTo(last_y);
 }
 
+// Returns the words along an axis of so many units.
+int wordsFor(int units) { return (units + kLast) >> kShift; }
+
 // One level: a word per 8×8 units of the level below.
 class WordGrid {
  public:
   // shape: `columns` by `rows` units; the bits of a word beyond the grid are set.
   WordGrid(int columns, int rows)
-      : columns_((columns + kLast) >> kShift),
-        rows_((rows + kLast) >> kShift),
-        words_(static_cast<std::size_t>(columns_) * rows_) {
+      : columns_(wordsFor(columns)), rows_(wordsFor(rows)), words_(static_cast<std::size_t>(columns_) * rows_) {
     for (int y = 0; y < rows_; ++y) {
       for (int x = 0; x < columns_; ++x) word(x, y) = ~bitsIn({0, 0, columns, rows}, x, y);
     }
@@ -164,6 +165,15 @@ class MaskVisibility final : public Visibility {
 
 std::unique_ptr<Visibility> makeMaskVisibility(int width, int height) {
   return std::make_unique<MaskVisibility>(width, height);
+}
+
+std::uint64_t maskBytes(int width, int height) {
+  std::uint64_t words = 0;
+  for (int level = 0; level < 3; ++level) {
+    width = wordsFor(width), height = wordsFor(height);
+    words += static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+  }
+  return words * sizeof(std::uint64_t);
 }
 
 }  // namespace kiln

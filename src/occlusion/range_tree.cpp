@@ -29,7 +29,7 @@ class RangeTreeVisibility final : public Visibility {
       : image_{0, 0, width, height},
         columns_(leavesFor(width)),
         rows_(leavesFor(height)),
-        counts_(std::size_t{4} * columns_ * rows_) {
+        counts_(rangeTreeBytes(width, height)) {
     markOutside();
   }
 
@@ -111,6 +111,11 @@ class RangeTreeVisibility final : public Visibility {
 
 std::unique_ptr<Visibility> makeRangeTreeVisibility(int width, int height) {
   return std::make_unique<RangeTreeVisibility>(width, height);
+}
+
+std::uint64_t rangeTreeBytes(int width, int height) {
+  return std::uint64_t{4} * static_cast<std::uint64_t>(leavesFor(width)) *
+         static_cast<std::uint64_t>(leavesFor(height));
 }
 
 }  // namespace kiln

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <bit>
+#include <cstdint>
 #include <memory>
 
 #include "image/pixel_rect.h"
@@ -32,8 +33,12 @@ class Visibility {
 std::unique_ptr<Visibility> makeNoVisibility();
 /// The 64-bit mask: exact. unit: pixels.
 std::unique_ptr<Visibility> makeMaskVisibility(int width, int height);
+/// Returns the memory of a mask. unit: bytes.
+std::uint64_t maskBytes(int width, int height);
 /// The alpha range tree: exact. cost: about 4 bytes a pixel of the image padded to powers of two.
 std::unique_ptr<Visibility> makeRangeTreeVisibility(int width, int height);
+/// Returns the memory of a range tree. unit: bytes.
+std::uint64_t rangeTreeBytes(int width, int height);
 /// The alpha quadtree with Meagher's overlays: exact, but finds fewer hidden rectangles. A rectangle inside a tile of
 /// `tile_px` pixels is tested by squares of this tile. requires: tile_px a power of two of at least kVisibilityTile, or
 /// 0 (no tiles).
@@ -41,5 +46,7 @@ std::unique_ptr<Visibility> makeOverlayVisibility(int width, int height, int til
 /// The alpha quadtree with approximate projected areas: may report a visible rectangle as hidden. A rectangle is
 /// enlarged by `epsilon_px` on every side before the test. requires: tile_px as for overlays, epsilon_px >= 0.
 std::unique_ptr<Visibility> makeQuadtreeVisibility(int width, int height, int epsilon_px = 0, int tile_px = 0);
+/// Returns the memory of a quadtree, also with overlays. unit: bytes.
+std::uint64_t quadtreeBytes(int width, int height);
 
 }  // namespace kiln

@@ -1,7 +1,6 @@
 #include "frame/pass/make_visibility.h"
 
 #include <algorithm>
-#include <bit>
 #include <utility>
 
 namespace kiln {
@@ -49,19 +48,14 @@ std::unique_ptr<Visibility> makeVisibility(const VisibilityOptions& options, con
 }
 
 std::uint64_t visibilityBytes(VisibilityMethod method, const ImageSize& size) {
-  const auto width = static_cast<std::uint64_t>(size.width), height = static_cast<std::uint64_t>(size.height);
-  const auto units = [&](std::uint64_t edge) { return ((width + edge - 1) / edge) * ((height + edge - 1) / edge); };
   switch (method) {
     case VisibilityMethod::kMask:
-      return sizeof(std::uint64_t) * (units(8) + units(64) + units(512));
+      return maskBytes(size.width, size.height);
     case VisibilityMethod::kRangeTree:
-      return 4 * std::bit_ceil(width) * std::bit_ceil(height);
+      return rangeTreeBytes(size.width, size.height);
     case VisibilityMethod::kQuadtree:
-    case VisibilityMethod::kOverlay: {
-      std::uint64_t out = 0;
-      for (std::uint64_t edge = 1; edge < 2 * std::max(width, height); edge *= 2) out += units(edge);
-      return out;
-    }
+    case VisibilityMethod::kOverlay:
+      return quadtreeBytes(size.width, size.height);
     case VisibilityMethod::kNone:
       break;
   }
