@@ -210,8 +210,7 @@ PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& 
   return out;
 }
 
-Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, const BrickOf& brick_of,
-                       Progress& progress) {
+Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, Progress& progress) {
   store.requireLevel(request.level);
   const VolumeGeometry& level = store.level(request.level).geometry;
   const bool labels = store.manifest().volume_class == VolumeClass::kLabels;
@@ -232,21 +231,15 @@ Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& requ
     progress.advance("drawing", "bricks", static_cast<std::uint64_t>(i) + 1,
                      static_cast<std::uint64_t>(lattice.count()));
     if (box.empty()) continue;
-    const std::shared_ptr<const BrickBlock> block = brick_of(key);
-    if (!block) continue;
-    withVoxelType(block->type, [&]<class T>(std::type_identity<T>) {
+    const BrickBlock block = store.read(key);
+    withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
       parallelFor(static_cast<std::size_t>(box.y_end - box.y), [&](std::size_t row) {
         const std::int64_t y = box.y + static_cast<std::int64_t>(row);
-        sampler.addRow<T>(*block, statistic, y, box.x, box.x_end, gathered.data() + y * pixels.width);
+        sampler.addRow<T>(block, statistic, y, box.x, box.x_end, gathered.data() + y * pixels.width);
       });
     });
   }
   return coloured(gathered, pixels, statistic, colors);
-}
-
-Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, Progress& progress) {
-  const auto read = [&](const BrickKey& key) { return std::make_shared<const BrickBlock>(store.read(key)); };
-  return renderPlaneSlice(store, request, read, progress);
 }
 
 }  // namespace kiln

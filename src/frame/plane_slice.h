@@ -46,10 +46,7 @@ PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& 
 
 /// Draws a slice. Pixels of NaN, of labels without opacity or style, and outside the volume are transparent. Equal bits
 /// for all numbers of threads; sizes of bricks change the order of sums. memory: 32 bytes a pixel and one brick.
-/// throws: Error kUsage, kBudget; as `brick_of`.
-Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, const BrickOf& brick_of,
-                       Progress& progress);
-/// As above, with bricks that are read. throws: also as BrickedVolume::read.
+/// throws: Error kUsage, kBudget; as BrickedVolume::read.
 Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, Progress& progress);
 
 }  // namespace kiln
