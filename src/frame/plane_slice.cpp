@@ -9,7 +9,6 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vector_relational.hpp>
-#include <memory>
 #include <vector>
 
 #include "base/error.h"

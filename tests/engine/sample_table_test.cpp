@@ -24,19 +24,19 @@ std::vector<TransferPoint> cliff() { return {{100, {1, 1, 1}, ofDepth(3)}, {110,
 TEST(SampleTable, IsSoftWhereNothingChangesByMoreThanOne) {
   for (const VoxelType type : {VoxelType::u8, VoxelType::f32}) {
     const SampleTable table = tableOf(cliff(), type);
-    EXPECT_TRUE(table.soft({0, 100}, 1, false));
-    EXPECT_TRUE(table.soft({110, 255}, 1, false));
-    EXPECT_FALSE(table.soft({99, 111}, 1, false));
-    EXPECT_FALSE(table.soft({0, 255}, 1, false));
+    EXPECT_TRUE(table.soft({0, 100}, 1));
+    EXPECT_TRUE(table.soft({110, 255}, 1));
+    EXPECT_FALSE(table.soft({99, 111}, 1));
+    EXPECT_FALSE(table.soft({0, 255}, 1));
     // Half of the opacity is less than 1, three quarters are more.
-    EXPECT_TRUE(table.soft({105, 200}, 1, false));
-    EXPECT_FALSE(table.soft({102, 200}, 1, false));
+    EXPECT_TRUE(table.soft({105, 200}, 1));
+    EXPECT_FALSE(table.soft({102, 200}, 1));
     // A shorter voxel has a smaller change, a longer voxel a larger one.
-    EXPECT_TRUE(table.soft({99, 111}, 0.3, false));
-    EXPECT_FALSE(table.soft({105, 200}, 2, false));
+    EXPECT_TRUE(table.soft({99, 111}, 0.3));
+    EXPECT_FALSE(table.soft({105, 200}, 2));
     // Values beyond the range are clamped to its ends.
-    EXPECT_TRUE(table.soft({-50, 90}, 1, false));
-    EXPECT_TRUE(table.soft({120, 900}, 1, false));
+    EXPECT_TRUE(table.soft({-50, 90}, 1));
+    EXPECT_TRUE(table.soft({120, 900}, 1));
   }
 }
 
@@ -119,24 +119,17 @@ TEST(SampleTable, ARangeIsInterestingIfOneOfItsValuesShows) {
   }
 }
 
-TEST(SampleTable, NothingBesideAVoxelIsAValueOfIt) {
-  const SampleTable table = tableOf(cliff());
-  EXPECT_FALSE(table.soft({0, 100}, 1, true));
-  EXPECT_TRUE(table.soft({110, 255}, 1, true));
-  EXPECT_TRUE(table.soft({0, 100}, 0.3, true));
-}
-
 // A change that is undone counts twice, and colours count weighted by opacity.
 TEST(SampleTable, CountsAllThatChanges) {
   const SampleTable there_and_back =
       tableOf({{100, {1, 1, 1}, ofDepth(0.8)}, {120, {1, 1, 1}, ofDepth(0.2)}, {140, {1, 1, 1}, ofDepth(0.8)}});
-  EXPECT_TRUE(there_and_back.soft({100, 120}, 1, false));
-  EXPECT_TRUE(there_and_back.soft({120, 140}, 1, false));
-  EXPECT_FALSE(there_and_back.soft({100, 140}, 1, false));
+  EXPECT_TRUE(there_and_back.soft({100, 120}, 1));
+  EXPECT_TRUE(there_and_back.soft({120, 140}, 1));
+  EXPECT_FALSE(there_and_back.soft({100, 140}, 1));
   const SampleTable of_colors = tableOf({{100, {1, 0, 0}, ofDepth(3)}, {120, {0, 0, 1}, ofDepth(3)}});
-  EXPECT_FALSE(of_colors.soft({90, 130}, 1, false));
+  EXPECT_FALSE(of_colors.soft({90, 130}, 1));
   const SampleTable faint_colors = tableOf({{100, {1, 0, 0}, ofDepth(0.5)}, {120, {0, 0, 1}, ofDepth(0.5)}});
-  EXPECT_TRUE(faint_colors.soft({90, 130}, 1, false));
+  EXPECT_TRUE(faint_colors.soft({90, 130}, 1));
 }
 
 }  // namespace

@@ -140,8 +140,7 @@ bool SlabContext::inPairs(const SampledRange& range) const {
   if (range.gaps || table_.plane().any()) return false;
   // Voxels that are not soft, or hold the border of a layer, have several samples for a reason.
   const bool near = 2 * zone_.thickness <= shortest_edge_ * (1 + 1e-9);
-  return near && table_.soft(range.values, voxel_length_ / kPairChange, false) &&
-         table_.even(range.values, voxel_length_);
+  return near && table_.soft(range.values, voxel_length_ / kPairChange) && table_.even(range.values, voxel_length_);
 }
 
 PixelRect SlabContext::boundsOf(const VoxelBox& box) const {

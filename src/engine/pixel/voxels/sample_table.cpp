@@ -156,10 +156,8 @@ double SampleTable::changeOver(const ValueRange& range) const {
   return changes_[entryAbove(range.hi)] - changes_[entryBelow(range.lo)];
 }
 
-bool SampleTable::soft(const ValueRange& range, double length, bool beside_nothing) const {
-  if (of_surfaces_) return false;
-  const double most = kSoftChange / length - changeOver(range);
-  return most >= (beside_nothing ? static_cast<double>(extinctions_[entryBelow(range.lo)]) : 0.0);
+bool SampleTable::soft(const ValueRange& range, double length) const {
+  return !of_surfaces_ && kSoftChange / length >= changeOver(range);
 }
 
 bool SampleTable::even(const ValueRange& range, double length) const {

@@ -74,8 +74,8 @@ class SampleTable {
                : interestingInParts(range);
   }
   /// Returns true if voxels of edge `length` with values in `range` are soft, nearly uniform, so that fewer samples
-  /// show as much. `beside_nothing`: visible material may end within the voxels. requires: not labels. cost: O(1).
-  bool soft(const ValueRange& range, double length, bool beside_nothing) const;
+  /// show as much. requires: not labels. cost: O(1).
+  bool soft(const ValueRange& range, double length) const;
   /// Returns true if voxels of edge `length` with values in `range` hold no border of a layer that one sample could
   /// miss or count twice: the change is at most 9/10 of the extinction, or faint. requires: not labels. cost: O(1).
   bool even(const ValueRange& range, double length) const;
