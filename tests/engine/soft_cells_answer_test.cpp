@@ -3,7 +3,9 @@
 // both sides are. Away from the layer, alpha is the closed form, 1 - exp(-τ length).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "support/reference/drawing.h"
 #include "support/reference/reference_renderer.h"
@@ -83,6 +85,34 @@ TEST_P(SoftCells, MeetOthersWithoutASeam) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Views, SoftCells, ::testing::Values(Projection::kOrthographic, Projection::kPerspective));
+
+// Known because each ray's first sample lies within a voxel of the face, whose normal lights the sample, whatever the
+// gradients of the noise behind the face.
+class SoftCellsAtFaces : public ::testing::TestWithParam<double> {};
+
+TEST_P(SoftCellsAtFaces, AreEvenlyLit) {
+  const DenseVolume volume = fill({{40, 40, 40}}, [](auto x, auto y, auto z) {
+    return 100 + 50 * hashUnit(1, static_cast<std::uint64_t>((z * 40 + y) * 40 + x));
+  });
+  FrameRequest request = answerRequest(volume.geometry, {-1, 0, 0}, Projection::kOrthographic, 96);
+  request.level = 0;
+  request.transfer_function = {1, {{50, glm::dvec3(1), 0}, {60, glm::dvec3(1), 0.99}}};
+  request.shading.phong = true;
+  request.clipping.planes = {{{1, 0, 0}, -GetParam()}};
+  const Image drawn = draw(makeStore(volume, "noise", 32), request);
+  float least = 2, most = 0;
+  for (int y = 30; y < 66; ++y) {
+    for (int x = 30; x < 66; ++x) {
+      ASSERT_GT(drawn.pixel(x, y)[3], 0.95f);
+      least = std::min(least, drawn.pixel(x, y)[0]);
+      most = std::max(most, drawn.pixel(x, y)[0]);
+    }
+  }
+  EXPECT_LT(most, 1.02f * least);
+}
+
+// The first is the volume's border.
+INSTANTIATE_TEST_SUITE_P(Cuts, SoftCellsAtFaces, ::testing::Values(-1, 20, 20.25, 20.5, 20.75));
 
 }  // namespace
 }  // namespace kiln::test

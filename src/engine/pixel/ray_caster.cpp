@@ -88,7 +88,7 @@ class RayCaster {
     in.on_face = context_.onFace(box);
     in.sums = sums_;
     // Several volumes are composited in single slabs.
-    in.in_pairs = in.in_pairs && sums_ == nullptr;
+    in.in_pairs = in.in_pairs && sums_ == nullptr && !litByFace(in, box);
     forEachSquare(seen.rect, [&](const PixelRect& square) {
       in.rect = square;
       if (square == seen.rect || !visibility_.hidden(square)) castSquare(in);
@@ -122,6 +122,11 @@ class RayCaster {
     // Along a ray a single label looks uniform.
     in.one_label = in.in_pairs = around == LabelsAround::kOne;
     return around != LabelsAround::kNone;
+  }
+
+  // True if a face may light samples: the middle of a pair may lie behind the voxel at the face, which gets the light.
+  bool litByFace(const CellInput& in, const VoxelBox& box) const {
+    return context_.look().shading.phong && (in.at_border || context_.atFace(box));
   }
 
   // Returns false if the mask hides the cell. Labels know the mask already.

@@ -121,6 +121,10 @@ bool SlabContext::cutOff(const VoxelBox& samples) const {
          (detailed_ && look_.clip->classify(dilated(samples, 1)) == ClipRegion::Overlap::kOutside);
 }
 
+bool SlabContext::atFace(const VoxelBox& voxels) const {
+  return detailed_ && look_.clip->classify(voxels) != ClipRegion::Overlap::kInside;
+}
+
 bool SlabContext::onFace(const VoxelBox& voxels) const {
   // Positions are rounded to floats.
   constexpr double kMargin = 0.1;

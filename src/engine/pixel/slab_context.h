@@ -50,6 +50,8 @@ class SlabContext {
   bool onFace(const VoxelBox& voxels) const;
   /// Returns true if such a face shows values of `range`, whatever the table says of them.
   bool coloursFace(const VoxelBox& voxels, const ValueRange& range) const;
+  /// Returns true if the clip region may have a face in the voxels' cubes, or less than a voxel beside the cubes.
+  bool atFace(const VoxelBox& voxels) const;
   /// Returns true if a single sample may replace two in a cell with values in `range`.
   bool inPairs(const SampledRange& range) const;
   const Appearance& look() const { return look_; }
