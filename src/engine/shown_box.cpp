@@ -221,6 +221,17 @@ class CellsOfBrick {
   bool faces_, values_on_faces_;
 };
 
+// Returns the voxels whose values the range of a cube of the index holds, possibly beyond the volume.
+VoxelBox rangedVoxels(const VoxelBox& cube, const Manifest& manifest) {
+  const auto reach = [&](std::int64_t at) { return at % manifest.brick_size == 0 ? manifest.apron : kSubBrickReach; };
+  VoxelBox out = cube;
+  for (int axis = 0; axis < 3; ++axis) {
+    out.lo[axis] -= reach(cube.lo[axis]);
+    out.hi[axis] += reach(cube.hi[axis]);
+  }
+  return out;
+}
+
 // Step 2: adds what the voxels of a coarser level hide. A cube at the border of an object reaches beyond the object,
 // and counts only if the level shows nothing of the cube.
 void addThinCubes(const BrickedVolume& store, int level, const ShownOfLevel& unmasked, const ShownDepths& shown,
@@ -235,9 +246,10 @@ void addThinCubes(const BrickedVolume& store, int level, const ShownOfLevel& unm
   const auto wanted = [&](const VoxelBox&, const ValueRange& range) { return opacityIn(shown, range, length) > 0; };
   std::vector<std::pair<VoxelBox, double>> found;
   forCubes(store, region, progress, wanted, [&](const VoxelBox& box, const ValueRange& range) {
-    const VoxelBox coarse = intersection(coarseBox(box, span), boxOf(store.level(level).geometry.dims));
-    // The range holds the values of the next voxels, too.
-    if (!views.showsIn(dilated(coarse, 1)) && unmasked.any(coarse))
+    const VoxelBox ranged = intersection(rangedVoxels(box, manifest), boxOf(manifest.geometry().dims));
+    const VoxelBox coarse = coarseBox(box, span);
+    // A cell reaches into the next voxels.
+    if (!views.showsIn(dilated(coarseBox(ranged, span), 1)) && unmasked.any(coarse))
       found.emplace_back(coarse, line * opacityIn(shown, range, length));
   });
   for (const auto& [box, opacity] : found) views.addThin(box, opacity);

@@ -284,6 +284,25 @@ TEST(ShownOutline, OfAnObjectInSeveralBricks_endsAtTheObject) {
   EXPECT_LE(reachOf(shown.outline, {0, 0, -1}), -15);
 }
 
+// A cube of the index beside a brick's face holds the values of the apron, up to six voxels beyond the cube.
+TEST(ShownOutline, OfABallInSeveralBricks_isRound) {
+  constexpr double kRadius = 60;
+  const glm::dvec3 centre(74.5);
+  const DenseVolume volume = fill({{150, 150, 150}}, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
+    return glm::distance(glm::dvec3(x, y, z), centre) <= kRadius ? 255.0 : 0.0;
+  });
+  const StoreReader store(makeStore(volume, "ball_of_bricks", 128));
+  ASSERT_EQ(store.index().lattice(0).count(), 8);
+  const std::vector<glm::dvec3> outline = shownBox(store, std::vector{rampTo(1)}, {}).outline;
+  std::mt19937 random(13);
+  for (int n = 0; n < 200; ++n) {
+    const glm::dvec3 direction = randomDirection(random);
+    const double reach = reachOf(outline, direction) - glm::dot(centre, direction);
+    EXPECT_GE(reach, kRadius * 0.995);
+    EXPECT_LE(reach, kRadius + 2 * std::sqrt(3.0) * 2);
+  }
+}
+
 // A faint beam of 40 voxels shows along its axis alone: 0.004 of the light there, 0.0008 across.
 TEST(ShownOutline, PartsThatOneSideShows) {
   DenseVolume volume = airWith({{5, 5, 5}, {9, 9, 9}}, 255);
