@@ -67,10 +67,10 @@ struct CellSamples {
   // Per visible sample: index among the samples found, code, table position, opacity, weight.
   alignas(64) std::int32_t index[kRoom], kept_code[kRoom];
   alignas(64) float entry[kRoom], opacity[kRoom], weight[kRoom];
-  // Per piece of a ray, for surfaces: ends, and values at the ends.
-  alignas(64) float begin[kRoom], end[kRoom], value_begin[kRoom], value_end[kRoom];
+  // Per piece of a ray, for surfaces: ends, the turn between the ends, and the values there.
+  alignas(64) float begin[kRoom], end[kRoom], turn[kRoom], value_begin[kRoom], value_end[kRoom], value_turn[kRoom];
   // Per crossing of a surface: position (of a point on a cut face, too), the ends of its bracket, the values there less
-  // the surface's, and the end that moved last.
+  // the surface's, and the end that moved last. Before, per bent piece: turn, ends, value at the turn, and the bend.
   alignas(64) float at[kRoom], bracket[2][kRoom], excess[2][kRoom], moved[kRoom];
   // Per visible sample, if colours depend on gradients: row in the plane of values and gradients.
   alignas(64) float row[kRoom];
