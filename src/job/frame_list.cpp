@@ -70,27 +70,21 @@ std::string framesText(const std::vector<int>& frames) {
   return out;
 }
 
-namespace {
-
-// Returns the length of the existing folder at the pattern's beginning, such as a job's folder; a `#` in the folder's
-// name is no frame number.
-std::size_t literalPart(const std::string& text) {
+std::size_t literalPart(const std::string& pattern, char mark) {
   std::size_t out = 0;
-  for (std::size_t slash = text.find('/'); slash != std::string::npos; slash = text.find('/', slash + 1)) {
-    const std::string folder = text.substr(0, slash);
+  for (std::size_t slash = pattern.find('/'); slash != std::string::npos; slash = pattern.find('/', slash + 1)) {
+    const std::string folder = pattern.substr(0, slash);
     std::error_code ignored;
-    if (folder.find('#') == std::string::npos) continue;
+    if (folder.find(mark) == std::string::npos) continue;
     if (!std::filesystem::is_directory(folder, ignored)) break;
     out = slash;
   }
   return out;
 }
 
-}  // namespace
-
 bool hasFramePlace(const std::filesystem::path& pattern) {
   const std::string text = pattern.string();
-  return text.find('#', literalPart(text)) != std::string::npos;
+  return text.find('#', literalPart(text, '#')) != std::string::npos;
 }
 
 std::filesystem::path withFramePlace(const std::filesystem::path& path) {
@@ -99,7 +93,7 @@ std::filesystem::path withFramePlace(const std::filesystem::path& path) {
 
 std::filesystem::path pathOfFrame(const std::filesystem::path& pattern, int frame) {
   const std::string text = pattern.string();
-  const std::size_t literal = literalPart(text);
+  const std::size_t literal = literalPart(text, '#');
   std::string out = text.substr(0, literal);
   for (std::size_t i = literal; i < text.size();) {
     const std::size_t end = std::min(text.find_first_not_of('#', i), text.size());

@@ -19,6 +19,10 @@ std::vector<int> parseFrames(std::string_view text, std::string_view option = ""
 /// `parseFrames`.
 std::string framesText(const std::vector<int>& frames);
 
+/// Returns the length of the existing folder at the pattern's beginning, such as a job's folder. Marks in the folder's
+/// name are letters, not places for numbers or eyes.
+std::size_t literalPart(const std::string& pattern, char mark);
+
 /// Returns whether the path has a place for a frame's number: a run of '#'.
 bool hasFramePlace(const std::filesystem::path& pattern);
 

@@ -78,10 +78,14 @@ void requireViews(const RenderJob& job) {
   const OutputOptions& output = job.output;
   if (!job.picture.stereo && job.animation.stereo.empty()) {
     for (const fs::path& name : namesOf(output)) {
-      if (name.filename().string().find("%V") != std::string::npos)
-        throw Error(ErrorCode::kUsage, name, "", "has a place for an eye's name, but no pair is drawn; add --stereo");
+      if (hasEyePlace(name.filename()))
+        throw Error(ErrorCode::kUsage, name, "",
+                    "has a place for an eye's name, but no pair is drawn; add --stereo, or leave %V and %v out");
     }
   }
+  if (hasEyePlace(output.video.path.filename()))
+    throw Error(ErrorCode::kUsage, output.video.path, "",
+                "has a place for an eye's name, but a video is one file; leave %V and %v out");
   if (output.deep && !output.video.path.empty()) requireDeep(job, output.video.path);
   if (output.deep && !output.path.empty()) {
     requireDeep(job, output.path);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "job/frame_list.h"
 #include "job/job_names.h"
 #include "scene/camera/lens.h"
 
@@ -23,15 +24,12 @@ View resolve(const Camera& camera, const std::optional<Stereo>& stereo, const Im
   return fromMovedEye(view, {offset, 0}, convergence);
 }
 
-bool hasEyePlace(const fs::path& pattern) {
-  const std::string& text = pattern.native();
-  return text.find("%V") != std::string::npos || text.find("%v") != std::string::npos;
-}
+bool hasEyePlace(const fs::path& pattern) { return pathOfEye(pattern, StereoEye::kLeft) != pattern; }
 
 fs::path pathOfEye(const fs::path& pattern, StereoEye eye) {
   std::string text = pattern.native();
   const std::string name(nameIn(kStereoEyeNames, eye));
-  for (std::size_t at = 0; (at = text.find('%', at)) != std::string::npos; ++at) {
+  for (std::size_t at = literalPart(text, '%'); (at = text.find('%', at)) != std::string::npos; ++at) {
     const char kind = at + 1 < text.size() ? text[at + 1] : ' ';
     if (kind == 'V' || kind == 'v') text.replace(at, 2, kind == 'V' ? name : name.substr(0, 1));
   }

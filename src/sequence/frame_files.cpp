@@ -173,7 +173,7 @@ OutputFile keptFrame(const VideoOptions& video) { return {keptFramesOf(video) / 
 
 // Returns whether a video can use the file. A stereo video needs both eyes in one picture; an EXR has two pictures.
 bool isVideoFrame(const OutputFile& file, const RenderJob& job) {
-  const bool in_two = hasEyePlace(file.path) || (drawsBothEyes(job.picture.stereo) && isExrPath(file.path));
+  const bool in_two = drawsBothEyes(job.picture.stereo) && isExrPath(file.path);
   // An EXR holds light, and a video is shown.
   const bool is_light = isExrPath(file.path) && !showsAsDrawn(displayOf(job.picture));
   return holdsColors(file.content) && !file.eye && !in_two && !is_light;
@@ -189,13 +189,13 @@ std::vector<OutputFile> askedPatternsOf(const RenderJob& job) {
     if (file.content == Content::kPicture && !isExrPath(file.path)) file.content = Content::kColor;
     out.push_back(file);
   }
-  return out;
+  return ofEyes(out, job.picture.stereo);
 }
 
 std::vector<OutputFile> patternsOf(const RenderJob& job) {
   std::vector<OutputFile> out = askedPatternsOf(job);
   if (keepsFramesForVideo(job)) out.push_back(keptFrame(job.output.video));
-  return ofEyes(out, job.picture.stereo);
+  return out;
 }
 
 Finish finishOf(const FrameScene& scene) { return kiln::finishOf(scene.picture, scene.transfer_function); }

@@ -267,6 +267,32 @@ TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
   EXPECT_TRUE(readFile(in("w.webm")) == video);
 }
 
+// Known: a folder's name has no place for an eye, and a video is one file. The substitute's video is its frames' bytes.
+TEST_F(SequenceCli, PlacesOfEyes_areInNamesOfPicturesAlone) {
+  const PathOf stand_in(pathWithFfmpeg());
+  fs::create_directory(in("50%volume"));
+  const std::vector<std::string> turn = {"render", in("h.kiln"), "--turntable", "2", "--size", "16x16"};
+  const std::vector<std::string> both = {"--stereo", "both", "--interocular", "20"};
+  const auto with = [&](const std::string& output, const std::vector<std::string>& more) {
+    std::vector<std::string> out = turn;
+    out.insert(out.end(), more.begin(), more.end());
+    out.insert(out.end(), {"-o", in(output)});
+    return out;
+  };
+  done(with("50%volume/film.mp4", {}));
+  EXPECT_EQ(fs::file_size(in("50%volume/film.mp4")), 2u * 16 * 16 * 3);
+  done(with("50%volume/pair.mp4", both));
+  EXPECT_EQ(fs::file_size(in("50%volume/pair.mp4")), 2u * 32 * 16 * 3);
+  done(with("50%volume/s_#_%v.png", both));
+  EXPECT_TRUE(fs::exists(in("50%volume/s_2_r.png")));
+  refused(with("v_%V.mp4", both), 2, "v_%V.mp4: has a place for an eye's name, but a video is one file");
+  refused(with("50%volume.mp4", {}), 2, "leave %V and %v out");
+  refused(with("n_#_%v.png", {}), 2, "leave %V and %v out");
+  refused(with("s_%V.png", {"--stereo", "left", "--interocular", "20", "--sheet", "2"}), 2,
+          "--sheet: a sheet is one picture (found " + in("s_%V.png") + ", one for each eye)");
+  EXPECT_FALSE(fs::exists(in("v_%V.mp4.frames")));
+}
+
 // An empty or relative element of PATH means the working directory, in which others may have put a program.
 // A video has no transparency: annotations are those of a black background, and dark on the paper of a picture.
 TEST_F(SequenceCli, AnnotationsOfAVideo_areThoseOfBlack) {

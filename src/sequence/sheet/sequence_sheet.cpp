@@ -63,10 +63,10 @@ void requireSheet(const RenderJob& job) {
         "a sheet is one picture, such as .exr or .png, and the job has other outputs; name the sheet by -o and leave "
         "outputs "
         "out");
-  if (hasFramePlace(job.output.path))
-    refuse(
-        fmt::format("a sheet is one picture (found {}, one for each frame); name the sheet by -o, as in -o sheet.png",
-                    job.output.path.string()));
+  const bool of_eye = job.picture.stereo && hasEyePlace(job.output.path);
+  if (of_eye || hasFramePlace(job.output.path))
+    refuse(fmt::format("a sheet is one picture (found {}, one for each {}); name the sheet by -o, as in -o sheet.png",
+                       job.output.path.string(), of_eye ? "eye" : "frame"));
   if (drawsDeep(job) || drawsPart(job.picture) || job.picture.aovs.any())
     refuse("a sheet holds colours alone; leave --deep, --part and --aov out");
   if (drawsBothEyes(job.picture.stereo)) refuse("a sheet shows one eye (found both); choose --stereo left or right");

@@ -19,7 +19,7 @@ inline constexpr ImageSize kSheetFrameSize{256, 256};
 std::vector<int> framesOfSheet(const RenderJob& job, int count);
 
 /// throws: Error kUsage naming --sheet for a job that a sheet cannot show: fewer than two frames, more files than one
-/// picture, a name for each frame, a deep or partial image, both eyes.
+/// picture, a name for each frame or eye, a deep or partial image, both eyes.
 void requireSheet(const RenderJob& job);
 
 /// Draws the job's frames in rows, as wide as high if possible. Writes the job's trace, and warns as runSequence.
