@@ -74,8 +74,14 @@ RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameSce
   out.volume = job.volume;
   out.volumes = job.volumes;
   out.companions = job.companions;
+  const auto resolveColors = [&](std::size_t i, Companions& companions) {
+    if (companions.color_by && i < scene.colors.size() && scene.colors[i])
+      companions.color_by->transfer_function = scene.colors[i]->function;
+  };
+  resolveColors(0, out.companions);
   for (std::size_t i = 0; i < out.volumes.size(); ++i) {
     VolumeOptions& volume = out.volumes[i];
+    resolveColors(i, volume.companions);
     volume.transfer_function = scene.volumes.at(i).transfer_function;
     volume.functions.clear();
     volume.window.reset();

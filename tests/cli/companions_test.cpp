@@ -89,6 +89,31 @@ TEST_F(CompanionsCli, FramesOfAnotherMask_areNotTaken) {
   EXPECT_EQ(readFile(in("f_1.png")), before);
 }
 
+// The header holds the function that a file had, so a picture shows when the file has changed.
+TEST_F(CompanionsCli, FramesOfAnotherFunctionOfColours_areNotTaken) {
+  const auto write_map = [&](const char* red) {
+    writeText(in("map.json"), fmt::format(R"({{"kiln": 2, "points": [{{"value": 0, "color": "navy", "opacity": 1}},
+        {{"value": 9, "color": [{}, 0, 0], "opacity": 1}}]}})",
+                                          red));
+  };
+  const auto drawTwice = [&](const std::vector<std::string>& input) {
+    std::vector<std::string> draw = {"render", "-o", in("f.png"), "--size", "16x16", "--resume"};
+    draw.insert(draw.begin() + 1, input.begin(), input.end());
+    write_map("1");
+    done(draw);
+    const auto time = std::filesystem::last_write_time(in("f.png"));
+    done(draw);
+    EXPECT_EQ(std::filesystem::last_write_time(in("f.png")), time);
+    write_map("0.5");
+    refused(draw, 1, "is a picture of another job: ");
+    std::filesystem::remove(in("f.png"));
+  };
+  drawTwice({in("h.kiln"), "--color-by", in("h.kiln") + ":" + in("map.json")});
+  writeText(in("two.json"), R"({"kiln": 2, "volumes": [
+      {"volume": "h.kiln", "colorBy": {"volume": "h.kiln", "transferFunction": "./map.json"}}]})");
+  drawTwice({in("two.json")});
+}
+
 TEST_F(CompanionsCli, WrongUsesAreRefused) {
   const auto refusedWith = [&](const std::vector<std::string>& more, const char* text) {
     std::vector<std::string> arguments = {"render", in("h.kiln"), "-o", in("r.png"), "--size", "40x36"};

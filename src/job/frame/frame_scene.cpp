@@ -327,13 +327,15 @@ std::uint64_t SceneOfJob::functionBytes() const {
   // The grid that kernels look up instead of regions.
   constexpr std::uint64_t kOfGrid = 6u << 20;
   std::uint64_t out = 0;
-  for (const Functions& of_volume : functions_) {
-    for (const TransferFunction& function : of_volume.values) {
-      out += kOfEntry * (function.points.size() + function.gradient_opacity.size() + function.regions.size() +
-                         function.labels.size() + function.surfaces.size());
-      out += kOfNode * function.table.opacity.size() + (function.regions.empty() ? 0 : kOfGrid);
-      for (const LabelStyle& style : function.labels) out += kOfNameByte * style.name.size();
-    }
+  const auto add = [&](const TransferFunction& function) {
+    out += kOfEntry * (function.points.size() + function.gradient_opacity.size() + function.regions.size() +
+                       function.labels.size() + function.surfaces.size());
+    out += kOfNode * function.table.opacity.size() + (function.regions.empty() ? 0 : kOfGrid);
+    for (const LabelStyle& style : function.labels) out += kOfNameByte * style.name.size();
+  };
+  for (const Functions& of_volume : functions_) std::ranges::for_each(of_volume.values, add);
+  for (const std::optional<ShownFunction>& colors : colors_) {
+    if (colors) add(colors->function);
   }
   return out;
 }
@@ -394,6 +396,7 @@ FrameScene SceneOfJob::unframed(int frame) const {
   out.masked = job_.companions.mask || std::ranges::any_of(job_.volumes, [](const VolumeOptions& volume) {
                  return volume.companions.mask.has_value();
                });
+  out.colors = colors_;
   if (const auto part = std::exchange(out.picture.part, std::nullopt))
     out.picture.clipping.part = boxOfPart(*part, manifest().geometry().dims, manifest().brick_size);
   out.picture.background = backgroundOf(out.picture, out.transfer_function);

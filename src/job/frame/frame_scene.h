@@ -47,6 +47,8 @@ struct FrameScene {
   VolumeGeometry box;                // the box around all volumes, in the axes of the first
   std::vector<ShownFunction> shown;  // with a legend: of each volume, or of the volume that colours it
   bool masked = false;               // a mask hides voxels of a volume
+  /// Functions of volumes that other volumes colour, as SceneInputs::colors.
+  std::vector<std::optional<ShownFunction>> colors = {};
 };
 
 /// Returns the function for `choice` in the picture, as `resolve`; where values are projected, "auto" is a ramp of
