@@ -93,7 +93,7 @@ constexpr std::uint64_t kJpegPixelBytes = 12;
 constexpr int kNoBands = 1 << 24;
 
 PixelFilter filterOf(const RenderJob& job) {
-  const bool panorama = job.picture.camera.projection == Projection::kEquirectangular;
+  const bool panorama = projectionOf(job) == Projection::kEquirectangular;
   return pixelFilterOf(engineOf(job), job.picture.samples.value_or(1),
                        !panorama && !drawsPart(job.picture) && !drawsDeep(job));
 }
@@ -137,7 +137,7 @@ class FrameAccount {
         drawn_(drawnPixels(size_, job_.picture.crop)),
         filter_(filterOf(job_)),
         pixels_(drawn_.count()),
-        panorama_(job_.picture.camera.projection == Projection::kEquirectangular),
+        panorama_(projectionOf(job_) == Projection::kEquirectangular),
         banded_(!filter_.inPlace(drawn_, size_)),
         written_(written.value_or(drawn_)),
         tested_(testedSize(job_, drawn_, filter_)) {

@@ -34,6 +34,8 @@ bool drawsPart(const PictureOptions& picture);
 bool moves(const RenderJob& job);
 /// Returns the frames to draw: the job's list, or all frames of the animation.
 std::vector<int> framesOf(const RenderJob& job);
+/// Returns the projection of all frames; keyframes have the same.
+Projection projectionOf(const RenderJob& job);
 /// Returns the engine that draws the job.
 EngineChoice engineOf(const RenderJob& job);
 /// Returns whether nothing shows through the background.

@@ -34,7 +34,7 @@ void requireLens(const RenderJob& job) {
   if (lens.aperture == 0 && lens.focus)
     throw Error(ErrorCode::kUsage, "--focus: a lens without an aperture has all depths sharp; add --aperture");
   if (lens.aperture == 0) return;
-  if (job.picture.camera.projection.value_or(Projection::kPerspective) != Projection::kPerspective)
+  if (projectionOf(job) != Projection::kPerspective)
     throw Error(ErrorCode::kUsage, "--aperture: only a perspective camera has a lens; choose perspective");
   if (drawsDeep(job)) throw Error(ErrorCode::kUsage, "--aperture: samples in depth are of one view; leave --deep out");
   if (drawsPart(job.picture))
@@ -43,7 +43,7 @@ void requireLens(const RenderJob& job) {
 
 void requirePanorama(const RenderJob& job) {
   const PictureOptions& picture = job.picture;
-  if (picture.camera.projection != Projection::kEquirectangular) return;
+  if (projectionOf(job) != Projection::kEquirectangular) return;
   const auto refuse_panorama = [](std::string_view option, std::string_view why) {
     throw Error(ErrorCode::kUsage, fmt::format("--projection equirectangular: {} of a panorama {}", option, why));
   };
@@ -71,7 +71,7 @@ const char* viewWithoutTiles(const RenderJob& job) {
   if (drawsBothEyes(job.picture.stereo)) return "both eyes";
   if (drawsPart(job.picture)) return "a partial image";
   if (job.picture.lens.aperture > 0) return "a picture through a lens";
-  return job.picture.camera.projection == Projection::kEquirectangular ? "a panorama" : nullptr;
+  return projectionOf(job) == Projection::kEquirectangular ? "a panorama" : nullptr;
 }
 
 void requireViews(const RenderJob& job) {
@@ -114,7 +114,7 @@ void requireAnnotations(const RenderJob& job) {
   if (drawsPart(job.picture))
     throw Error(ErrorCode::kUsage,
                 "--part: a partial image is not finished and has no annotations (found some); leave them out");
-  if (job.picture.camera.projection == Projection::kEquirectangular &&
+  if (projectionOf(job) == Projection::kEquirectangular &&
       (annotations.scale_bar || annotations.box || annotations.axes))
     throw Error(ErrorCode::kUsage,
                 "--projection equirectangular: a panorama has no scale bar, box or axes; leave --scale-bar, --box and "

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <variant>
 
 #include "base/error.h"
 #include "base/file/file.h"
@@ -87,6 +88,12 @@ EngineChoice engineOf(const RenderJob& job) { return {job.picture.mode, job.pict
 void requireEngineOptions(const PictureOptions& picture) {
   requireOptions(engineOf(picture), {picture.interpolation, picture.samples.value_or(1), picture.sample_distance,
                                      picture.aovs, picture.coarser});
+}
+
+Projection projectionOf(const RenderJob& job) {
+  const auto* const path = std::get_if<CameraKeyframes>(&job.animation.camera);
+  const std::optional<Projection> of_key = path ? path->keys.front().value.projection : std::nullopt;
+  return of_key.value_or(job.picture.camera.projection.value_or(Projection::kPerspective));
 }
 
 bool drawsPart(const PictureOptions& picture) { return picture.part || picture.clipping.part; }
@@ -195,7 +202,7 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   if (!root.has("volume") && !root.has("volumes"))
     root.complain("volume", "is missing; a job names the store or volume file to draw");
   const auto image = root.object("image");
-  if (job.picture.camera.projection == Projection::kEquirectangular &&
+  if (projectionOf(job) == Projection::kEquirectangular &&
       !(image && (image->has("width") || image->has("height"))))
     job.picture.size = kPanoramaSize;
   return job;

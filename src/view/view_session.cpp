@@ -223,7 +223,7 @@ ViewSession::ViewSession(ViewSource source, Progress& progress)
   job.picture.aovs = {};
   job.output = {};
   // A session whose memory holds no small picture would show nothing but errors.
-  const bool panorama = job.picture.camera.projection == Projection::kEquirectangular;
+  const bool panorama = projectionOf(job) == Projection::kEquirectangular;
   job.picture.size = {panorama ? 2 * kLeastSide : kLeastSide, kLeastSide};
   job.picture.crop.reset();
   painter_.makeRoom(*painter_.prepare(job, progress));

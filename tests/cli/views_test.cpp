@@ -290,5 +290,23 @@ TEST_F(ViewsCli, PanoramasThatCannotBeAreRefused) {
   EXPECT_FALSE(there("p.exr"));
 }
 
+// The projection of camera keys is the job's: the same combinations are refused, and the picture is twice as wide.
+TEST_F(ViewsCli, PanoramasOfCameraKeysThatCannotBeAreRefused) {
+  writeText(in("job.json"), R"({"kiln": 2, "volume": "h.kiln", "output": "p.exr", "image": {"width": 32, "height": 16},
+    "camera": {"keyframes": [{"frame": 1, "projection": "equirectangular"}]}})");
+  const auto wrong = [&](std::vector<std::string> options, const std::string& mention) {
+    options.insert(options.begin(), {"render", in("job.json")});
+    ToolTest::refused(options, 2, mention);
+  };
+  wrong({"--samples", "4"}, "--samples of a panorama is 1");
+  wrong({"--part", "1/2"}, "--part of a panorama");
+  wrong({"--deep"}, "--deep of a panorama");
+  wrong({"--scale-bar"}, "a panorama has no scale bar");
+  wrong({"--aperture", "3"}, "only a perspective camera has a lens");
+  wrong({"--checkpoint"}, "--checkpoint: tiles of a panorama are not kept");
+  done({"render", in("job.json")});
+  EXPECT_NE(done({"render", in("job.json"), "--dry-run"}).out.find("of a face that it is made of"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace kiln::test
