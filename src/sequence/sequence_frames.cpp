@@ -164,7 +164,7 @@ std::string SequenceFrames::videoRecord() {
     frames += "\n" + contentHash(jobAtFrame(job_, frame), videoFrameOf(job_, frame), sceneToWrite(opened, frame),
                                  opened.firstVolume().manifest());
   }
-  return video_record_ = "kiln:" + toHex(hashOf(std::string_view(frames)));
+  return video_record_ = std::string(kVideoRecord) + toHex(hashOf(std::string_view(frames)));
 }
 
 // A frame whose volume cannot be opened is reported when it is drawn.
@@ -175,6 +175,7 @@ void SequenceFrames::findVideo() {
     video_there_ = isVideoOf(video, videoRecord(), progress_);
   } catch (const Error& error) {
     if (error.code() == ErrorCode::kCancelled) throw interrupted(0);
+    if (error.code() == ErrorCode::kExists) throw;
   }
 }
 

@@ -66,7 +66,8 @@ class SequenceFrames {
   /// Return scene and job for the headers of files: without the part.
   FrameScene sceneToWrite(const OpenedJob& opened, int frame) const;
   RenderJob jobToWrite(const OpenedJob& opened) const;
-  /// Looks for a whole video of these frames, which an earlier run made.
+  /// Looks for a whole video of these frames, which an earlier run made. throws: Error kExists for the video of another
+  /// job; kCancelled.
   void findVideo();
   /// Returns whether the frames have no other files, and findVideo has found their video.
   bool areInVideo() const { return video_there_ && keepsFramesForVideo(job_); }

@@ -62,7 +62,11 @@ bool isVideoOf(const VideoOptions& options, const std::string& record, Progress&
                {"-nostdin", "-loglevel", "error", "-xerror", "-i", "file:" + options.path.string(), "-map", "0:v", "-f",
                 "null", "-", "-f", "ffmetadata", "pipe:1"},
                kMostTags_bytes, [&] { progress.throwIfCancelled("checking the video"); });
-  return tags && tags->find("=" + record + "\n") != std::string::npos;
+  if (!tags) return false;
+  if (tags->find(fmt::format("={}\n", record)) != std::string::npos) return true;
+  if (tags->find(fmt::format("={}", kVideoRecord)) == std::string::npos) return false;
+  throw Error(ErrorCode::kExists, options.path, "",
+              "is a video of another job or of other frames; name another output, or remove it");
 }
 
 void writeVideo(const std::vector<fs::path>& pictures, const VideoOptions& options, const std::string& record,

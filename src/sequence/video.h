@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/progress.h"
@@ -17,8 +18,11 @@ namespace kiln {
 void writeVideo(const std::vector<std::filesystem::path>& pictures, const VideoOptions& options,
                 const std::string& record, std::uint64_t memory_bytes, Progress& progress);
 
+/// The beginning of the records of Kiln's videos.
+inline constexpr std::string_view kVideoRecord = "kiln:";
+
 /// Returns whether the video at the path is readable to its end and has the record. cost: decodes all frames. throws:
-/// Error kIo, kCancelled.
+/// Error kExists if the video is whole and has another record of Kiln's; kIo, kCancelled.
 bool isVideoOf(const VideoOptions& options, const std::string& record, Progress& progress);
 
 /// Returns the encoder's arguments. Odd sizes get one more row or column of black.
