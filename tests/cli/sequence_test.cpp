@@ -353,9 +353,9 @@ TEST_F(SequenceCli, Video_thatIsThere_isKeptByResume) {
   if (std::system("ffmpeg -version > /dev/null 2>&1") != 0) GTEST_SKIP() << "ffmpeg is not installed";
   for (const char* name : {"v.mp4", "v.mkv", "v.mov", "v.webm"}) {
     const std::string video = in(name);
-    const auto drawn = [&](const std::string& size, const std::string& rate) {
-      return done({"render", in("h.kiln"), "-o", video, "--turntable", "3", "--size", size, "--rate", rate, "--resume"})
-          .out;
+    const auto words = [&](const std::string& size, const std::string& rate) {
+      return std::vector<std::string>{"render", in("h.kiln"), "-o",     video, "--turntable", "3",
+                                      "--size", size,         "--rate", rate,  "--resume"};
     };
     const auto drawn = [&](const std::string& size, const std::string& rate) { return done(words(size, rate)).out; };
     EXPECT_NE(drawn("40x36", "10").find("3 drawn, 0 kept"), std::string::npos) << name;
@@ -451,9 +451,12 @@ TEST_F(SequenceCli, EyesMoveApartAndAreBesideEachOtherInAVideo) {
   done({"render", in("still.json")});
   EXPECT_TRUE(readFile(in("s.exr")) == readFile(in("p_2.exr")));
   EXPECT_FALSE(readFile(in("s.exr")) == readFile(in("p_1.exr")));
-  done({"render", in("pair.json"), "-o", in("n_#.exr"), "--interocular", "20", "--convergence", "250", "--frames",
-        "1-3"});
+  done({"render", in("pair.json"), "-o", in("n_#.exr"), "--interocular", "20", "--convergence", "250"});
   EXPECT_TRUE(readFile(in("n_1.exr")) == readFile(in("s.exr"))) << "what an option names stands still";
+  EXPECT_TRUE(readFile(in("n_3.exr")) == readFile(in("s.exr")));
+  done({"render", in("pair.json"), "-o", in("n_#.exr"), "--convergence", "250"});
+  EXPECT_TRUE(readFile(in("n_2.exr")) == readFile(in("s.exr"))) << "other distances are the keys'";
+  EXPECT_FALSE(readFile(in("n_3.exr")) == readFile(in("s.exr")));
 }
 
 // The sheet's frames are the pictures of the sequence: below captions, in a grid of two by two. No frame has a file.

@@ -86,7 +86,10 @@ void applyGiven(const GivenFlags& flags, bool of_volume, RenderJob& job) {
   requireStereo(flags, job.picture.stereo);
   replaceCamera(flags, job.picture.camera);
   flags.apply(job);
-  if (flags.hasAny({"--interocular", "--convergence"})) job.animation.stereo.clear();
+  for (Key<Stereo>& key : job.animation.stereo) {
+    if (flags.has("--interocular")) key.value.interocular = job.picture.stereo->interocular;
+    if (flags.has("--convergence")) key.value.convergence = job.picture.stereo->convergence;
+  }
   if (flags.text("--projection") == kProjectionNames[2] && !flags.has("--size") && of_volume)
     job.picture.size = kPanoramaSize;
   drawnPixels(job.picture.size, job.picture.crop);
