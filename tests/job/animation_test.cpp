@@ -177,6 +177,19 @@ TEST(Animation, WhatNothingLiesBetweenIsRefused) {
       jobOf(R"("camera": {"keyframes": [{"frame": 1, "azimuth": 0}, {"frame": 2, "azimuth": 180}]})");
   EXPECT_THROW(cameraOf(turn, 1), Error);
   const RenderJob mixed = jobOf(R"("camera": {"keyframes": [{"frame": 1, "projection": "perspective"},
+  // Keys turn the shorter way: of half a turn there are two, and of more none that is meant.
+  for (
+      const char* wrong :
+      {R"({"frame": 1, "roll": 0}, {"frame": 2, "roll": 360})", R"({"frame": 1}, {"frame": 2, "roll": 270})",
+       R"({"frame": 1, "view": "front"}, {"frame": 2, "view": "back"})",
+       R"({"frame": 1, "eye": [0, -90, 5], "target": [0, 0, 5]}, {"frame": 2, "eye": [0, 90, 5], "target": [0, 0, 5]})"})
+    EXPECT_THROW(cameraOf(jobOf(R"("camera": {"keyframes": [)" + std::string(wrong) + "]}"), 1), Error) << wrong;
+  const RenderJob still =
+      jobOf(R"("camera": {"azimuth": -20, "keyframes": [{"frame": 1}, {"frame": 2, "azimuth": 170}]})");
+  EXPECT_THROW(cameraOf(still, 1), Error);
+  const RenderJob rolls = jobOf(R"("camera": {"view": "front", "keyframes": [{"frame": 1, "roll": 0},
+      {"frame": 2, "roll": 120}, {"frame": 3, "roll": 240}, {"frame": 4, "roll": 360}]})");
+  expectNear(glm::normalize(cameraOf(rolls, 2.5).up), -glm::normalize(cameraOf(rolls, 1).up), 1e-6, __LINE__);
                                                             {"frame": 2, "projection": "orthographic"}]})");
   EXPECT_THROW(cameraOf(mixed, 1), Error);
 }

@@ -8,6 +8,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
+#include <string>
 
 #include "base/error.h"
 #include "scene/camera/framing.h"
@@ -97,26 +98,39 @@ double ratioSplineAt(const KeyTimes& times, const std::vector<double>& values, d
   return std::exp(splineAt(times, logs, frame));
 }
 
-void requireTogether(const CameraKeyframes& path, const std::vector<Camera>& cameras) {
+void requireTogether(const CameraKeyframes& path, const std::vector<CameraSpec>& specs,
+                     const std::vector<Camera>& cameras, const std::vector<glm::dquat>& orientations) {
+  // Cosine of half the angle between opposite orientations, up to rounding errors.
+  constexpr double kOpposite = 1e-7;
   for (std::size_t i = 1; i < cameras.size(); ++i) {
-    const auto& before = path.keys[i - 1];
-    const auto& key = path.keys[i];
-    const auto refuse = [&](const char* what) {
-      throw Error(ErrorCode::kUsage,
-                  fmt::format("camera: from the key at frame {} to that at {} {}", before.frame, key.frame, what));
+    const auto refuse = [&](const std::string& what) {
+      throw Error(ErrorCode::kUsage, fmt::format("camera: from the key at frame {} to that at {} {}",
+                                                 path.keys[i - 1].frame, path.keys[i].frame, what));
     };
+    const auto refuse_turn = [&](const char* what) {
+      refuse(fmt::format("{} turns by 180 degrees or more; keys turn the shorter way: give one between, or a turntable",
+                         what));
+    };
+    const CameraSpec &before = specs[i - 1], &key = specs[i];
     if (cameras[i].projection != cameras[0].projection) refuse("the projection changes, which nothing lies between");
-    const double turn = std::abs(key.value.azimuth_deg.value_or(0) - before.value.azimuth_deg.value_or(0));
-    if (key.value.azimuth_deg && before.value.azimuth_deg && turn >= 180)
-      refuse("the azimuth turns by 180 degrees or more; keys turn the shorter way: give one between, or a turntable");
+    if (before.azimuth_deg && key.azimuth_deg && std::abs(*key.azimuth_deg - *before.azimuth_deg) >= 180)
+      refuse_turn("the azimuth");
+    if (std::abs(key.roll_deg.value_or(0) - before.roll_deg.value_or(0)) >= 180) refuse_turn("the roll");
+    if (std::abs(glm::dot(orientations[i - 1], orientations[i])) < kOpposite) refuse_turn("the camera");
   }
 }
 
 Camera betweenKeys(const CameraKeyframes& path, const CameraSpec& still, double frame, const FramedBox& box,
                    const ImageSize& size) {
+  std::vector<CameraSpec> specs;
   std::vector<Camera> cameras;
-  for (const Key<CameraSpec>& key : path.keys) cameras.push_back(overlaid(still, key.value).resolve(box, size));
-  requireTogether(path, cameras);
+  std::vector<glm::dquat> orientations;
+  for (const Key<CameraSpec>& key : path.keys) {
+    specs.push_back(overlaid(still, key.value));
+    cameras.push_back(specs.back().resolve(box, size));
+    orientations.push_back(orientationOf(cameras.back(), size));
+  }
+  requireTogether(path, specs, cameras, orientations);
   const KeyTimes times(path.keys);
   const KeySpan span = spanAt(times, frame);
   if (span.t == 0) return cameras[span.from];
@@ -124,14 +138,12 @@ Camera betweenKeys(const CameraKeyframes& path, const CameraSpec& still, double 
 
   std::vector<glm::dvec3> eyes, targets;
   std::vector<double> distances, tangents, heights;
-  std::vector<glm::dquat> orientations;
   for (const Camera& camera : cameras) {
     eyes.push_back(camera.eye);
     targets.push_back(camera.target);
     distances.push_back(glm::distance(camera.eye, camera.target));
     tangents.push_back(std::tan(0.5 * glm::radians(camera.fov_deg)));
     heights.push_back(camera.height);
-    orientations.push_back(orientationOf(camera, size));
   }
   Camera out = cameras.front();
   const glm::dquat orientation = splineAt(times, orientations, frame);

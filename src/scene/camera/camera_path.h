@@ -7,8 +7,8 @@
 
 namespace kiln {
 
-/// throws: Error kUsage if a key's camera cannot be used, keys have different projections or are half a turn apart, or
-/// the frame has no matrix.
+/// throws: Error kUsage if a key's camera cannot be used, keys have different projections or are half a turn or more
+/// apart, or the frame has no matrix.
 Camera cameraAt(const CameraPath& path, const CameraSpec& still, double frame, const FramedBox& box,
                 const ImageSize& size);
 
