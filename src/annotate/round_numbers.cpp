@@ -34,8 +34,11 @@ std::vector<double> roundTicks(double lo, double hi, int most_ticks) {
       const double step = decimal(digit, e), slack = 1e-9 * (hi - lo);
       const double first = std::ceil((lo - slack) / step), last = std::floor((hi + slack) / step);
       if (last - first + 1 > most_ticks) continue;
-      for (double n = first; n <= last; ++n)
-        out.push_back(n == 0 ? 0 : e < 0 ? n * digit / std::pow(10.0, -e) : n * step);
+      for (int i = 0; i <= last - first; ++i) {
+        const double n = first + i;
+        const double tick = n == 0 ? 0 : e < 0 ? n * digit / std::pow(10.0, -e) : n * step;
+        if (out.empty() || out.back() < tick) out.push_back(tick);
+      }
       return out;
     }
   }
@@ -44,10 +47,14 @@ std::vector<double> roundTicks(double lo, double hi, int most_ticks) {
 std::string textOfNumber(double value, double step) {
   const double size = std::max(std::abs(value), step);
   std::string out;
-  if (size >= 1e6 || (size > 0 && size < 1e-4))
-    out = fmt::format("{:.6g}", value);
-  else
+  if (size >= 1e6 || (size > 0 && size < 1e-4)) {
+    // A double has up to 17 digits.
+    const double digits =
+        value == 0 ? 1 : std::floor(std::log10(size) + 1e-9) - std::floor(std::log10(step) + 1e-9) + 1;
+    out = fmt::format("{:.{}g}", value, std::clamp(static_cast<int>(digits), 1, 17));
+  } else {
     out = fmt::format("{:.{}f}", value, std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9))));
+  }
   if (out.starts_with('-')) out.replace(0, 1, "\xe2\x88\x92");  // a minus sign
   return out;
 }
