@@ -11,6 +11,7 @@
 #include "job/job_parts.h"
 #include "job/json/points_text.h"
 #include "job/look.h"
+#include "job/quality.h"
 #include "job/stated_job.h"
 #include "scene/sampling.h"
 #include "scene/scene_limits.h"
@@ -304,19 +305,10 @@ ordered_json levelJson(const PictureOptions& picture) {
   return picture.coarser == 0 ? "auto" : fmt::format("auto+{}", picture.coarser);
 }
 
-// Sets the options that a quality stands for. An engine without an option keeps its default.
+// Sets the options that a quality stands for.
 void readQuality(const JobObject& root, std::string_view key, RenderJob& job) {
-  PictureOptions& picture = job.picture;
-  const PictureOptions defaults;
-  const std::size_t quality = *root.choice(key, kQualityNames);
-  const bool draft = quality == 0, best = quality == 2;
-  picture.samples = draft ? std::optional(1) : best ? std::optional(16) : defaults.samples;
-  picture.level = defaults.level;
-  const EngineCapabilities& engine = engineOf(picture).capabilities();
-  picture.coarser = draft && engine.coarser_levels ? 1 : 0;
-  picture.sample_distance = defaults.sample_distance;
-  if (engine.sample_distance && quality != 1)
-    picture.sample_distance = draft ? kMostSampleDistance : kLeastSampleDistance;
+  job.quality = static_cast<Quality>(*root.choice(key, kQualityNames));
+  setQuality(*job.quality, job.picture);
 }
 
 // Sets the options that a look stands for.

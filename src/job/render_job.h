@@ -169,6 +169,7 @@ struct VolumeOptions {
 };
 
 struct SeriesLook;
+enum class Quality;
 
 /// Distribution of a job over ranks.
 /// - kAuto: tiles of frames or whole frames, whichever reads fewer bytes.
@@ -184,6 +185,7 @@ struct RenderJob {
   std::vector<VolumeOptions> volumes;
   Companions companions;  // masks and colors of `volume`, if alone
   PictureOptions picture;
+  std::optional<Quality> quality;  // some options of the picture are this quality's, and follow a change of the engine
   Animation animation;
   std::vector<int> frames;  // in the order of drawing; empty: all frames of the animation
   SpeedOptions speed;

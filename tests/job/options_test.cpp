@@ -5,9 +5,12 @@
 #include <set>
 
 #include "base/error.h"
+#include "job/command/given_flags.h"
 #include "job/job_flags.h"
 #include "job/job_options.h"
 #include "job/render_job.h"
+#include "scene/sampling.h"
+#include "support/volumes/test_store.h"
 
 namespace kiln {
 namespace {
@@ -164,6 +167,30 @@ TEST(Options, FlagAndKey_giveTheSameJob) {
     EXPECT_EQ(by_flag.picture.clipping, by_key.picture.clipping) << pair.flag;
   }
   EXPECT_EQ(allValues(jobOptions(), jobOfFlag("--output", {"a.mp4"})), plain);  // a video, which is no picture
+}
+
+RenderJob jobWithFlags(const std::string& body, const std::vector<std::pair<std::string, std::string>>& texts) {
+  GivenFlags given;
+  for (const JobFlag& flag : jobFlags()) {
+    for (const auto& [name, text] : texts) {
+      if (nameOfFlag(flag.flag) == name) given.add(flag, {text});
+    }
+  }
+  RenderJob job = parseJob(R"({"kiln": 2, "volume": "a.kiln")" + body + "}", "job.json");
+  applyGiven(given, true, job);
+  return job;
+}
+
+// A quality stands for the options that the drawing engine has; the user's own values stay and are tested.
+TEST(Options, QualityOfAJob_isThatOfTheEngineOfTheFlags) {
+  const std::string best = R"(, "quality": "best")";
+  EXPECT_EQ(jobWithFlags(best, {{"--mode", "mip"}}).picture.sample_distance, kSampleDistance);
+  EXPECT_EQ(jobWithFlags(best, {{"--lattice", "voxel"}}).picture.samples, 16);
+  EXPECT_EQ(jobWithFlags(best + R"(, "mode": "mip")", {{"--mode", "composite"}}).picture.sample_distance,
+            kLeastSampleDistance);
+  EXPECT_EQ(jobWithFlags(R"(, "quality": "draft", "mode": "mip")", {{"--mode", "composite"}}).picture.coarser, 1);
+  EXPECT_THROW(jobWithFlags(best + R"(, "sampleDistance": 0.75)", {{"--mode", "mip"}}), Error);
+  EXPECT_THROW(jobWithFlags(best, {{"--mode", "mip"}, {"--sample-distance", "0.25"}}), Error);
 }
 
 // Keys and flags beside a look win, wherever they stand.

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "job/job_facts.h"
 #include "job/job_names.h"
+#include "job/quality.h"
 
 namespace kiln {
 namespace {
@@ -85,7 +86,9 @@ void applyGiven(const GivenFlags& flags, bool of_volume, RenderJob& job) {
   requireStillCamera(flags, job);
   requireStereo(flags, job.picture.stereo);
   replaceCamera(flags, job.picture.camera);
+  const PictureOptions before = job.picture;
   flags.apply(job);
+  if (job.quality && !flags.hasAny({"--sample-distance", "--level"})) followEngine(*job.quality, before, job.picture);
   for (Key<Stereo>& key : job.animation.stereo) {
     if (flags.has("--interocular")) key.value.interocular = job.picture.stereo->interocular;
     if (flags.has("--convergence")) key.value.convergence = job.picture.stereo->convergence;
