@@ -141,7 +141,7 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
   if (const auto folder = namesRelatively(of_file) ? currentFolderFrom(file.path) : std::nullopt)
     out.text[ImageMetadata::kFolder] = *folder;
   out.text["kiln:version"] = KILN_VERSION;
-  if (job.series) out.text[kSeriesKey] = job.series->frames;
+  if (job.series && !job.series->frames.empty()) out.text[kSeriesKey] = job.series->frames;
   if (drawsPart(of_file.picture)) out.text["kiln:volume"] = partOriginText(store.manifest());
   if (!job.output.owner.empty()) out.text["owner"] = job.output.owner;
   if (!job.output.comments.empty()) out.text["comments"] = job.output.comments;

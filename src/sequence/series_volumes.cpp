@@ -3,14 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <iterator>
 #include <map>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "base/file/folder.h"
 #include "base/file/path_status.h"
+#include "base/text.h"
 #include "cluster/shared_lists.h"
 #include "grid/shared_world.h"
 #include "image/file/image_file.h"
@@ -24,10 +25,13 @@ namespace kiln {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* kDigits = "0123456789";
+
 // The place of a frame's number in a path.
 struct NumberPlace {
-  fs::path folder;     // the folder whose entries differ by the number
-  std::string before;  // the name's beginning, up to the number
+  fs::path folder;            // the folder whose entries differ by the number
+  std::string before;         // the name's beginning, up to the number
+  std::string digits_behind;  // of the name, right behind the number
 };
 
 // Compares two frames' paths: the first unequal component has the number.
@@ -42,18 +46,20 @@ std::optional<NumberPlace> numberPlace(const fs::path& pattern) {
       std::mismatch(first.begin(), first.end(), second.begin(), second.end()).first - first.begin());
   out.before = first.substr(0, differ);
   while (out.before.ends_with('0')) out.before.pop_back();
+  out.digits_behind = first.substr(differ + 1, first.find_first_not_of(kDigits, differ + 1) - differ - 1);
   if (out.folder.empty()) out.folder = ".";
   return out;
 }
 
-// The number behind `before` in a name.
-std::optional<int> numberIn(const std::string& name, const std::string& before) {
-  if (!name.starts_with(before)) return std::nullopt;
-  int number = 0;
-  const char* const from = name.data() + before.size();
-  const auto [end, error] = std::from_chars(from, name.data() + name.size(), number);
-  if (error != std::errc() || end == from || number < 0 || number > kLastFrame || *from == '-') return std::nullopt;
-  return number;
+// Returns the number at its place in a name.
+std::optional<int> numberIn(const std::string& name, const NumberPlace& place) {
+  if (!name.starts_with(place.before)) return std::nullopt;
+  std::string_view digits = std::string_view(name).substr(place.before.size());
+  digits = digits.substr(0, digits.find_first_not_of(kDigits));
+  if (!digits.ends_with(place.digits_behind)) return std::nullopt;
+  digits.remove_suffix(place.digits_behind.size());
+  const std::optional<int> number = numberOf<int>(digits);
+  return number && *number <= kLastFrame ? number : std::nullopt;
 }
 
 // The frames named in the header of a picture from an earlier run of the job; empty without such a picture.
@@ -110,7 +116,8 @@ class Manifests {
   std::map<fs::path, Manifest> read_;
 };
 
-// All frames with readable stores, because manifests hold boxes and values; the first frame of foreign files.
+// All frames with readable stores, because manifests hold boxes and values; the first frame of foreign files; none
+// where masks alone have frames.
 std::vector<int> decidingFrames(const RenderJob& job, bool resume, Manifests& manifests) {
   const std::vector<fs::path> patterns = volumesOf(job);
   std::vector<int> there = framesOfAll(patterns);
@@ -124,7 +131,7 @@ std::vector<int> decidingFrames(const RenderJob& job, bool resume, Manifests& ma
     });
   });
   if (!readable.empty()) return readable;
-  there.resize(1);
+  there.resize(std::min<std::size_t>(there.size(), 1));
   return there;
 }
 
@@ -134,11 +141,13 @@ std::vector<std::vector<std::string>> decidingStores(const RenderJob& job, const
   std::vector<std::vector<std::string>> out;
   for (const fs::path& pattern : volumesOf(job)) {
     std::vector<std::string>& stores = out.emplace_back();
-    for (const int frame : frames) {
-      const fs::path volume = pathOfFrame(pattern, frame);
+    const auto add = [&](const fs::path& volume) {
       stores.push_back((store_for ? store_for(volume) : volume).string());
-      if (!hasFramePlace(pattern)) break;
-    }
+    };
+    if (!hasFramePlace(pattern))
+      add(pattern);
+    else
+      for (const int frame : frames) add(pathOfFrame(pattern, frame));
   }
   return out;
 }
@@ -176,7 +185,7 @@ std::vector<int> framesOnDisk(const fs::path& pattern) {
   std::set<int> out;
   if (!isThere(place->folder)) return {};
   forEachEntry(place->folder, [&](const fs::directory_entry& entry) {
-    const std::optional<int> number = numberIn(entry.path().filename().string(), place->before);
+    const std::optional<int> number = numberIn(entry.path().filename().string(), *place);
     if (number && isThere(pathOfFrame(pattern, *number))) out.insert(*number);
     return Walk::kGoOn;
   });
@@ -233,10 +242,11 @@ std::shared_ptr<const SeriesLook> seriesLook(const RenderJob& job, const StoreFo
     out->volumes.push_back(unionOf(of_frames));
   }
   out->frames = framesText(frames);
-  out->choice =
-      fmt::format("one camera and one transfer function for all frames: by the box{} and values of frame{} {}{}",
-                  frames.size() == 1 ? "" : "es", frames.size() == 1 ? "" : "s", out->frames,
-                  frames.size() == 1 ? " (of frames converted to stores, by all)" : "");
+  const std::string of_frames = fmt::format("by the box{} and values of frame{} {}{}", frames.size() == 1 ? "" : "es",
+                                            frames.size() == 1 ? "" : "s", out->frames,
+                                            frames.size() == 1 ? " (of frames converted to stores, by all)" : "");
+  out->choice = "one camera and one transfer function for all frames: " +
+                (frames.empty() ? "by the volume, which all frames share" : of_frames);
   return out;
 }
 

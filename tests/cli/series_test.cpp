@@ -5,6 +5,7 @@
 
 #include "base/file/file.h"
 #include "image/file/image_file.h"
+#include "sequence/series_volumes.h"
 #include "support/system/tool_test.h"
 
 namespace kiln::test {
@@ -131,6 +132,29 @@ TEST_F(SeriesCli, Resumed_looksAsItBegan) {
   // A new run is framed by all frames.
   EXPECT_NE(done(drawing("4", "b_#.exr")).err.find("of frames 1-2,4"), std::string::npos);
   EXPECT_FALSE(image("b_4.exr").rgba == image("a_4.exr").rgba);
+}
+
+// The volume decides how all frames look, because it is in all of them.
+TEST_F(SeriesCli, MasksAlone_areAtNoFrame) {
+  convert(2);
+  for (const int frame : {1, 2}) {
+    writeFrame(frame);
+    done({"convert", in(fmt::format("s_{:03}.nrrd", frame)), in(fmt::format("m_{}.kiln", frame)), "--labels"});
+  }
+  std::vector<std::string> masked = drawing("1-2", "a_#.exr", "s_002.kiln", "solid:20");
+  masked.insert(masked.end(), {"--mask", in("m_#.kiln") + ":40,80"});
+  const ToolResult result = done(masked);
+  EXPECT_NE(result.err.find("for all frames: by the volume, which all frames share"), std::string::npos) << result.err;
+  EXPECT_FALSE(readImageText(in("a_1.exr")).contains("kiln:series"));
+  EXPECT_LT(covered(image("a_1.exr")), covered(image("a_2.exr")));
+  masked.push_back("--resume");
+  EXPECT_NE(done(masked).out.find("0 drawn, 2 kept"), std::string::npos);
+}
+
+TEST_F(SeriesCli, DigitsBehindTheNumber_areNoPartOfIt) {
+  for (const char* name : {"v15.kiln", "v105.kiln", "v5.kiln", "v16.kiln"}) fs::create_directory(in(name));
+  EXPECT_EQ(framesOnDisk(in("v#5.kiln")), (std::vector<int>{1, 10}));
+  EXPECT_EQ(framesOnDisk(in("v##.kiln")), (std::vector<int>{15, 16, 105}));
 }
 
 TEST_F(SeriesCli, ForeignFiles_lookAsTheFirstOnTheDisk) {

@@ -12,7 +12,7 @@ namespace kiln {
 struct SeriesLook {
   /// A joined volume for each volume of the job, all placed in a shared world (Manifest::placeIn).
   std::vector<Manifest> volumes;
-  std::string frames;  // the joined frames, as a text for parseFrames
+  std::string frames;  // the joined frames, as a text for parseFrames; empty if all frames have the same volumes
   /// A sentence on the joined frames, for users.
   std::string choice;
 };
