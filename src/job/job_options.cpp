@@ -5,6 +5,7 @@
 
 #include "base/text.h"
 #include "image/named_color.h"
+#include "ingest/source/formats.h"
 #include "job/job_animation.h"
 #include "job/job_facts.h"
 #include "job/job_names.h"
@@ -108,12 +109,25 @@ void putMaskText(OptionForm& form) {
   };
 }
 
-// "STORE[:TF]".
+// Returns the length of the file's name in "FILE[:TF]": of a computed volume, else of the shortest beginning that is on
+// the disk, else of the text before the first colon.
+std::size_t lengthOfFile(const std::string& text) {
+  const std::size_t first = text.find(':');
+  const auto next = [&](std::size_t colon) { return colon == std::string::npos ? colon : text.find(':', colon + 1); };
+  if (namesPhantom(text)) return next(next(first));
+  for (std::size_t colon = first;; colon = next(colon)) {
+    std::error_code ignored;
+    if (std::filesystem::exists(text.substr(0, colon), ignored)) return colon;
+    if (colon == std::string::npos) return first;
+  }
+}
+
+// "FILE[:TF]".
 void putColorByText(OptionForm& form) {
   form.value_name = "FILE[:TF]";
   form.expected = "the file of a volume, and after a colon its transfer function, such as pet.kiln:fire";
   form.parse = [](const std::string& text) -> json {
-    const std::size_t colon = text.find(':');
+    const std::size_t colon = lengthOfFile(text);
     if (colon == 0 || text.empty()) return {};
     json out = {{"volume", text.substr(0, colon)}};
     if (colon != std::string::npos) out["transferFunction"] = functionForm().parse(text.substr(colon + 1));

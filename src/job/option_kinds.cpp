@@ -10,6 +10,7 @@
 #include "base/memory/memory.h"
 #include "base/text.h"
 #include "image/named_color.h"
+#include "ingest/source/formats.h"
 #include "job/job_names.h"
 
 namespace kiln {
@@ -267,7 +268,8 @@ void Text::read(const JobObject& object, std::string_view key, std::string& out)
 OptionForm FileName::form() const { return Text{"a file name", "FILE"}.form(); }
 
 void FileName::read(const JobObject& object, std::string_view key, std::filesystem::path& out) const {
-  out = object.path().parent_path() / *object.text(key, "a file name");
+  out = *object.text(key, "a file name");
+  if (!namesPhantom(out)) out = object.path().parent_path() / out;
 }
 
 OptionForm Bytes::form() const {

@@ -124,7 +124,7 @@ struct Text {
   nlohmann::ordered_json write(const std::string& text) const { return text; }
 };
 
-/// A file; in a job, relative to the job's folder.
+/// A file, in a job relative to the job's folder; or a computed volume, "phantom:NAME:XxYxZ".
 struct FileName {
   OptionForm form() const;
   void read(const JobObject& object, std::string_view key, std::filesystem::path& out) const;

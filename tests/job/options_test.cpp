@@ -193,6 +193,19 @@ TEST(Options, QualityOfAJob_isThatOfTheEngineOfTheFlags) {
   EXPECT_THROW(jobWithFlags(best, {{"--mode", "mip"}, {"--sample-distance", "0.25"}}), Error);
 }
 
+// Known: the disk and the scheme of computed volumes tell where a file's name ends.
+TEST(Options, NamesWithColons_areThoseOfColors) {
+  const auto colorsOf = [](const std::string& text) { return *jobOfFlag("--color-by", {text}).companions.color_by; };
+  const std::filesystem::path folder = test::freshDirectory("colons");
+  const std::string file = (folder / "a:b.kiln").string();
+  std::filesystem::create_directory(file);
+  EXPECT_EQ(colorsOf(file), (ColorByChoice{file}));
+  EXPECT_EQ(colorsOf(file + ":fire"), (ColorByChoice{file, std::string("fire")}));
+  EXPECT_EQ(colorsOf("none.kiln:1:0,2:1").volume, "none.kiln");
+  EXPECT_EQ(colorsOf("phantom:brain:64x64x64"), ColorByChoice{"phantom:brain:64x64x64"});
+  EXPECT_EQ(colorsOf("phantom:brain:64x64x64:fire"), (ColorByChoice{"phantom:brain:64x64x64", std::string("fire")}));
+}
+
 // Keys and flags beside a look win, wherever they stand.
 TEST(Options, ALook_setsOptionsThatAreNotGiven) {
   const RenderJob studio = parseJob(

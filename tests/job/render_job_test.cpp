@@ -65,6 +65,15 @@ TEST(RenderJob, ReadsEveryKey) {
   EXPECT_FALSE(parseJob(R"({"kiln": 2, "volume": "a.kiln", "shareReads": false})", "job.json").share_reads);
 }
 
+TEST(RenderJob, ComputedVolumes_areInNoFolder) {
+  const RenderJob job = parseJob(R"({"kiln": 2, "volumes": [{"volume": "phantom:head:32x32x32"}, {"volume": "a.kiln",
+      "mask": {"volume": "phantom:body:32x32x32", "labels": [1]}}]})",
+                                 "jobs/job.json");
+  EXPECT_EQ(job.volume, "phantom:head:32x32x32");
+  EXPECT_EQ(job.volumes[1].volume, "jobs/a.kiln");
+  EXPECT_EQ(job.volumes[1].companions.mask->volume, "phantom:body:32x32x32");
+}
+
 TEST(RenderJob, WhatIsNotSaidKeepsItsDefault) {
   const RenderJob job = parseJob(R"({"kiln": 2, "volume": "/data/a.kiln"})", "jobs/job.json");
   EXPECT_EQ(job.volume, "/data/a.kiln");
