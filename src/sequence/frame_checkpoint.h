@@ -31,9 +31,9 @@ void requireCheckpoint(const RenderJob& job);
 
 /// Draws as OpenedJob::draw, tile by tile, with progress in pixels. The picture is not in memory: `tiles` of the result
 /// refers to the file, and the caller removes the file after writing the frame's files. With `resume`, kept tiles of
-/// the same frame are reused; tiles of another frame are replaced. Statistics cover the tiles drawn by the call.
+/// the same frame are reused. Statistics cover the tiles drawn by the call.
 /// throws: as OpenedJob::draw; kCancelled, with the way to resume; Error kExists if tiles of the frame exist and
-/// `resume` is false; kNoSpace, kIo.
+/// `resume` is false, or if the tiles are another frame's; kNoSpace, kIo.
 DrawnFrame drawInTiles(OpenedJob& opened, int frame, bool resume, Progress& progress);
 
 /// The finished tiles of a frame in their file. shape: the tiles are checkpointTiles(whole).
