@@ -11,6 +11,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "job/frame/frame_scene.h"
 #include "job/frame_list.h"
 #include "job/job_facts.h"
 #include "job/render_job.h"
@@ -176,7 +177,6 @@ TEST(Animation, WhatNothingLiesBetweenIsRefused) {
   const RenderJob turn =
       jobOf(R"("camera": {"keyframes": [{"frame": 1, "azimuth": 0}, {"frame": 2, "azimuth": 180}]})");
   EXPECT_THROW(cameraOf(turn, 1), Error);
-  const RenderJob mixed = jobOf(R"("camera": {"keyframes": [{"frame": 1, "projection": "perspective"},
   // Keys turn the shorter way: of half a turn there are two, and of more none that is meant.
   for (
       const char* wrong :
@@ -190,6 +190,7 @@ TEST(Animation, WhatNothingLiesBetweenIsRefused) {
   const RenderJob rolls = jobOf(R"("camera": {"view": "front", "keyframes": [{"frame": 1, "roll": 0},
       {"frame": 2, "roll": 120}, {"frame": 3, "roll": 240}, {"frame": 4, "roll": 360}]})");
   expectNear(glm::normalize(cameraOf(rolls, 2.5).up), -glm::normalize(cameraOf(rolls, 1).up), 1e-6, __LINE__);
+  const RenderJob mixed = jobOf(R"("camera": {"keyframes": [{"frame": 1, "projection": "perspective"},
                                                             {"frame": 2, "projection": "orthographic"}]})");
   EXPECT_THROW(cameraOf(mixed, 1), Error);
 }
@@ -200,6 +201,20 @@ TEST(Animation, LightsAndPlanesAreMixed) {
   EXPECT_EQ(mixed(a, b, 0.25), (std::vector<Light>{{LightKind::kPoint, {1, 0, 2}, {0.75, 1, 0.75}, 1.5}}));
   const std::vector<ClipPlane> low = {{{0, 0, 1}, 0}}, high = {{{0, 0, 1}, -8}};
   EXPECT_EQ(mixed(low, high, 0.5), (std::vector<ClipPlane>{{{0, 0, 1}, -4}}));
+}
+
+TEST(Animation, AtTheLastKey_lightsAndPlanesAreTheKeys) {
+  const RenderJob job = jobOf(R"("lights": {"keyframes": [
+      {"frame": 1, "lights": [{"type": "directional", "direction": [0, 0, 2]}]},
+      {"frame": 3, "lights": [{"type": "directional", "direction": [0, 3, 4]}]}]},
+    "clip": {"keyframes": [{"frame": 1, "planes": [{"normal": [0, 0, 1], "offset": 0}]},
+                           {"frame": 3, "planes": [{"normal": [0, 3, 4], "offset": 7}]}]})");
+  Manifest manifest;
+  manifest.levels.resize(1);
+  manifest.levels[0].geometry = box();
+  const FrameScene scene = SceneOfJob(job, manifest).at(3);
+  EXPECT_EQ(scene.picture.shading.lights, job.animation.lights.back().value);
+  EXPECT_EQ(scene.picture.clipping.planes, job.animation.clip.back().value);
 }
 
 TEST(Animation, LightsOfKeys_areThoseOfTheShadingOfAllFrames) {

@@ -402,7 +402,8 @@ FrameScene SceneOfJob::unframed(int frame) const {
   out.picture.background = backgroundOf(out.picture, out.transfer_function);
   const auto between = [&](const auto& keys) {
     const auto [i, t] = mixAt(KeyTimes(keys), frame);
-    return t == 0 ? keys[i].value : mixed(keys[i].value, keys[i + 1].value, t);
+    if (t == 0 || t == 1) return keys[t == 0 ? i : i + 1].value;
+    return mixed(keys[i].value, keys[i + 1].value, t);
   };
   if (!out.picture.annotations.text.empty())
     out.picture.annotations.text = filledIn(job_.picture.annotations.text, textsOfFrame(job_, frame, manifest()));
