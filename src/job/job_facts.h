@@ -36,6 +36,8 @@ bool moves(const RenderJob& job);
 std::vector<int> framesOf(const RenderJob& job);
 /// Returns the projection of all frames; keyframes have the same.
 Projection projectionOf(const RenderJob& job);
+/// Returns the size of a picture without a stated size.
+ImageSize defaultSize(const RenderJob& job);
 /// Returns the engine that draws the job.
 EngineChoice engineOf(const RenderJob& job);
 /// Returns whether nothing shows through the background.

@@ -90,6 +90,10 @@ void requireEngineOptions(const PictureOptions& picture) {
                                      picture.aovs, picture.coarser});
 }
 
+ImageSize defaultSize(const RenderJob& job) {
+  return projectionOf(job) == Projection::kEquirectangular ? kPanoramaSize : ImageSize();
+}
+
 Projection projectionOf(const RenderJob& job) {
   const auto* const path = std::get_if<CameraKeyframes>(&job.animation.camera);
   const std::optional<Projection> of_key = path ? path->keys.front().value.projection : std::nullopt;
@@ -202,9 +206,8 @@ RenderJob parseJob(const std::string& text, const fs::path& path) {
   if (!root.has("volume") && !root.has("volumes"))
     root.complain("volume", "is missing; a job names the store or volume file to draw");
   const auto image = root.object("image");
-  if (projectionOf(job) == Projection::kEquirectangular &&
-      !(image && (image->has("width") || image->has("height"))))
-    job.picture.size = kPanoramaSize;
+  job.states_size = image && (image->has("width") || image->has("height"));
+  if (!job.states_size) job.picture.size = defaultSize(job);
   return job;
 }
 

@@ -185,6 +185,7 @@ struct RenderJob {
   std::vector<VolumeOptions> volumes;
   Companions companions;  // masks and colors of `volume`, if alone
   PictureOptions picture;
+  bool states_size = false;        // else the picture's size is defaultSize
   std::optional<Quality> quality;  // some options of the picture are this quality's, and follow a change of the engine
   Animation animation;
   std::vector<int> frames;  // in the order of drawing; empty: all frames of the animation

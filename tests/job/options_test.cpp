@@ -177,7 +177,7 @@ RenderJob jobWithFlags(const std::string& body, const std::vector<std::pair<std:
     }
   }
   RenderJob job = parseJob(R"({"kiln": 2, "volume": "a.kiln")" + body + "}", "job.json");
-  applyGiven(given, true, job);
+  applyGiven(given, job);
   return job;
 }
 
@@ -191,6 +191,20 @@ TEST(Options, QualityOfAJob_isThatOfTheEngineOfTheFlags) {
   EXPECT_EQ(jobWithFlags(R"(, "quality": "draft", "mode": "mip")", {{"--mode", "composite"}}).picture.coarser, 1);
   EXPECT_THROW(jobWithFlags(best + R"(, "sampleDistance": 0.75)", {{"--mode", "mip"}}), Error);
   EXPECT_THROW(jobWithFlags(best, {{"--mode", "mip"}, {"--sample-distance", "0.25"}}), Error);
+}
+
+// The default size follows from the projection, wherever the job or a flag states it.
+TEST(Options, DefaultSizeOfAPanorama_isTwiceAsWide) {
+  const std::string panorama = R"("projection": "equirectangular")";
+  const auto sizeOf = [](const std::string& body, const std::vector<std::pair<std::string, std::string>>& texts) {
+    return jobWithFlags(body, texts).picture.size;
+  };
+  EXPECT_EQ(sizeOf("", {}), ImageSize());
+  EXPECT_EQ(sizeOf("", {{"--projection", "equirectangular"}}), kPanoramaSize);
+  EXPECT_EQ(sizeOf(R"(, "camera": {)" + panorama + "}", {}), kPanoramaSize);
+  EXPECT_EQ(sizeOf(R"(, "camera": {"keyframes": [{"frame": 1, )" + panorama + "}]}", {}), kPanoramaSize);
+  EXPECT_EQ(sizeOf(R"(, "camera": {)" + panorama + "}", {{"--projection", "perspective"}}), ImageSize());
+  EXPECT_EQ(sizeOf(R"(, "image": {"height": 1024})", {{"--projection", "equirectangular"}}), ImageSize());
 }
 
 // Known: the disk and the scheme of computed volumes tell where a file's name ends.

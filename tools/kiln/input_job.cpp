@@ -64,7 +64,7 @@ RenderJob jobOfInput(const std::string& input, const GivenFlags& flags, const Ad
     job.volume = input;
   }
   if (const auto name = flags.text("--tf")) transferFunctionNamed(*name, "--tf");
-  applyGiven(flags, isVolumeName(input), job);
+  applyGiven(flags, job);
   addVolumes(volumes.resolve(), flags, job);
   requireInterocularOfFiles(job);
   return job;

@@ -62,7 +62,7 @@ RenderJob jobOf(const std::filesystem::path& volume, const JobWords& words, cons
   RenderJob job = words.json.empty() ? RenderJob() : parseJob(words.json, {});
   job.volume = volume;
   const GivenFlags flags = givenFlags(words.flags);
-  applyGiven(flags, true, job);
+  applyGiven(flags, job);
   if (!words.function.empty()) job.picture.transfer_function = functionOf(words.function);
   addVolumes(more, flags, job);
   return job;

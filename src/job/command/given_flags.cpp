@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "job/job_facts.h"
-#include "job/job_names.h"
 #include "job/quality.h"
 
 namespace kiln {
@@ -82,7 +81,7 @@ void GivenFlags::apply(RenderJob& job) const {
   for (const auto& [flag, texts] : given_) flag->apply(texts, job);
 }
 
-void applyGiven(const GivenFlags& flags, bool of_volume, RenderJob& job) {
+void applyGiven(const GivenFlags& flags, RenderJob& job) {
   requireStillCamera(flags, job);
   requireStereo(flags, job.picture.stereo);
   replaceCamera(flags, job.picture.camera);
@@ -93,8 +92,7 @@ void applyGiven(const GivenFlags& flags, bool of_volume, RenderJob& job) {
     if (flags.has("--interocular")) key.value.interocular = job.picture.stereo->interocular;
     if (flags.has("--convergence")) key.value.convergence = job.picture.stereo->convergence;
   }
-  if (flags.text("--projection") == kProjectionNames[2] && !flags.has("--size") && of_volume)
-    job.picture.size = kPanoramaSize;
+  if (!job.states_size && !flags.has("--size")) job.picture.size = defaultSize(job);
   drawnPixels(job.picture.size, job.picture.crop);
   requireEngineOptions(job.picture);
 }

@@ -36,9 +36,9 @@ class GivenFlags {
   std::vector<Given> given_;
 };
 
-/// Replaces the given options of a job, and checks the picture. `of_volume`: the job is a volume without a job of its
-/// own. throws: Error kUsage for flags that contradict the job or one another.
-void applyGiven(const GivenFlags& flags, bool of_volume, RenderJob& job);
+/// Replaces the given options of a job, and checks the picture. throws: Error kUsage for flags that contradict the job
+/// or one another.
+void applyGiven(const GivenFlags& flags, RenderJob& job);
 
 /// Volumes beside the job's first, and the transfer functions of their first few.
 struct AddedVolumes {

@@ -17,6 +17,7 @@ enum class Projection { kPerspective, kOrthographic, kEquirectangular };
 /// unit: pixels.
 struct ImageSize {
   int width = 1024, height = 1024;
+  bool operator==(const ImageSize&) const = default;
 };
 
 /// Default size of a panorama.
