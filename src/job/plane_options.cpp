@@ -16,7 +16,6 @@ namespace kiln {
 namespace {
 
 constexpr NumberRange kFactor{0, 1};
-constexpr double kGreatest = 1e300;  // limit of values and gradients
 constexpr std::string_view kShareRange = "fraction";
 
 // Two limits, the first below the second.
@@ -98,9 +97,9 @@ const Options<GradientRegion>& gradientRegionOptions() {
   static const Options<GradientRegion> kOptions = {
       Row("shape", {KILN_MEMBER(shape), Word{kRegionShapeNames}, kAlways},
           "rectangle, or a triangle with its tip in the middle of the values at the least gradient."),
-      Row("values", limitsValue(&GradientRegion::values, {-kGreatest, kGreatest}), "Least and greatest value.",
+      Row("values", limitsValue(&GradientRegion::values, {-kLargestValue, kLargestValue}), "Least and greatest value.",
           kMissing),
-      Row("gradients", limitsValue(&GradientRegion::gradients, {0, kGreatest}),
+      Row("gradients", limitsValue(&GradientRegion::gradients, {0, kLargestValue}),
           "Least and greatest length of the gradient, in values per world unit.", kMissing),
       Row("opacity", {KILN_MEMBER(opacity), Number{kFactor, "", kShareRange}, kAlways},
           "Factor of the opacity of the points."),
@@ -120,9 +119,9 @@ const Options<GradientTable>& gradientTableOptions() {
   using Row = Option<GradientTable>;
   static const Options<GradientTable> kOptions = [] {
     Options<GradientTable> rows = {
-        Row("values", limitsValue(&GradientTable::values, {-kGreatest, kGreatest}),
+        Row("values", limitsValue(&GradientTable::values, {-kLargestValue, kLargestValue}),
             "Values of the first and the last column.", kMissing),
-        Row("gradients", limitsValue(&GradientTable::gradients, {0, kGreatest}),
+        Row("gradients", limitsValue(&GradientTable::gradients, {0, kLargestValue}),
             "Gradients of the first and the last row, in values per world unit.", kMissing),
         Row("columns", {KILN_MEMBER(columns), Whole{1, kMostTableEdge, "columns"}}, "Number of factors of a row."),
         Row("opacity", nodesValue(),

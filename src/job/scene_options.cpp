@@ -19,7 +19,7 @@ using enum OptionGroup;
 
 constexpr SharedRange kFraction{"fraction", {0, 1}}, kWeight{"weight", {0, 1000}}, kBrightness{"brightness", {0, 1e6}};
 constexpr SharedRange kLength{"length", {-kLongest, kLongest}}, kPositiveLength{"positiveLength", {0, kLongest, true}};
-constexpr NumberRange kVoxelValue{-1e300, 1e300};
+constexpr NumberRange kVoxelValue{-kLargestValue, kLargestValue};
 
 constexpr auto kSame = [](auto& value) -> auto& { return value; };
 

@@ -6,6 +6,8 @@
 
 namespace kiln {
 
+/// Greatest value and gradient in options: differences of values are finite.
+inline constexpr double kLargestValue = 1e300;
 inline constexpr std::size_t kMostLights = 64;
 inline constexpr int kMostShadowEdge = 4096;        // a map of so many pixels along each side has 1 GiB
 inline constexpr std::size_t kMostClipPlanes = 64;  // beside the six planes of a region in the world

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/nearest_word.h"
 #include "job/json/json_place.h"
+#include "scene/scene_limits.h"
 
 namespace kiln {
 namespace {
@@ -413,7 +414,7 @@ bool JobObject::fill(std::string_view key, std::string_view expected, const Lega
 namespace legal {
 bool length(double v) { return std::abs(v) <= kLongest; }
 bool fraction(double v) { return v >= 0 && v <= 1; }
-bool voxelValue(double v) { return std::abs(v) <= 1e300; }
+bool voxelValue(double v) { return std::abs(v) <= kLargestValue; }
 }  // namespace legal
 
 }  // namespace kiln

@@ -22,8 +22,8 @@ Error refused(const std::string& sentence) { return Error(ErrorCode::kUsage, "ca
 void requireSize(const ImageSize& size) {
   const auto legal = [](int side) { return side >= 1 && side <= kLargestSide_px; };
   if (legal(size.width) && legal(size.height)) return;
-  throw Error(ErrorCode::kUsage, "an image of " + std::to_string(size.width) + "x" + std::to_string(size.height) +
-                                     " pixels cannot be drawn; each side must be from 1 to 65536");
+  throw Error(ErrorCode::kUsage, fmt::format("an image of {}x{} pixels cannot be drawn; each side must be from 1 to {}",
+                                             size.width, size.height, kLargestSide_px));
 }
 
 double focalOf(const Camera& camera, const ImageSize& size) {

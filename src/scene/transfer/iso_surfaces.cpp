@@ -2,41 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <optional>
-#include <vector>
 
 #include "base/error.h"
 #include "base/text.h"
 #include "image/named_color.h"
 #include "scene/scene_limits.h"
+#include "scene/transfer/value_text.h"
 
 namespace kiln {
-namespace {
-
-constexpr double kLargestValue = 1e300;
-
-std::optional<IsoSurface> surfaceText(std::string_view text) {
-  const std::vector<std::string_view> parts = splitAt(text, ':');
-  if (parts.size() > 3) return std::nullopt;
-  IsoSurface out;
-  const std::optional<double> value = numberOf<double>(parts[0]);
-  if (!value || !(std::abs(*value) <= kLargestValue)) return std::nullopt;
-  out.value = *value;
-  if (parts.size() > 1) {
-    const std::optional<double> opacity = numberOf<double>(parts[1]);
-    if (!opacity || !(*opacity >= 0 && *opacity <= 1)) return std::nullopt;
-    out.opacity = *opacity;
-  }
-  if (parts.size() > 2) {
-    const std::optional<glm::dvec3> color = colorNamed(parts[2]);
-    if (!color) return std::nullopt;
-    out.color = *color;
-  }
-  return out;
-}
-
-}  // namespace
 
 TransferFunction isoSurfaces(std::string_view text) {
   const auto refuse = [&](const std::string& expected) {
@@ -44,7 +18,7 @@ TransferFunction isoSurfaces(std::string_view text) {
   };
   TransferFunction out;
   for (const std::string_view part : splitAt(text, ',')) {
-    const std::optional<IsoSurface> surface = surfaceText(part);
+    const std::optional<ValueText> surface = valueText(part);
     if (!surface)
       refuse(
           fmt::format("surfaces VALUE[:OPACITY[:COLOR]] separated by commas after iso:, such as iso:300, OPACITY "
@@ -53,7 +27,9 @@ TransferFunction isoSurfaces(std::string_view text) {
     if (!out.surfaces.empty() && !(out.surfaces.back().value < surface->value))
       refuse(fmt::format("surfaces in order of their values (found {} after {})", surface->value,
                          out.surfaces.back().value));
-    out.surfaces.push_back(*surface);
+    constexpr IsoSurface kDefault;
+    out.surfaces.push_back(
+        {surface->value, surface->color.value_or(kDefault.color), surface->opacity.value_or(kDefault.opacity)});
   }
   if (out.surfaces.size() > kMostIsoSurfaces)
     refuse(fmt::format("at most {} surfaces (found {})", kMostIsoSurfaces, out.surfaces.size()));

@@ -13,6 +13,7 @@
 #include "base/nearest_word.h"
 #include "base/text.h"
 #include "image/srgb.h"
+#include "scene/scene_limits.h"
 #include "scene/transfer/color_map.h"
 #include "scene/transfer/ct_presets.h"
 #include "scene/transfer/iso_surfaces.h"
@@ -216,7 +217,7 @@ TransferFunction automatic(const Manifest& manifest) {
 // Solid from the number `text` on. A ramp of a hundredth of the range suffices for shading without steps.
 TransferFunction solidFrom(std::string_view text, const Manifest& manifest) {
   const std::optional<double> number = numberOf<double>(text);
-  if (!number || !(std::abs(*number) <= 1e300))
+  if (!number || !(std::abs(*number) <= kLargestValue))
     throw Error(ErrorCode::kUsage,
                 "'solid:" + std::string(text) + "': expected a number after solid:, such as solid:300");
   const double value = *number;
