@@ -142,6 +142,31 @@ TEST(Surfaces, OfHugeAndTinyValues_lookTheSame) {
   }
 }
 
+// Values rise linearly, so that differences of all distances are the gradient. The surface ends at a gap of NaN.
+TEST(Surfaces, AreLitUpToAGap) {
+  const glm::dvec3 slope = glm::normalize(glm::dvec3(0.3, -1, 0.2));
+  constexpr std::int64_t kGap = 24;
+  const DenseVolume volume = fill({{41, 40, 42}, VoxelType::f32}, [&](auto i, auto j, auto k) {
+    return i >= kGap && i < kGap + 4 ? NAN : 20 - glm::dot(slope, glm::dvec3(i - 20.0, j - 20.0, k - 20.0)) * 10;
+  });
+  FrameRequest request = answerRequest(volume.geometry, {0.4, -0.8, 0.3}, Projection::kOrthographic, 160);
+  request.transfer_function = surfacesAt({{20}});
+  const Image image = draw(makeStore(volume, "gap", 16), request);
+  int beside = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const float depth = planeAt(image, "Z", x, y);
+      if (depth == kNoHit) continue;
+      const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
+      const glm::dvec3 at = ray.origin + alongOf(request.view, ray, depth) * ray.direction;
+      if (at.y < 2 || at.y > 37 || at.z < 2 || at.z > 39 || at.x < 2 || at.x > 38) continue;
+      EXPECT_LT(degreesBetween(normalAt(image, x, y), slope), 0.1) << at.x << " " << at.y << " " << at.z;
+      beside += at.x > kGap - 2 && at.x < kGap - 1 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(beside, 100);
+}
+
 // Between voxels of R² - r², the Catmull-Rom spline is exact and the B-spline averages over a variance of 1/3 along
 // each axis.
 TEST(Surfaces, OfCubicsAreTheSurfaceOfTheInterpolation) {

@@ -102,12 +102,10 @@ class LinearCellField {
           return bothFrom(of_first + at, of_last + at);
         };
         const auto of_row = [&](int dy) { return mix(d, row(dy, 0), row(dy, 1), z); };
-        const auto along_z = [&](int dy) {
-          return mix(d, hn::Sub(row(dy, 1), row(dy, -1)), hn::Sub(row(dy, 2), row(dy, 0)), z);
-        };
+        const auto along_z = [&](int dy) { return twiceSlope(d, row(dy, -1), row(dy, 0), row(dy, 1), row(dy, 2), z); };
         const auto before = of_row(-1), here = of_row(0), next = of_row(1), after = of_row(2);
         hn::Store(mix(d, here, next, y), d, s_.rows[1] + 4 * lane + i);
-        hn::Store(mix(d, hn::Sub(next, before), hn::Sub(after, here), y), d, s_.rows[2] + 4 * lane + i);
+        hn::Store(twiceSlope(d, before, here, next, after, y), d, s_.rows[2] + 4 * lane + i);
         hn::Store(mix(d, along_z(0), along_z(1), y), d, s_.rows[3] + 4 * lane + i);
       }
     }
@@ -121,8 +119,8 @@ class LinearCellField {
     hn::LoadInterleaved4(d, s_.rows[1] + 4 * i, before, here, next, after);
     hn::LoadInterleaved4(d, s_.rows[2] + 4 * i, unused, y_here, y_next, other);
     hn::LoadInterleaved4(d, s_.rows[3] + 4 * i, unused, z_here, z_next, other);
-    return {hn::Mul(half, mix(d, hn::Sub(next, before), hn::Sub(after, here), x)),
-            hn::Mul(half, mix(d, y_here, y_next, x)), hn::Mul(half, mix(d, z_here, z_next, x))};
+    return {hn::Mul(half, twiceSlope(d, before, here, next, after, x)), hn::Mul(half, mix(d, y_here, y_next, x)),
+            hn::Mul(half, mix(d, z_here, z_next, x))};
   }
 
   // a + t (b - a), exactly a if t is 0: a voxel without weight may be NaN.
@@ -135,6 +133,16 @@ class LinearCellField {
 
  private:
   static constexpr int kPlane = CellInput::kPlane;
+
+  // Interpolates central differences. Beside a gap, where one of them is NaN, the difference of the voxels around the
+  // sample takes their place: a surface is lit up to the gap.
+  template <class Tag, class Vec>
+  static HWY_INLINE Vec twiceSlope(Tag d, Vec before, Vec here, Vec next, Vec after, Vec t) {
+    const Vec out = mix(d, hn::Sub(next, before), hn::Sub(after, here), t);
+    if constexpr (!kGaps) return out;
+    const Vec within = hn::Sub(next, here);
+    return hn::IfThenElse(hn::Eq(out, out), out, hn::Add(within, within));
+  }
 
 #if HWY_MAX_BYTES < 16  // a vector holds one value
   static constexpr std::size_t kInterpolated = 1;
