@@ -49,13 +49,13 @@ const ShadowedLight* knownShadow(const FrameRequest& request, std::size_t i, con
   return known.light == light && known.place == standing(light, request.view).place ? &known : nullptr;
 }
 
-// Returns the parts of an earlier illumination, which may be null, that a frame would draw again.
-std::shared_ptr<Illumination> keptIllumination(const FrameRequest& request, const ShownExtent& extent,
-                                               const Illumination* earlier) {
+// Returns the parts of an earlier illumination, which may be null, that a frame of the scene would draw again.
+std::shared_ptr<Illumination> keptIllumination(const FrameRequest& request, ShadowScene scene,
+                                               const ShownExtent& extent, const Illumination* earlier) {
   const std::vector<Light>& lights = request.shading.lights;
   const AmbientOcclusion& occlusion = request.shading.occlusion;
   auto out = std::make_shared<Illumination>();
-  out->scene = shadowSceneOf(request);
+  out->scene = std::move(scene);
   out->lights.resize(lights.size());
   if (occlusion.strength > 0) out->ambient_radius = ambientRadius(occlusion, extent);
   if (earlier == nullptr || !(earlier->scene == out->scene)) return out;
@@ -139,10 +139,10 @@ std::shared_ptr<const Illumination> knownIllumination(const FrameRequest& reques
 void illuminate(BrickCache& cache, Progress& progress, FrameRequest& request, FrameStatistics& statistics) {
   if (request.illumination || !isIlluminated(request)) return;
   std::shared_ptr<const Illumination>* const last = request.last_illumination;
-  const LightDrawing drawing{cache, request, shownExtentOf(cache.stores(), shadowSceneOf(request).clippings), progress,
-                             statistics};
+  ShadowScene scene = shadowSceneOf(request);
+  const LightDrawing drawing{cache, request, shownExtentOf(cache.stores(), scene.clippings), progress, statistics};
   if (drawing.extent.corners.empty()) return;
-  const auto out = keptIllumination(request, drawing.extent, last != nullptr ? last->get() : nullptr);
+  const auto out = keptIllumination(request, std::move(scene), drawing.extent, last != nullptr ? last->get() : nullptr);
   // Frees the other parts before new parts take memory. A cancelled frame leaves its finished parts to the next frame.
   if (last != nullptr) *last = out;
   if (request.shading.occlusion.strength > 0 && !out->ambient) out->ambient = drawing.ambient(out->ambient_radius);

@@ -157,7 +157,7 @@ std::uint64_t illuminationBytes(const std::vector<const BrickedVolume*>& volumes
   for (const Light& light : shading.lights) {
     if (!castsShadows(shading, light)) continue;
     const int edge = shadowEdgeOf(light, extent, picture);
-    // The views of a far light have equal bounds for all directions.
+    // A light that moves may enter the volume. The views of a far light have equal bounds for all directions.
     const bool approaches = lights_move && !isFar(light.kind);
     std::size_t maps = 0;
     for (const std::vector<ShadowView>& point : shadowMapViews(light, View(), extent, edge))
