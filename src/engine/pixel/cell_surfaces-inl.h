@@ -104,9 +104,19 @@ class CellSurfaces {
   // Finds the turn of each piece that may cross a surface twice: the place of the value that is farthest beyond both
   // ends. The turn of each other piece is its end.
   HWY_NOINLINE void findTurns(std::size_t count) {
+    const std::size_t bent = keepBent(count);
+    if (bent > 0) moveToFarthest(bent);
+    for (std::size_t n = 0; n < bent; ++n) {
+      const auto piece = static_cast<std::size_t>(s_.index[n]);
+      s_.turn[piece] = s_.at[n], s_.value_turn[piece] = s_.excess[0][n];
+    }
+  }
+
+  // Keeps the pieces that may bend across a surface, with their middles as turns. Returns their number.
+  HWY_INLINE std::size_t keepBent(std::size_t count) {
     const D d;
     const DI di;
-    const V half = hn::Set(d, 0.5f), zero = hn::Zero(d);
+    const V half = hn::Set(d, 0.5f);
     for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
       const V begin = hn::Load(d, s_.begin + n), end = hn::Load(d, s_.end + n);
       hn::Store(end, d, s_.turn + n);
@@ -138,7 +148,15 @@ class CellSurfaces {
       hn::StoreU(packed(hn::Sub(twice, hn::Add(first, last))), d, s_.excess[1] + bent);
       bent += hn::CountTrue(d, turns);
     }
-    for (int part = 1; part < kParts && bent > 0; ++part) {
+    return bent;
+  }
+
+  // Moves the turns of bent pieces to the farthest of the values between their parts.
+  HWY_INLINE void moveToFarthest(std::size_t bent) {
+    const D d;
+    const DI di;
+    const V zero = hn::Zero(d);
+    for (int part = 1; part < kParts; ++part) {
       if (part == kParts / 2) continue;
       const V share = hn::Set(d, static_cast<float>(part) / kParts);
       const auto place = [&](std::size_t n) {
@@ -156,10 +174,6 @@ class CellSurfaces {
         hn::Store(hn::IfThenElse(farther, place(n), hn::Load(d, s_.at + n)), d, s_.at + n);
         hn::Store(hn::IfThenElse(farther, value, farthest), d, s_.excess[0] + n);
       }
-    }
-    for (std::size_t n = 0; n < bent; ++n) {
-      const auto piece = static_cast<std::size_t>(s_.index[n]);
-      s_.turn[piece] = s_.at[n], s_.value_turn[piece] = s_.excess[0][n];
     }
   }
 
