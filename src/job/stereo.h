@@ -16,7 +16,7 @@ inline bool drawsBothEyes(const std::optional<Stereo>& stereo) { return stereo &
 View resolve(const Camera& camera, const std::optional<Stereo>& stereo, const ImageSize& size);
 
 /// Returns whether the path has a place for the name of an eye: "%V", or "%v" for its first letter. An existing folder
-/// has none. requires: a pair, or an eye of a pair, is drawn; otherwise "%v" are letters.
+/// has none.
 bool hasEyePlace(const std::filesystem::path& pattern);
 /// Returns the path with "left" or "right" (or "l", "r") in each place for an eye. requires: one eye.
 std::filesystem::path pathOfEye(const std::filesystem::path& pattern, StereoEye eye);
