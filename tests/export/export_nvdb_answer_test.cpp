@@ -126,5 +126,24 @@ TEST_F(ExportNanoVdb, WhatItDoesNotHoldIsRefused) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
+// Stopped while the third tile is made. Tiles with and without zlib would make a set of both.
+TEST_F(ExportNanoVdb, TilesOfAnotherCompression_resumed_areRefused) {
+  struct StopAfterTile2 : Progress {
+    bool cancelled() const override { return fs::exists(tile_2); }
+    fs::path tile_2;
+  } stop;
+  const fs::path path = makeStore(fill({{40, 40, 20}, VoxelType::u8}, [](auto...) { return 5; }), "nano", 16);
+  const StoreReader store(path);
+  ExportRequest request{.out = directory_ / "t_#.nvdb", .compress = true, .tiles = 4};
+  stop.tile_2 = fs::path(request.out.string() + ".partial") / "t_2.nvdb.txt";
+  EXPECT_THROW(exportStore(store, request, stop), Error);
+  ASSERT_TRUE(fs::exists(stop.tile_2));
+  request.resume = true;
+  request.compress = false;
+  expectError([&] { exportStore(store, request, silent_); }, ErrorCode::kExists, "is an unfinished export of");
+  request.compress = true;
+  EXPECT_NO_THROW(exportStore(store, request, silent_));
+}
+
 }  // namespace
 }  // namespace kiln::test

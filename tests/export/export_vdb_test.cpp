@@ -76,6 +76,16 @@ class ExportVdb : public ::testing::Test {
     const StoreReader store(directory_ / "s.kiln");
     return exportVdb(store, exportedVolume(store, 0, {}), request, silent_);
   }
+  // Stops while the third tile of t_# is made.
+  void interruptTiles(const StoreReader& store, const ExportRequest& request) {
+    struct StopLate : Progress {
+      bool cancelled() const override { return fs::exists(second) && --left < 0; }
+      fs::path second;
+      mutable int left = 2;
+    } stop;
+    stop.second = fs::path(request.out.string() + ".partial") / ("t_2" + request.out.extension().string() + ".txt");
+    EXPECT_THROW(exportStore(store, request, stop), Error);
+  }
   fs::path out() const { return directory_ / "out.vdb"; }
   test::ScratchDirectory directory_;
   Progress silent_;
@@ -427,19 +437,13 @@ TEST_F(ExportVdb, TilesLieSideBySide) {
 
 // Stopped while the third tile is made: no tile has its name, and two are kept, and not made again.
 TEST_F(ExportVdb, TilesAreResumed) {
-  struct StopLate : Progress {
-    bool cancelled() const override { return fs::exists(second) && --left < 0; }
-    fs::path second;
-    mutable int left = 2;
-  } stop;
   makeStore<std::int16_t>(directory_ / "s.kiln", denseInfo(VoxelType::i16, {53, 49, 21}), denseValue<std::int16_t>);
   const StoreReader store(directory_ / "s.kiln");
   ExportRequest request;
   request.out = directory_ / "t_#.vdb";
   request.tiles = 4;
   const fs::path partial = request.out.string() + ".partial";
-  stop.second = partial / "t_2.vdb.txt";
-  EXPECT_THROW(exportStore(store, request, stop), Error);
+  interruptTiles(store, request);
   EXPECT_FALSE(fs::exists(directory_ / "t_1.vdb"));
   ASSERT_TRUE(fs::exists(partial / "t_2.vdb"));
   EXPECT_FALSE(fs::exists(partial / "t_3.vdb"));
@@ -469,6 +473,21 @@ TEST_F(ExportVdb, TilesAreResumed) {
   request.resume = true;
   request.out = out();
   EXPECT_THROW(exportStore(store, request, silent_), Error);
+}
+
+// Known because the bricks of both stores have equal bytes and checksums, and labels are grids of another type.
+TEST_F(ExportVdb, TilesOfAnotherStoreOfEqualBricks_resumed_areRefused) {
+  SourceInfo info = denseInfo(VoxelType::i16, {53, 49, 21});
+  makeStore<std::int16_t>(directory_ / "s.kiln", info, denseValue<std::int16_t>);
+  info.volume_class = VolumeClass::kLabels;
+  makeStore<std::int16_t>(directory_ / "l.kiln", info, denseValue<std::int16_t>);
+  const StoreReader values(directory_ / "s.kiln"), labels(directory_ / "l.kiln");
+  ASSERT_EQ(values.manifest().index_checksum, labels.manifest().index_checksum);
+  ExportRequest request = {.out = directory_ / "t_#.vdb", .tiles = 4};
+  interruptTiles(values, request);
+  request.resume = true;
+  test::expectError([&] { exportStore(labels, request, silent_); }, ErrorCode::kExists, "is an unfinished export of");
+  EXPECT_NO_THROW(exportStore(values, request, silent_));
 }
 
 TEST_F(ExportVdb, RefusesAnExistingFileAndReplacesItWhenTold) {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <glm/gtc/type_ptr.hpp>
+#include <span>
 
 #include "base/error.h"
 #include "grid/shared_world.h"
@@ -32,6 +34,16 @@ ExportedVolume exportedVolume(const StoreReader& store, int level, const std::op
   const glm::dvec3 origin = geometry.worldOf({out.box.lo.x, out.box.lo.y, out.box.lo.z});
   out.geometry.world_from_index[3] = glm::dvec4(origin, 1);
   return out;
+}
+
+std::string identityOf(const StoreReader& store, const ExportedVolume& volume) {
+  const VoxelBox& box = volume.box;
+  const VolumeGeometry& place = volume.geometry;
+  return fmt::format("index {}, {} {}, background {}, level {}, {},{},{} to {},{},{}, at {}, unit {}, frame {}",
+                     toHex(store.manifest().index_checksum), nameOf(volume.type), static_cast<int>(volume.volume_class),
+                     volume.background, volume.level, box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z,
+                     fmt::join(std::span(glm::value_ptr(place.world_from_index), 16), " "), place.unit,
+                     static_cast<int>(place.frame));
 }
 
 glm::dmat4 affineIn(PatientFrame frame, const VolumeGeometry& geometry) {

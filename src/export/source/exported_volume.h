@@ -31,6 +31,10 @@ struct ExportedVolume {
 /// the store has the level. throws: Error kUsage if the region holds nothing of the volume.
 ExportedVolume exportedVolume(const StoreReader& store, int level, const std::optional<VoxelBox>& region);
 
+/// Returns a text that identifies the voxels of a part of a store, and their place. Exports of equal texts and options
+/// are equal.
+std::string identityOf(const StoreReader& store, const ExportedVolume& volume);
+
 /// Returns the affine of a world whose axes have the directions of `frame`. An unknown frame, given or wanted, changes
 /// nothing.
 glm::dmat4 affineIn(PatientFrame frame, const VolumeGeometry& geometry);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <glm/gtc/type_ptr.hpp>
+#include <span>
 #include <sstream>
 #include <vector>
 
@@ -12,6 +14,8 @@
 #include "export/output/pending_folder.h"
 #include "export/source/numbered_name.h"
 #include "export/source/output_place.h"
+#include "export/vdb/grid_archive.h"
+#include "export/vdb/grid_placement.h"
 #include "export/vdb/vdb_tiles.h"
 
 namespace kiln {
@@ -28,17 +32,19 @@ std::string functionText(const TransferFunction& function) {
   return out;
 }
 
+std::string gridText(const GridPlacement& place) {
+  return fmt::format("grid {} from {},{},{} at {}", toHex(hashOf(place.name)), place.origin.x, place.origin.y,
+                     place.origin.z, fmt::join(std::span(glm::value_ptr(place.world_from_grid), 16), " "));
+}
+
 // An unfinished export must have the tiles of the finished export.
 std::string contentsText(const StoreReader& store, const ExportedVolume& whole, const VdbRequest& request, int tiles) {
-  const VoxelBox& box = whole.box;
   const VdbValues& values = request.values;
-  return fmt::format(
-      "kiln export 2, {} tiles of {}, index {}, level {}, {},{},{} to {},{},{}, type {}, background {}, tolerance {}, "
-      "function {}\n",
-      tiles, request.out.extension().string(), toHex(store.manifest().index_checksum), whole.level, box.lo.x, box.lo.y,
-      box.lo.z, box.hi.x, box.hi.y, box.hi.z, static_cast<int>(values.type),
-      values.background ? fmt::format("{}", *values.background) : "of the store", values.tolerance,
-      request.baked ? toHex(hashOf(functionText(*request.baked))) : "none");
+  return fmt::format("kiln export 3, {} tiles of {}, {}, {}, type {}, background {}, tolerance {}, function {}\n",
+                     tiles, request.archive.name(), identityOf(store, whole),
+                     gridText(placementOf(store, whole.level, request.out)), static_cast<int>(values.type),
+                     values.background ? fmt::format("{}", *values.background) : "of the store", values.tolerance,
+                     request.baked ? toHex(hashOf(functionText(*request.baked))) : "none");
 }
 
 class TileFolder {

@@ -182,6 +182,7 @@ class OpenVdbArchive final : public GridArchive {
     requireBloscMemory(kLargestLeaf);
     Writer().write(grids, file);
   }
+  const char* name() const override { return "OpenVDB"; }
   std::uint64_t copies() const override { return 1; }
 
  private:

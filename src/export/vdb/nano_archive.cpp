@@ -51,6 +51,7 @@ class NanoVdbArchive final : public GridArchive {
     nanovdb::io::writeGrids<nanovdb::HostBuffer, std::vector>(
         file, handles, compress_ ? nanovdb::io::Codec::ZIP : nanovdb::io::Codec::NONE);
   }
+  const char* name() const override { return compress_ ? "NanoVDB by zlib" : "NanoVDB"; }
   // The grid of NanoVDB beside the grid of OpenVDB; zlib compresses to a buffer of the whole grid.
   std::uint64_t copies() const override { return compress_ ? 3 : 2; }
 

@@ -4,10 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
-#include <glm/gtc/type_ptr.hpp>
-#include <map>
 #include <span>
 
 #include "base/file/path_name.h"
@@ -53,14 +50,7 @@ std::vector<ExportedVolume> exportedPyramid(const ExportTarget& target, const Ex
 
 // An unfinished export must have the voxels of the finished export.
 std::string contentsText(const ExportTarget& target, const ExportedVolume& volume) {
-  const VoxelBox& box = volume.box;
-  const VolumeGeometry& place = volume.geometry;
-  return fmt::format(
-      "kiln export 3, OME-Zarr, index {}, {} {}, background {}, level {}, {},{},{} to {},{},{}, at {}, unit {}, frame "
-      "{}",
-      toHex(target.store.manifest().index_checksum), nameOf(volume.type), static_cast<int>(volume.volume_class),
-      volume.background, volume.level, box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z,
-      fmt::join(std::span(glm::value_ptr(place.world_from_index), 16), " "), place.unit, static_cast<int>(place.frame));
+  return "kiln export 3, OME-Zarr, " + identityOf(target.store, volume);
 }
 
 void requireReplaceable(const ExportTarget& target) {
