@@ -402,6 +402,26 @@ TEST_F(ExportVdb, ATransferFunctionIsBakedIntoDensityAndColour) {
   EXPECT_THROW(written({.out = out(), .overwrite = true, .baked = function}), Error);
 }
 
+// Opacity 1/2 in a length u is the density ln(2) / u: 69315 for u = 1e-5, and infinite in floats for u = 1e-39.
+TEST_F(ExportVdb, DensitiesThatAFileCannotHoldAreRefused) {
+  for (const auto& value : std::vector<std::function<double(int)>>{[](int x) { return x; }, [](int) { return 7; }}) {
+    makeStore<std::uint8_t>(directory_ / "s.kiln", denseInfo(VoxelType::u8, {20, 9, 9}),
+                            [&](auto x, auto, auto) { return value(static_cast<int>(x)); });
+    TransferFunction function = {1e-5, {{0, glm::dvec3(1), 0}, {1, glm::dvec3(1), 0.5}}};
+    VdbRequest request = {.out = out(), .values = {.type = VdbType::kHalf}, .baked = function};
+    test::expectError([&] { written(request); }, ErrorCode::kUsage,
+                      "--type: densities must be at most 65504 (found a larger value); write --type float");
+    EXPECT_FALSE(fs::exists(out()));
+    request.values = {};
+    EXPECT_NO_THROW(written(request));
+    request.overwrite = true;
+    request.baked->unit = 1e-39;
+    test::expectError([&] { written(request); }, ErrorCode::kUsage, "--tf: densities must be at most 3.40282e+38");
+    fs::remove(out());
+    fs::remove_all(directory_ / "s.kiln");
+  }
+}
+
 // Each active voxel of the whole is active in exactly one tile, with its value.
 TEST_F(ExportVdb, TilesLieSideBySide) {
   const Extent3 dims = {53, 49, 21};

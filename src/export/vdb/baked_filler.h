@@ -4,6 +4,8 @@
 
 #include <openvdb/tools/Prune.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -33,6 +35,7 @@ class BakedFiller {
   /// requires: the function has a unit of length.
   BakedFiller(const TransferFunction& function, VdbType type, const GridPlacement& place)
       : function_(function),
+        type_(type),
         place_(place),
         density_(newGrid<openvdb::FloatGrid>(0)),
         color_(newGrid<openvdb::Vec3SGrid>(openvdb::Vec3f(0))) {
@@ -54,6 +57,7 @@ class BakedFiller {
   void fill(const VoxelBox& box, double constant) {
     const Baked baked = of(static_cast<T>(constant));
     if (baked.density == 0) return;
+    largest_density_ = std::max(largest_density_, baked.density);
     const openvdb::CoordBBox all(place_.of(box.lo), place_.of({box.hi.x - 1, box.hi.y - 1, box.hi.z - 1}));
     density_->sparseFill(all, baked.density, true);
     color_->sparseFill(all, baked.color, true);
@@ -65,6 +69,7 @@ class BakedFiller {
     forEachVoxel<T>(block, part, [&](const VoxelCoord& at, T voxel) {
       const Baked baked = of(voxel);
       if (baked.density == 0) return;
+      largest_density_ = std::max(largest_density_, baked.density);
       densities.setValueOn(place_.of(at), baked.density);
       colors.setValueOn(place_.of(at), baked.color);
     });
@@ -84,7 +89,12 @@ class BakedFiller {
     if (border_) border_->fill(*color_);
     return grids();
   }
-  double largestError() const { return 0; }
+  /// Infinite if the file cannot hold a density; else 0.
+  double largestError() const {
+    const bool too_large =
+        type_ == VdbType::kHalf ? openvdb::math::half(largest_density_).isInfinity() : std::isinf(largest_density_);
+    return too_large ? std::numeric_limits<double>::infinity() : 0;
+  }
 
  private:
   openvdb::GridPtrVec grids() const { return {density_, color_}; }
@@ -102,10 +112,12 @@ class BakedFiller {
   }
 
   const TransferFunction& function_;
+  VdbType type_;
   const GridPlacement& place_;
   openvdb::FloatGrid::Ptr density_;
   openvdb::Vec3SGrid::Ptr color_;
   std::optional<ColorBorder> border_;
+  float largest_density_ = 0;
   std::vector<Baked> table_;  // of types of 8 and 16 bits
 };
 

@@ -137,8 +137,12 @@ class TreeCharge {
 
 // Refuses values that a grid of floats cannot hold, in the words of the largest value that it can.
 [[noreturn]] void refuseBeyond(const VdbRequest& request, double most, const std::string& found) {
+  if (request.baked && request.values.type != VdbType::kHalf)
+    throw Error(ErrorCode::kUsage, request.out, "--tf",
+                fmt::format("densities must be at most {:g} (found {}); choose a function with a larger unit of length",
+                            most, found));
   throw Error(ErrorCode::kUsage, request.out, "--type",
-              fmt::format("values must be at most {:g} (found {}); {}", most, found,
+              fmt::format("{} must be at most {:g} (found {}); {}", request.baked ? "densities" : "values", most, found,
                           request.values.type == VdbType::kHalf ? "write --type float" : "leave --type out"));
 }
 
