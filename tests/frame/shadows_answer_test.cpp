@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "frame/light/illuminate.h"
+#include "frame/light/shadow_views.h"
 #include "image/compare.h"
 #include "store/store_reader.h"
 #include "support/reference/contact_sheet.h"
@@ -161,6 +162,45 @@ TEST(Shadows, OfABallDoNotFallOnItsLitSide) {
   std::printf("  light lost: %.4f rms, %.3f at most\n", std::sqrt(squares / pixels), darkest);
   EXPECT_LT(std::sqrt(squares / pixels), 0.001);
   EXPECT_LT(darkest, 0.01);
+}
+
+// A light that turns by a billionth changes no picture. Rounding made some maps a pixel longer, with all pixels moved
+// by half a pixel; one of eight directions had such a map.
+TEST(Shadows, OfALightThatHardlyTurnsStay) {
+  const DenseVolume bar = fill({{kEdge, kEdge, kEdge}, VoxelType::u8},
+                               [](auto x, auto, auto z) { return z < 16 || (z >= 48 && z < 52 && x >= 32) ? 200 : 0; });
+  const auto store = makeStore(bar, "bar", 32);
+  FrameRequest request = floorRequest(0.1);
+  request.shading.shadows = true;
+  Image first;
+  for (int i = 0; i < 40; ++i) {
+    request.shading.lights = {directional(glm::dvec3(0.3 + 1e-9 * i, 0.2, 1))};
+    const Image image = draw(store, request);
+    if (i == 0) first = image;
+    float most = 0;
+    for (std::size_t k = 0; k < image.rgba.size(); ++k) most = std::max(most, std::abs(image.rgba[k] - first.rgba[k]));
+    EXPECT_LT(most, 1e-3f) << i;
+  }
+}
+
+// The middle of the box is always at the same place of a pixel, and the longest edge is as required.
+TEST(Shadows, OfLightsThatTurnKeepThePlaceOfTheirPixels) {
+  const VolumeGeometry box{{90, 70, 50}};
+  const auto corners = box.corners();
+  const glm::dvec3 middle = 0.5 * (corners.front() + corners.back());
+  for (const int edge_px : {kLeastShadowEdge, 255, 512}) {
+    for (int i = 0; i < 300; ++i) {
+      const glm::dvec3 towards(std::cos(0.01 * i), std::sin(0.01 * i), 0.3);
+      const ShadowView map = shadowViews(directional(towards), corners, edge_px).front();
+      const ImageSize& size = map.view.size;
+      EXPECT_EQ(std::max(size.width, size.height), edge_px);
+      EXPECT_EQ((size.width - size.height) % 2, 0);
+      const glm::dvec3 seen(map.view.view_from_world * glm::dvec4(middle, 1));
+      const glm::dvec2 at_px = map.view.centre_px + map.view.focal_px * glm::dvec2(seen);
+      EXPECT_NEAR(at_px.x, 0.5 * size.width, 1e-6);
+      EXPECT_NEAR(at_px.y, 0.5 * size.height, 1e-6);
+    }
+  }
 }
 
 // A bar of width 8 at height h above the floor casts a penumbra of width 2 h tan(angle / 2).

@@ -19,6 +19,8 @@ constexpr int kMargin_px = 2;
 constexpr double kWidestMap = 1.5;
 // Least ratio of the nearest to the farthest depth of a single map around a point light.
 constexpr double kNearestShare = 0.05;
+// Parts of pixels that are rounding.
+constexpr double kRounding_px = 1e-6;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 // A view without size, from `at` along `forward`.
@@ -36,13 +38,17 @@ View viewAlong(const glm::dvec3& at, const glm::dvec3& forward) {
 }
 
 // Fits the rectangle from `lo` to `hi` of the plane at depth 1 (perspective) or of the view (parallel) into the map.
+// Both edges are even or odd as `edge_px` is, so that the middle of the rectangle is always at the same place of a
+// pixel: rounding, or an edge that becomes a pixel longer, would move all pixels of a light that turns by half a pixel.
 void fit(const glm::dvec2& lo, const glm::dvec2& hi, int edge_px, View& view) {
   const glm::dvec2 extent = hi - lo;
-  view.focal_px = (edge_px - 2 * kMargin_px) / std::max(extent.x, extent.y);
-  const auto pixels = [&](double length) {
-    return std::max(static_cast<int>(std::ceil(length * view.focal_px)), 1) + 2 * kMargin_px;
+  const int within_px = edge_px - 2 * kMargin_px;
+  view.focal_px = within_px / std::max(extent.x, extent.y);
+  const auto edgeOf = [&](double length) {
+    const int spared = static_cast<int>(0.5 * (within_px - length * view.focal_px) + kRounding_px);
+    return edge_px - 2 * std::clamp(spared, 0, (within_px - 1) / 2);
   };
-  view.size = {pixels(extent.x), pixels(extent.y)};
+  view.size = {edgeOf(extent.x), edgeOf(extent.y)};
   view.centre_px = 0.5 * glm::dvec2(view.size.width, view.size.height) - 0.5 * view.focal_px * (lo + hi);
 }
 
