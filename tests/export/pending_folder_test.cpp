@@ -89,6 +89,18 @@ TEST_F(PendingFolderMovesOut, AllFiles_replaceOlderFiles) {
   EXPECT_FALSE(fs::exists(folder_ / "out.partial"));
 }
 
+// Links to a file, and to a name that is free.
+TEST_F(PendingFolderMovesOut, Links_stayAndTheirTargetsAreReplaced) {
+  fs::create_directories(folder_ / "kept");
+  writeText(folder_ / "kept" / "old_a.txt", "old");
+  fs::create_symlink("kept/old_a.txt", folder_ / "a.txt");
+  fs::create_symlink("kept/new_c.txt", folder_ / "c.txt");
+  moveOutOn(FileSystem::real());
+  for (const char* name : {"a.txt", "c.txt"}) EXPECT_TRUE(fs::is_symlink(folder_ / name)) << name;
+  for (const char* name : {"kept/old_a.txt", "b.txt", "kept/new_c.txt"}) EXPECT_EQ(textOf(name), "new") << name;
+  EXPECT_FALSE(fs::exists(folder_ / "out.partial"));
+}
+
 // Where a disk cannot exchange names, b.txt takes three renames: c.txt is the fifth.
 TEST_F(PendingFolderMovesOut, AfterAFailure_bothTheOldAndTheNewFilesAreThere) {
   for (const int failing : {1, 2, 3, 4, 5}) {

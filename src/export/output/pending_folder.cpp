@@ -71,24 +71,27 @@ PendingFolder::~PendingFolder() {
 void PendingFolder::moveOut(const std::vector<fs::path>& files) {
   sync();
   // Names are exchanged, so that a failure can exchange them back: the folder holds the replaced files until its end.
-  const auto own = [&](const fs::path& file) { return path_ / file.filename(); };
-  std::vector<fs::path> moved, replaced;
+  struct Move {
+    fs::path own, place;
+  };
+  std::vector<Move> moved, replaced;
   try {
     for (const fs::path& file : files) {
-      if (!isNameTaken(file)) {
-        disk_.rename(own(file), file);
-        moved.push_back(file);
+      const Move move{path_ / file.filename(), behindLinks(file)};
+      if (!isNameTaken(move.place)) {
+        disk_.rename(move.own, move.place);
+        moved.push_back(move);
       } else {
-        exchangeNames(own(file), file);
-        replaced.push_back(file);
+        exchangeNames(move.own, move.place);
+        replaced.push_back(move);
       }
     }
   } catch (...) {
     std::error_code ignored;
-    for (const fs::path& file : moved) fs::rename(file, own(file), ignored);
-    for (const fs::path& file : replaced) {
+    for (const auto& [own, place] : moved) fs::rename(place, own, ignored);
+    for (const auto& [own, place] : replaced) {
       try {
-        exchangeNames(own(file), file);
+        exchangeNames(own, place);
       } catch (const Error&) {
         kept_ = true;  // the older file is in the folder
       }

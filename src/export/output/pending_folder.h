@@ -39,8 +39,9 @@ class PendingFolder {
   /// where the disk can. throws: Error kIo, kNoSpace.
   void publish();
   /// Brings all files onto the disk and moves the files named like `files` to `files`, together: after a failure all
-  /// are in the folder again, and replaced files have their names. The destructor removes the folder with the replaced
-  /// files; after a failure only if it was not kept. throws: Error kIo, kNoSpace.
+  /// are in the folder again, and replaced files have their names. A link stays, and its target is replaced, which must
+  /// be on the same disk. The destructor removes the folder with the replaced files; after a failure only if it was not
+  /// kept. throws: Error kIo, kNoSpace.
   void moveOut(const std::vector<std::filesystem::path>& files);
 
  private:
