@@ -455,6 +455,21 @@ TEST_F(ExportVdb, TilesLieSideBySide) {
   EXPECT_THROW(exportStore(store, request, silent_), Error);
 }
 
+// The fifth tile of the earlier export would lie in the volume a second time.
+TEST_F(ExportVdb, TilesBesideATileOfAnEarlierExport_areRefused) {
+  makeStore<std::int16_t>(directory_ / "s.kiln", denseInfo(VoxelType::i16, {53, 49, 21}), denseValue<std::int16_t>);
+  const StoreReader store(directory_ / "s.kiln");
+  ExportRequest request = {.out = directory_ / "t_#.vdb", .overwrite = true, .tiles = 4};
+  exportStore(store, request, silent_);
+  EXPECT_NO_THROW(exportStore(store, request, silent_));
+  test::writeBytes(directory_ / "t_5.vdb", {1});
+  test::expectError([&] { exportStore(store, request, silent_); }, ErrorCode::kExists,
+                    "t_5.vdb: would be taken for one of these 4 tiles");
+  fs::rename(directory_ / "t_5.vdb", directory_ / "t_02.vdb");
+  test::expectError([&] { exportStore(store, request, silent_); }, ErrorCode::kExists, "t_02.vdb: would be taken");
+  EXPECT_FALSE(fs::exists(directory_ / "t_#.vdb.partial"));
+}
+
 // Stopped while the third tile is made: no tile has its name, and two are kept, and not made again.
 TEST_F(ExportVdb, TilesAreResumed) {
   makeStore<std::int16_t>(directory_ / "s.kiln", denseInfo(VoxelType::i16, {53, 49, 21}), denseValue<std::int16_t>);

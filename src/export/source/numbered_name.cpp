@@ -25,6 +25,11 @@ std::string NumberedName::name(std::int64_t number) const {
   return fmt::format("{}{:0{}}{}", before_, number, width_, behind_);
 }
 
+bool NumberedName::isOther(const std::string& other, std::int64_t first, std::int64_t end) const {
+  const std::optional<std::int64_t> number = numberIn(other);
+  return number && (*number < first || *number >= end || name(*number) != other);
+}
+
 std::optional<std::int64_t> NumberedName::numberIn(const std::string& name) const {
   if (name.size() <= before_.size() + behind_.size() || !name.starts_with(before_) || !name.ends_with(behind_))
     return std::nullopt;

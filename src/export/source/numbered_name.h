@@ -20,6 +20,8 @@ class NumberedName {
   std::filesystem::path path(std::int64_t number) const { return folder_ / name(number); }
   /// Returns the number in a name of the pattern, of any width; nothing for other names.
   std::optional<std::int64_t> numberIn(const std::string& name) const;
+  /// True if a name has the pattern, but is the name of no number from `first` up to `end`, which is outside.
+  bool isOther(const std::string& name, std::int64_t first, std::int64_t end) const;
 
  private:
   std::filesystem::path folder_;

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <optional>
 #include <vector>
 
 #include "base/error.h"
@@ -28,9 +27,8 @@ void refuseOtherSlices(const ExportTarget& target, const NumberedName& names, st
   requireOutsideStores(names.path(0));
   forEachEntry(folder, [&](const fs::directory_entry& entry) {
     const std::string name = entry.path().filename().string();
-    const std::optional<std::int64_t> number = names.numberIn(name);
-    if (!number) return Walk::kGoOn;
-    if (*number >= slices || names.name(*number) != name)
+    if (!names.numberIn(name)) return Walk::kGoOn;
+    if (names.isOther(name, 0, slices))
       throw Error(
           ErrorCode::kExists, entry.path(), "",
           fmt::format("would be taken for a slice of this stack of {}; move it, or name another output", slices));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/file/folder.h"
 #include "base/file/path_status.h"
 #include "base/hash.h"
 #include "export/output/pending_folder.h"
@@ -79,6 +80,17 @@ class TileFolder {
   PendingFolder folder_;
 };
 
+// Tiles of an earlier export into more tiles would lie in the volume a second time.
+void refuseOtherTiles(const fs::path& out, int tiles) {
+  const NumberedName names(out);
+  forEachEntry(names.folder().empty() ? "." : names.folder(), [&](const fs::directory_entry& entry) {
+    if (names.isOther(entry.path().filename().string(), 1, tiles + 1))
+      throw Error(ErrorCode::kExists, entry.path(), "",
+                  fmt::format("would be taken for one of these {} tiles; move it, or name another output", tiles));
+    return Walk::kGoOn;
+  });
+}
+
 }  // namespace
 
 VdbReport exportTiles(const StoreReader& store, const ExportedVolume& whole, const VdbRequest& request,
@@ -88,6 +100,7 @@ VdbReport exportTiles(const StoreReader& store, const ExportedVolume& whole, con
     names.push_back(pathOfTile(request.out, tile));
     requirePlace(store, names.back(), request.overwrite, disk);
   }
+  refuseOtherTiles(request.out, choices.tiles);
   const std::vector<ExportedVolume> tiles = tilesOf(whole, choices.tiles, request.out);
   TileFolder folder(request.out, contentsText(store, whole, request, choices.tiles),
                     leftoverFor(choices.resume, request.overwrite), disk);

@@ -14,8 +14,8 @@ struct TileChoices {
 };
 
 /// Writes `whole` as tiles with the name `request.out`, which has # in place of the number. The bound of memory counts
-/// for each tile. The report is the sum of all tiles. throws: as tilesOf, PendingFolder and exportVdb; after an error
-/// whole tiles stay in the folder NAME.partial.
+/// for each tile. The report is the sum of all tiles. throws: as tilesOf, PendingFolder and exportVdb; kExists if the
+/// folder has a further file of the pattern; after an error whole tiles stay in the folder NAME.partial.
 VdbReport exportTiles(const StoreReader& store, const ExportedVolume& whole, const VdbRequest& request,
                       const TileChoices& choices, Progress& progress, FileSystem& disk);
 
