@@ -346,6 +346,15 @@ TEST_F(ExportVdb, ValuesThatAGridCannotHoldAreRefused) {
   EXPECT_FALSE(fs::exists(out()));
 }
 
+// 2^63 is the first number beyond 64 bits with a sign, and no double lies between it and 2^63 - 1024.
+TEST_F(ExportVdb, BackgroundBeyondWholeNumbersOf64Bits_isRefused) {
+  makeStore<std::uint32_t>(directory_ / "s.kiln", denseInfo(VoxelType::u32, {9, 9, 9}), denseValue<std::uint32_t>);
+  for (const double background : {0x1p63, -0x1p63, 0.5})
+    test::expectError([&] { written({.out = out(), .values = {.background = background}}); }, ErrorCode::kUsage,
+                      "--background");
+  EXPECT_NO_THROW(written({.out = out(), .values = {.background = 0x1p63 - 1024}}));
+}
+
 // An infinity stays as it is, and hides no value that a float cannot hold: 1e300 lies in the second brick.
 TEST_F(ExportVdb, InfinitiesAreFloats) {
   const double inf = std::numeric_limits<double>::infinity();

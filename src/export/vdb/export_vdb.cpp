@@ -235,7 +235,10 @@ void requireValuesFit(const Manifest& manifest, const VdbRequest& request) {
     refuseBeyond(request, most, fmt::format("{:g}", largest));
   if (!values.background) return;
   const bool whole = std::is_floating_point_v<Value> || *values.background == std::floor(*values.background);
-  if (!whole || !(std::abs(*values.background) <= most))
+  // The largest number of 64 bits is no double, and `most` is the next larger double.
+  const bool rounded_up = std::is_same_v<Value, std::int64_t>;
+  const double size = std::abs(*values.background);
+  if (!whole || !(rounded_up ? size < most : size <= most))
     throw Error(ErrorCode::kUsage, request.out, "--background",
                 fmt::format("must be a value of the grid (found {:g})", *values.background));
 }
