@@ -151,9 +151,11 @@ ExportReport exportNanoVdb(const ExportParts& parts) {
   return exportGrids(nanoVdbArchive(parts.request.compress), parts);
 }
 
-/// The options of a format beside the options of all formats.
+/// The options and contents of a format beside those of all formats.
 struct FormatOptions {
   bool compresses = false, resumes = false, holds_grids = false, holds_half = false;
+  /// True if the format has words for a DeclaredLook.
+  bool holds_look = false;
 };
 
 struct ExportFormat {
@@ -172,7 +174,7 @@ constexpr ExportFormat kExportFormats[] = {
     {".raw", exportBoxes<openRawWriter>},
     {".tif", exportBoxes<openTiffWriter>},
     {".tiff", exportBoxes<openTiffWriter>},
-    {".zarr", exportOmeZarr, {.resumes = true}},
+    {".zarr", exportOmeZarr, {.resumes = true, .holds_look = true}},
     {".nvdb", exportNanoVdb, {.compresses = true, .holds_grids = true}},
     {".vdb", exportOpenVdb, {.holds_grids = true, .holds_half = true}},
 };
@@ -224,7 +226,11 @@ void requireExportFormat(const ExportRequest& request) { exportFormatOf(request)
 
 ExportReport exportStore(const StoreReader& store, const ExportRequest& request, Progress& progress) {
   if (request.region) noteCutRegion(store, request, progress);
-  return exportFormatOf(request).write({store, request, progress, chosenDisk(request.disk)});
+  const ExportFormat& format = exportFormatOf(request);
+  ExportReport out = format.write({store, request, progress, chosenDisk(request.disk)});
+  if (!store.manifest().look.empty() && !format.takes.holds_look && !request.baked)
+    progress.note(request.out.string() + ": the format has no place for the window or the colours of the source");
+  return out;
 }
 
 }  // namespace kiln

@@ -582,6 +582,32 @@ TEST_F(ExportStore, RegionBeyondTheVolume_isANoteWithTheBox) {
   EXPECT_EQ(noteFor({{0, 0, 0}, {19, 17, 18}}), "");
 }
 
+// Known because the manifest states the look, and OME-Zarr alone has words for it.
+TEST_F(ExportStore, DeclaredLook_exported_comesBackFromZarrAndIsANoteElsewhere) {
+  DeclaredLook window, colors;
+  window.ramp = DeclaredLook::Ramp{-2.5, 1000, {255, 128, 3}};
+  colors.labels = {{0, {1, 2, 3, 0}}, {7, {255, 0, 9}}};
+  for (const DeclaredLook& look : {window, colors}) {
+    const bool labels = !look.labels.empty();
+    const fs::path path = makeStore(noise({{20, 9, 9}, VoxelType::u16}, 7, {0, 9}), "look", kSmallBrick, labels);
+    Manifest manifest = readManifest(path);
+    manifest.format = kFormatVersion;
+    manifest.look = look;
+    writeText(path / "manifest.json", manifestText(manifest));
+    const StoreReader with_look(path);
+    for (const char* name : {"v.zarr", "v.nrrd"}) {
+      Notes notes;
+      ExportRequest request;
+      request.out = directory_ / name;
+      request.overwrite = true;
+      exportStore(with_look, request, notes);
+      const bool keeps = request.out.extension() == ".zarr";
+      EXPECT_EQ(openSource(request.out, {})->info().look, keeps ? look : DeclaredLook());
+      EXPECT_EQ(notes.all.find("no place for the window or the colours") == std::string::npos, keeps) << notes.all;
+    }
+  }
+}
+
 // OpenVDB has neither; a volume without both loses nothing.
 TEST_F(ExportStore, UnitFrameAndBoxThatGridsLack_areANote) {
   ExportRequest request;

@@ -3,6 +3,7 @@
 // Source: ngff.openmicroscopy.org, version 0.5; zarr-specs, docs/v3/core.
 #include "export/zarr/ome_metadata.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 
 #include "base/text.h"
 #include "export/zarr/blosc_pack.h"
+#include "grid/declared_look.h"
 
 namespace kiln {
 namespace {
@@ -115,6 +117,29 @@ ordered_json axesJson(const VolumeGeometry& geometry, ExportNotes& notes) {
   return out;
 }
 
+// The colours of labels, as numbers from 0 to 255.
+ordered_json colorsJson(const std::vector<DeclaredLook::Label>& labels) {
+  ordered_json out = ordered_json::array();
+  for (const auto& [label, color] : labels)
+    out.push_back({{"label-value", label}, {"rgba", {color.red, color.green, color.blue, color.alpha}}});
+  return out;
+}
+
+// The window and the colour of the single channel, as OMERO writes them. The slider of a window ends at `min` and
+// `max`.
+ordered_json omeroJson(const DeclaredLook::Ramp& ramp, const OmeTitle& title) {
+  const auto bounded = [](double end, double slider) { return std::isfinite(slider) ? slider : end; };
+  return {{"channels",
+           {{{"label", utf8OfName(title.name)},
+             {"color", textOf(ramp.color).substr(1)},
+             {"active", true},
+             {"window",
+              {{"min", std::min(ramp.begin, bounded(ramp.begin, title.range.lo))},
+               {"max", std::max(ramp.end, bounded(ramp.end, title.range.hi))},
+               {"start", ramp.begin},
+               {"end", ramp.end}}}}}}};
+}
+
 template <class T>
 ordered_json fillJson(T value) {
   if constexpr (std::is_floating_point_v<T>) {
@@ -163,6 +188,8 @@ std::string omeGroupText(const std::vector<ExportedVolume>& volumes, const OmeTi
                          {"datasets", datasets},
                          {"type", labels ? "mode" : "mean"}}}}};
   if (labels) ome["image-label"] = {{"version", "0.5"}};
+  if (labels && !title.look.labels.empty()) ome["image-label"]["colors"] = colorsJson(title.look.labels);
+  if (!labels && title.look.ramp) ome["omero"] = omeroJson(*title.look.ramp, title);
   ordered_json out = {{"zarr_format", 3}, {"node_type", "group"}, {"attributes", {{"ome", ome}}}};
   out[kContentsAt] = title.contents;
   return out.dump(2) + "\n";

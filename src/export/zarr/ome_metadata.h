@@ -17,9 +17,12 @@ inline constexpr std::uint64_t kLargestOmeHeader = 16 << 20;
 /// Returns the paths of the arrays that the header of an OME-Zarr image lists; none for other texts.
 std::vector<std::string> omeArrays(const std::string& header);
 
-/// Name of an image, and the description of its export. Equal exports have equal descriptions.
+/// Name of an image, the description of its export, and the look and the range of its values. Equal exports have equal
+/// descriptions.
 struct OmeTitle {
   std::string name, contents;
+  DeclaredLook look;
+  ValueRange range;
 };
 
 /// Returns the description of the export that wrote the header of an image; empty for other texts.

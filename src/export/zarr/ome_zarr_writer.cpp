@@ -65,7 +65,10 @@ class OmeZarrWriter : public VolumeWriter {
   OmeZarrWriter(const ExportTarget& target, const ExportedVolume& finest, ExportNotes& notes)
       : target_(target),
         volumes_(exportedPyramid(target, finest)),
-        group_text_(omeGroupText(volumes_, {nameOfImage(target.out), contentsText(target, finest)}, notes)),
+        group_text_(omeGroupText(volumes_,
+                                 {nameOfImage(target.out), contentsText(target, finest), target.store.manifest().look,
+                                  target.store.manifest().range},
+                                 notes)),
         folder_(target.out, contentsText(target, finest) + "\n", leftoverFor(target.resume, target.overwrite),
                 target.disk) {
     background_.resize(inflatedChunkBytes(finest.type));
