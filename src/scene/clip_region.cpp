@@ -205,12 +205,15 @@ ClipRegion::Overlap ClipRegion::classify(const VoxelBox& voxels) const noexcept 
 
 const glm::vec3* ClipRegion::cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept {
   const glm::vec3* gradient = nullptr;
+  const bool eye = to_eye != glm::dvec3(0);
   double nearest = std::numeric_limits<double>::infinity();
   const auto compare = [&](const std::vector<HalfSpace>& faces) {
     for (const HalfSpace& h : faces) {
       const double inside = glm::dot(h.normal, index) + h.offset;
-      if (!(inside < h.voxel) || !(inside * h.world_distance < nearest) || !facesEye(h.normal, to_eye)) continue;
-      nearest = inside * h.world_distance;
+      if (!(inside < h.voxel) || !facesEye(h.normal, to_eye)) continue;
+      const double distance = eye ? inside / -glm::dot(h.normal, to_eye) : inside * h.world_distance;
+      if (!(distance < nearest)) continue;
+      nearest = distance;
       gradient = &h.gradient;
     }
   };

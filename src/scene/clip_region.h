@@ -4,7 +4,9 @@
 // Shading. Within a voxel of a face, samples are lit by the face's normal, so that a cut looks flat. The distance is a
 // whole voxel, because only then is there a layer of voxels to show the face, wherever it runs between voxels. The
 // border of the volume is lit as a face, too: beyond the border there are no values, and gradients at the border are
-// noise. A face that looks away from the eye lights nothing: a ray that leaves through the face would show a dark line.
+// noise. Beside two faces, the face through which the ray entered lights the sample, so that an edge between faces is
+// as sharp as the picture; by the shortest distance, samples would alternate along the edge with the period of the
+// slabs. A face that looks away from the eye lights nothing: a ray that leaves through the face would show a dark line.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -74,11 +76,11 @@ class ClipRegion {
   /// Cosine of the angle to the eye below which a face counts as seen edge-on.
   static constexpr double kEdgeOn = 1e-6;
 
-  /// Returns the shading gradient of a sample that lies less than a voxel's extent (along the normal) inside a face:
-  /// or inside the volume's border: the normal of the nearest such face, in the level's index space, of any positive
-  /// length; null if there is no such face. `to_eye`: direction in the level's index space; faces that look away from
-  /// the eye, or are seen edge-on, light no sample; 0: all faces do. requires: a part of the sample at `index` is
-  /// inside.
+  /// Returns the shading gradient of a sample that lies less than a voxel's extent (along the normal) inside a face
+  /// or inside the volume's border: the normal of the face that is nearest towards the eye, in the level's index
+  /// space, of any positive length; null if there is no such face. `to_eye`: direction in the level's index space;
+  /// faces that look away from the eye, or are seen edge-on, light no sample; 0: all faces do, and distances are along
+  /// their normals. requires: a part of the sample at `index` is inside.
   const glm::vec3* cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye = glm::dvec3(0)) const noexcept;
 
  private:

@@ -45,7 +45,7 @@ std::array<double, 2> depthsInside(const PixelRay& ray, const Extent3& dims) {
 }
 
 // Composites a pixel's samples one after another, in doubles. The first and the last sample end at the volume's
-// boundary.
+// boundary. A ray between the middles of two slabs has one sample.
 class SamplesAlone {
  public:
   SamplesAlone(const DenseVolume& volume, const FrameRequest& request, const StoreReader& store)
@@ -61,8 +61,8 @@ class SamplesAlone {
   std::array<double, 4> composited(int x, int y) const;
 
  private:
-  // Returns the world normal of the nearest face of the volume less than a voxel away that looks at the eye, else the
-  // gradient. `ray`: from the eye, in index space.
+  // Returns the world normal of the volume's nearest face towards the eye less than a voxel away, else the gradient.
+  // `ray`: from the eye, in index space.
   glm::dvec3 normalAt(const glm::dvec3& index, const glm::dvec3& ray) const {
     const glm::dmat3 world_from_gradient = glm::transpose(glm::inverse(glm::dmat3(volume_.geometry.world_from_index)));
     glm::dvec3 out = world_from_gradient * field_.gradient(index);
@@ -71,7 +71,7 @@ class SamplesAlone {
       if (ray[axis] == 0) continue;
       const auto edge = static_cast<double>(volume_.geometry.dims[axis]);
       const double inside = ray[axis] > 0 ? index[axis] + 0.5 : edge - 0.5 - index[axis];
-      const double distance = inside / glm::length(world_from_gradient[axis]);
+      const double distance = inside / std::abs(ray[axis]);
       if (inside < 1 && distance < nearest) nearest = distance, out = world_from_gradient[axis];
     }
     return out;
@@ -107,6 +107,7 @@ std::array<double, 4> SamplesAlone::composited(int x, int y) const {
       if (middle >= inside[0] && middle < inside[1]) slabs.push_back({near, near + zone.thickness});
     }
   }
+  if (slabs.empty() && inside[0] < inside[1]) slabs.push_back(inside);
   const glm::dvec2 across = (glm::dvec2(x + 0.5, y + 0.5) - projector.centre()) / projector.focal();
   const double oblique = projector.perspective() ? std::sqrt(1 + glm::dot(across, across)) : 1;
   std::array<double, 4> out{};

@@ -30,8 +30,8 @@ class BorderSlopes {
     Vector slope;
     M on_face;
   };
-  // Replaces the gradients of samples less than a voxel inside the volume's border by the normal of the nearest face
-  // that looks at the eye, as ClipRegion::cutGradient does.
+  // Replaces the gradients of samples less than a voxel inside the volume's border by the normal of the face that is
+  // nearest towards the eye, as ClipRegion::cutGradient does.
   HWY_NOINLINE Slopes replaced(const CellPlaces::Where& w, const Sight& sight, Vector slope) const {
     const D d;
     const V far = hn::Set(d, CellPlaces::kFar);
@@ -51,7 +51,7 @@ class BorderSlopes {
       const V inside =
           hn::Min(hn::IfThenElse(hn::Gt(away, hn::Set(d, edge_on)), hn::Sub(at, from_anchor(-0.5)), far),
                   hn::IfThenElse(hn::Lt(away, hn::Set(d, -edge_on)), hn::Sub(from_anchor(r_.volume_hi[a]), at), far));
-      const V distance = hn::Mul(inside, hn::Set(d, l_.layer_height[a]));
+      const V distance = hn::Div(inside, hn::Max(hn::Abs(away), hn::Set(d, edge_on)));
       const M lit = hn::And(hn::Lt(inside, hn::Set(d, 1.0f)), hn::Lt(distance, nearest));
       nearest = hn::IfThenElse(lit, distance, nearest);
       on_face = hn::Or(on_face, lit);

@@ -15,6 +15,7 @@
 #include <hwy/highway.h>
 
 #include "engine/pixel/border_slopes-inl.h"
+#include "engine/pixel/cell_chords-inl.h"
 #include "engine/pixel/cell_faces-inl.h"
 #include "engine/pixel/cell_field-inl.h"
 #include "engine/pixel/cell_rays-inl.h"
@@ -57,6 +58,7 @@ class CellCaster {
 
   void run() {
     if (in_.on_face) castFaces();
+    if (in_.at_edge && l_.surfaces == 0) castChords();
     const auto cast = [this](std::size_t count) { castFound(count); };
     const RayParts parts = l_.surfaces > 0 ? RayParts::kPieces : RayParts::kMiddles;
     CellRays<decltype(cast)>(p_, r_, in_, tile_, s_, parts, cast).run(field_.shown());
@@ -99,6 +101,13 @@ class CellCaster {
         blendAll();
       lightAll();
     });
+  }
+
+  // Draws the rays that cross the volume between the middles of slabs. They have no other sample in the volume.
+  HWY_NOINLINE void castChords() {
+    p_.useChords(true);
+    CellChords(p_, r_, in_, s_).find([this](std::size_t count) { castFound(count); });
+    p_.useChords(false);
   }
 
   // Draws the points on cut faces, the first samples of their rays.
@@ -642,7 +651,7 @@ class CellCaster {
   const bool places_;     // positions and gradients of samples are kept
   const bool derives_;    // gradients of samples are kept
   const bool slopes_;     // light needs gradients that are not kept
-  const CellPlaces p_;
+  CellPlaces p_;
   const BorderSlopes border_;
   Field field_;
   MaskSamples mask_;

@@ -38,6 +38,7 @@ struct CellInput {
   PixelRect rect;                          // pixels of the tile that the cell may touch
   PixelRect bounds;                        // pixels that the cell may touch in a picture of any size
   bool at_end = false;                     // the cell is at an end of the volume
+  bool at_edge = false;                    // the cell is at two ends of the volume or more
   bool at_border = false;                  // samples may be less than a voxel inside the volume's border
   bool in_pairs = false;                   // one sample may cover two slabs
   bool gaps = false;                       // the cell's voxels may be NaN

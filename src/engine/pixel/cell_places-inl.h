@@ -83,11 +83,19 @@ class CellPlaces {
     };
     const VI slab = hn::ShiftRight<kSlabBits>(hn::And(code, hn::Set(di, kPair - 1)));
     const M pair = hn::RebindMask(d, hn::Gt(code, hn::Set(di, kPair - 1)));
-    return {at(hn::And(code, mask), in_.rect.x0, r_.centre_x),
-            at(hn::And(hn::ShiftRight<kPixelBits>(code), mask), in_.rect.y0, r_.centre_y),
-            hn::Add(at(slab, 0, -r_.middle), hn::IfThenElseZero(pair, hn::Set(d, 0.5f))),
-            hn::Add(hn::Set(d, 1.0f), hn::IfThenElseZero(pair, hn::Set(d, 1.0f)))};
+    Where out{at(hn::And(code, mask), in_.rect.x0, r_.centre_x),
+              at(hn::And(hn::ShiftRight<kPixelBits>(code), mask), in_.rect.y0, r_.centre_y),
+              hn::Add(at(slab, 0, -r_.middle), hn::IfThenElseZero(pair, hn::Set(d, 0.5f))),
+              hn::Add(hn::Set(d, 1.0f), hn::IfThenElseZero(pair, hn::Set(d, 1.0f)))};
+    if (HWY_UNLIKELY(chords_)) {
+      const Span chord = inVolume(out);
+      out.t = hn::Mul(hn::Set(d, 0.5f), hn::Add(chord.enter, chord.leave));
+      out.slabs = hn::Sub(chord.leave, chord.enter);
+    }
+    return out;
   }
+  // Decodes samples as the middles of their rays' chords in the volume from now on; not their slabs' (CellChords).
+  void useChords(bool use) { chords_ = use; }
   // Order of operations as in CellRays, so that a sample lies exactly on its ray.
   HWY_INLINE static V linear(const RaySampling::Linear& l, int axis, const Where& w) {
     const D d;
@@ -149,14 +157,24 @@ class CellPlaces {
         cut(place, step, r_.faceAt(a, in_.part->lo[a]), r_.faceAt(a, in_.part->hi[a]), enter, leave);
     }
   }
+  // The rays' spans inside the volume, empty if enter >= leave. unit: slabs from the middle slab.
+  struct Span {
+    V enter, leave;
+  };
+  HWY_INLINE Span inVolume(const Where& w) const {
+    const D d;
+    Span out{hn::Set(d, -kFar), hn::Set(d, kFar)};
+    for (int a = 0; a < 3; ++a)
+      cut(linear(r_.place, a, w), linear(r_.step, a, w), r_.faceAt(a, -0.5), r_.faceAt(a, r_.volume_hi[a]), out.enter,
+          out.leave);
+    return out;
+  }
   // Length of the ray that a sample stands for. The first and the last sample of a ray in the volume also stand for the
   // remainder up to the volume's faces. The tests for first and last equal those of CellRays. unit: slabs.
   HWY_INLINE V partOf(const Where& w) const {
+    if (HWY_UNLIKELY(chords_)) return w.slabs;
     const D d;
-    V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
-    for (int a = 0; a < 3; ++a)
-      cut(linear(r_.place, a, w), linear(r_.step, a, w), r_.faceAt(a, -0.5), r_.faceAt(a, r_.volume_hi[a]), enter,
-          leave);
+    const auto [enter, leave] = inVolume(w);
     const V half = hn::Set(d, 0.5f), one = hn::Set(d, 1.0f), middle = hn::Set(d, r_.middle);
     const V own = hn::Mul(w.slabs, half), near = hn::Sub(hn::Add(w.t, half), own),
             far = hn::Sub(hn::Add(w.t, own), half);
@@ -190,6 +208,7 @@ class CellPlaces {
   const CellInput& in_;
   const std::ptrdiff_t first_pixel_, row_pixels_;  // first pixel of the cell's rectangle in the tile; distance of rows
   float* const rgba_;
+  bool chords_ = false;  // samples are the middles of chords
 };
 
 }  // namespace

@@ -73,14 +73,16 @@ class RayCaster {
     if (!(context_.table().ofLabels() ? loadLabelsOf(box, in) : loadValuesOf(box, values, in))) return;
     if (!loadMaskOf(box, in)) return;
     loadColorsOf(box, in);
+    int ends = 0;
     for (int a = 0; a < 3; ++a) {
       const bool last = box.hi[a] == context_.dims()[a];
       in.lo[a] = static_cast<float>(box.lo[a] - rays_.anchor[a]) - 1.0f;
       in.corner[a] = static_cast<double>(box.lo[a]) - 0.5;
       in.end[a] = last ? rays_.volume_hi[a] : static_cast<double>(box.hi[a]) - 0.5;
-      in.at_end = in.at_end || last || box.lo[a] == 0;
+      ends += (last ? 1 : 0) + (box.lo[a] == 0 ? 1 : 0);
       in.at_border = in.at_border || box.lo[a] == 0 || in.end[a] > rays_.volume_hi[a] - 1;
     }
+    in.at_end = ends > 0, in.at_edge = ends > 1;
     in.bounds = seen.cell->rect;
     // A cut of a surface has no face.
     if (context_.table().ofSurfaces()) in.at_border = false;

@@ -67,8 +67,6 @@ SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, co
   if (zone.intervals && !table.ofLabels() && !table.ofSurfaces()) out.integral = table.integral();
   out.plane = planeOf(table, projector);
   out.least_interval = table.leastInterval();
-  for (int axis = 0; axis < 3; ++axis)
-    out.layer_height[axis] = 1 / glm::length(projector.viewFromIndexGradient()[axis]);
   out.light = plainLight(look.shading, look.gradients, projector);
   out.light.phong = out.light.phong && !detailed;
   if (!detailed && look.shading.phong && !isPlain(look.shading)) out.lights = &look.shader;

@@ -34,7 +34,10 @@ struct Face {
   glm::dvec3 world_normal;  // normal in world space, transformed like a gradient; any length
 
   double at(const glm::dvec3& index) const { return glm::dot(normal, index) + offset; }
-  double distance(const glm::dvec3& index) const { return at(index) / glm::length(world_normal); }
+  /// Distance from a point to the face towards the eye; infinite if the face is seen edge-on.
+  double distance(const glm::dvec3& index, const glm::dvec3& to_eye) const {
+    return at(index) / -glm::dot(world_normal, to_eye);
+  }
   /// Extent of a voxel's cube along the normal.
   double voxel() const { return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z); }
 };
@@ -188,14 +191,15 @@ struct Normal {
   bool of_face = false;  // its sign has no meaning
 };
 
-/// Returns the normal at a sample: of the nearest face (of the clipping or of the volume) less than a voxel away that
-/// looks at the eye, else of the gradient, out of matter; zero if there is none.
+/// Returns the normal at a sample: of the nearest face towards the eye, of the clipping or of the volume, less than a
+/// voxel away, else of the gradient, out of matter; zero if there is none.
 Normal normalAt(const Scene& scene, const glm::dvec3& index, const glm::dvec3& to_eye) {
   const Face* nearest = nullptr;
   for (const std::vector<Face>* faces : {&scene.faces, &scene.border}) {
     for (const Face& face : *faces) {
       if (glm::dot(face.world_normal, to_eye) > 0) continue;
-      if (face.at(index) < face.voxel() && (!nearest || face.distance(index) < nearest->distance(index)))
+      if (face.at(index) < face.voxel() &&
+          (!nearest || face.distance(index, to_eye) < nearest->distance(index, to_eye)))
         nearest = &face;
     }
   }

@@ -34,7 +34,7 @@ struct ReferenceSettings {
   /// Skips transparent blocks without sampling, which changes no bit of the picture.
   bool skip_empty = true;
   /// Rays end exactly at the faces of the clipping. Within a voxel of a face (its extent along the normal), or of the
-  /// volume's border, the normal of the face is used.
+  /// volume's border, the normal of the face is used; of several, the normal of the nearest towards the eye.
   Clipping clipping = {};
   Interpolation interpolation = Interpolation::kLinear;
   /// Height over a sample's surface at which layers begin to shadow the sample. unit: world.

@@ -40,7 +40,6 @@ struct SampleLattice {
     glm::mat3 rows_from_slope{1};  // a vector of a gradient's length in rows. unit: rows per (value per voxel)
     float unit = 1;                // length that opacities refer to. unit: world
   } plane;
-  glm::vec3 layer_height{1};  // distance of adjacent layers of voxels across each axis. unit: world
   // Values of iso-surfaces, less the table's offset, in ascending order, and the opacity of each; 0: samples are
   // classified.
   int surfaces = 0;
