@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/thread/parallel.h"
@@ -174,6 +175,30 @@ TEST(ColorBy, HiddenVoxelsColourNoSurfaceOfAMaskOrLabel) {
       EXPECT_EQ(other, 0) << named;
     }
   }
+}
+
+// Labels of a segmentation by a threshold end at the iso-surface of the threshold: one voxel beside each point of the
+// surface has the label 2, and the nearest voxel may have none.
+TEST(ColorBy, LabelsColourTheSurfaceAtWhichTheyEnd) {
+  const VolumeShape shape{{40, 40, 40}, VoxelType::u8};
+  const auto valueAt = [](auto x, auto y, auto z) {
+    return std::clamp(100 + 20 * (13.4 - glm::distance(glm::dvec3(x, y, z), glm::dvec3(19.3, 19.6, 19.8))), 0.0, 200.0);
+  };
+  const DenseVolume volume = fill(shape, valueAt);
+  const DenseVolume labels = fill(shape, [&](auto x, auto y, auto z) { return valueAt(x, y, z) >= 100 ? 2 : 0; });
+  const Path store = makeStore(volume, "volume", 16), of_labels = makeStore(labels, "labels", 16, true);
+  FrameRequest request;
+  request.view = resolve(cameraFrom(volume.geometry, {-0.3, -1, 0.4}, Projection::kPerspective), kColorSize);
+  request.transfer_function.surfaces = {{100, glm::dvec3(1, 0, 0), 1}};
+  request.shading.phong = false;
+  TransferFunction function;
+  function.labels = {{2, "", glm::dvec3(0, 0, 1), 1}};
+  request.colors = colorsByFunction(function, labels);
+  const Image image = drawColored(store, of_labels, request);
+  double red = 0, blue = 0;
+  for (std::size_t at = 0; at < image.rgba.size(); at += 4) red += image.rgba[at], blue += image.rgba[at + 2];
+  EXPECT_GT(blue, 500);
+  EXPECT_EQ(red, 0);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "engine/pixel/cast_rays_in_cell.h"
 #include "engine/pixel/cell_field-inl.h"
@@ -75,36 +76,40 @@ class SampleColors {
   HWY_INLINE float companionPlaceAt(std::size_t sample) const {
     const float place =
         l_.color_nearest ? nearestOf(in_.color_places, sample) : interpolatedAt(in_.color_places, s_, sample);
-    if ((in_.mask == nullptr && in_.labels == nullptr) || (!l_.color_nearest && place == place)) return place;
-    return shownPlaceAt(sample, place);
+    const bool some_hidden = in_.mask != nullptr || in_.labels != nullptr, has_value = place == place;
+    const bool stays = l_.color_nearest ? has_value && !some_hidden : has_value || !some_hidden;
+    return stays ? place : placeBeside(sample, place);
   }
 
   // The surface of a mask or a label lies between shown and hidden voxels, and hidden voxels have other labels or no
-  // values. Returns the place of the nearest shown voxel if one of the eight around the sample is hidden, else `place`.
-  HWY_NOINLINE float shownPlaceAt(std::size_t sample, float place) const {
+  // values. A surface also lies between voxels with and without labels where a segmentation ends at the surface.
+  // Returns the place of the nearest voxel that counts if one of the eight around the sample does not, else `place`. A
+  // voxel counts if it is shown and, in a volume of labels, its label has a colour.
+  HWY_NOINLINE float placeBeside(std::size_t sample, float place) const {
     const std::int32_t offset = s_.offset[sample];
-    const auto shows = [&](int at) {
-      return in_.labels != nullptr ? in_.labels[offset + at] >= 0 : in_.mask[offset + at] > 0;
-    };
     const float* const places = in_.color_places + offset;
+    const auto counts = [&](int at) {
+      if (l_.color_nearest && places[at] != places[at]) return false;
+      return in_.labels != nullptr ? in_.labels[offset + at] >= 0 : in_.mask == nullptr || in_.mask[offset + at] > 0;
+    };
     const auto away = [&](int axis, bool next) {
       const float f = s_.fraction[axis][sample], distance = next ? 1 - f : f;
       return distance * distance;
     };
-    float nearest = place, least = 4;  // above all squared distances
-    bool hides = false;
+    float nearest = std::numeric_limits<float>::quiet_NaN(), least = 4;  // above all squared distances
+    bool all_count = true;
     // From the last on: of equally near voxels the later, as nearestOf.
     for (int corner = 7; corner >= 0; --corner) {
       const bool x = (corner & 1) != 0, y = (corner & 2) != 0, z = (corner & 4) != 0;
       const int at = (z ? CellInput::kPlane : 0) + (y ? kPatchStride : 0) + (x ? 1 : 0);
-      if (!shows(at)) {
-        hides = true;
+      if (!counts(at)) {
+        all_count = false;
         continue;
       }
       const float distance = away(0, x) + away(1, y) + away(2, z);
       if (distance < least) least = distance, nearest = places[at];
     }
-    return hides ? nearest : place;
+    return all_count ? place : nearest;
   }
 
   // The voxel of a patch that is nearest to a sample.
