@@ -188,6 +188,37 @@ TEST(Masks, ShowTheirLengthOfAUniformMedium) {
   }
 }
 
+// The lower half of a ball is seen from the side. An iso-surface has no thickness: each of its points has the light and
+// the normal that it has without the mask.
+TEST(Masks, OfASurfaceLeaveTheLightOfWhatTheyShow) {
+  const VolumeShape shape{{40, 40, 40}, VoxelType::u8};
+  const DenseVolume volume = fill(shape, [](auto x, auto y, auto z) {
+    return std::clamp(100 + 20 * (13.4 - glm::distance(glm::dvec3(x, y, z), glm::dvec3(19.3, 19.6, 19.8))), 0.0, 200.0);
+  });
+  const DenseVolume lower = fill(shape, [](auto, auto, auto z) { return z < 20 ? 1 : 0; });
+  const Path store = makeStore(volume, "volume", 16), mask = makeStore(lower, "lower", 16, true);
+  FrameRequest request;
+  request.view = resolve(cameraFrom(volume.geometry, {0, -1, 0}, Projection::kOrthographic), kMaskSize);
+  request.transfer_function.surfaces = {{100, glm::dvec3(1), 1}};
+  request.filters_rays = false;  // the filter mixes neighbouring pixels
+  for (const bool with_normals : {false, true}) {
+    request.aovs = {with_normals, with_normals};
+    const Image whole = draw(store, request), half = drawMasked(store, mask, {1}, request);
+    int opaque = 0;
+    for (int y = 0; y < half.height; ++y) {
+      for (int x = 0; x < half.width; ++x) {
+        if (half.pixel(x, y)[3] < 1) continue;
+        ++opaque;
+        for (int c = 0; c < 4; ++c) EXPECT_EQ(half.pixel(x, y)[c], whole.pixel(x, y)[c]) << x << " " << y;
+        if (with_normals) {
+          EXPECT_EQ(normalAt(half, x, y), normalAt(whole, x, y)) << x << " " << y;
+        }
+      }
+    }
+    EXPECT_GT(opaque, 300);
+  }
+}
+
 // A mask of a corner: only the brick at the corner is read. The index has ranges of labels: a range from 1 to 5 may
 // hold label 3. Bricks of such a range are looked up in the mask, and not read either.
 TEST(Masks, BricksThatTheyHideAreNotRead) {

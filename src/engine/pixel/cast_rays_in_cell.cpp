@@ -48,6 +48,7 @@ class CellCaster {
         places_(finishes_ || tile.aovs.any() || (l_.surfaces > 0 && tile.deep != nullptr)),
         derives_(places_ || modulates_),
         slopes_(!derives_ && !(l_.lights != nullptr && l_.lights->model().scatters)),
+        lit_by_mask_(in.mask != nullptr && l_.surfaces == 0),
         p_(rays, context.lattice(), in, tile),
         border_(p_, rays, context.lattice()),
         field_(context.lattice(), in, samples),
@@ -178,7 +179,6 @@ class CellCaster {
       for (int a = 0; a < 3; ++a) hn::StoreU(p_.pointAt(a, w, hn::Load(d, s_.at + n)), d, s_.index_place[a] + n);
       keepSlopes(n, std::min(kept_ - n, hn::Lanes(d)));
       keepSlope(n, outOfSurface(n, slopesFrom(n)));
-      if (in_.mask != nullptr) keepSlope(n, mask_.slopesOr(slopesFrom(n), 0));
     }
     if (context_.look().clip->showsAll()) return;
     for (std::size_t n = 0; n < kept_; ++n) {
@@ -213,14 +213,14 @@ class CellCaster {
 
   // Finds the gradients of a batch of samples, for slopesAt.
   HWY_INLINE void findSlopes(std::size_t n, std::size_t count) {
-    if (in_.mask != nullptr) mask_.findSlopes(n, count);
+    if (lit_by_mask_) mask_.findSlopes(n, count);
     field_.findSlopes(n, count);
   }
 
   // Gradients that give the normals of a vector of samples: the field's, or the mask's at its surface.
   HWY_INLINE Vector slopesAt(std::size_t i) const {
     const Vector slope = field_.slopes(i);
-    return in_.mask != nullptr ? mask_.slopesOr(slope, i) : slope;
+    return lit_by_mask_ ? mask_.slopesOr(slope, i) : slope;
   }
 
   // Stores the gradients of a vector of samples, for finishing.
@@ -335,7 +335,7 @@ class CellCaster {
         if (derives_) keepSlopes(n, count);
         if (modulates_) tau = modulatedTau(n, tau);
         // Opacity depends on the gradient of the values; light depends on the normal.
-        if (derives_ && in_.mask != nullptr) keepSlope(n, mask_.slopesOr(slopesFrom(n), 0));
+        if (derives_ && lit_by_mask_) keepSlope(n, mask_.slopesOr(slopesFrom(n), 0));
         if (places_) tau = finishTau(n, count, w, tau);
       }
       const V depth = hn::Mul(tau, length);
@@ -646,11 +646,12 @@ class CellCaster {
   const CellInput& in_;
   const TilePixels& tile_;
   const float opacity_threshold_;
-  const bool finishes_;   // samples are lit and cut one by one
-  const bool modulates_;  // opacities depend on gradients
-  const bool places_;     // positions and gradients of samples are kept
-  const bool derives_;    // gradients of samples are kept
-  const bool slopes_;     // light needs gradients that are not kept
+  const bool finishes_;     // samples are lit and cut one by one
+  const bool modulates_;    // opacities depend on gradients
+  const bool places_;       // positions and gradients of samples are kept
+  const bool derives_;      // gradients of samples are kept
+  const bool slopes_;       // light needs gradients that are not kept
+  const bool lit_by_mask_;  // a solid has the normals of its mask's surface; an iso-surface ends at the mask
   CellPlaces p_;
   const BorderSlopes border_;
   Field field_;
