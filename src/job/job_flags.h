@@ -39,6 +39,7 @@ struct JobFlag {
   std::string value_name;          // "DEGREES"
   std::string help;                // with the legal range and the default
   std::vector<std::string> words;  // if the value is one of a few
+  bool may_be_empty = false;       // an empty text clears the text of the job
   /// Numbers: returns "expected …, found …" for a text that is no number, else an empty text. Empty for other kinds.
   std::function<std::string(const std::string& text)> refusal;
   /// Replaces the option in the job by `texts`. throws: Error kUsage naming the flag.

@@ -575,8 +575,8 @@ void addFlags(const Options<RenderJob>& options, std::vector<JobFlag>& out) {
       else
         option.value.read(JobObject::ofFlag({{std::string(option.key), value}}, flag), option.key, job);
     };
-    JobFlag row{std::string(option.flag), option.group, form.arguments, form.value_name,
-                helpOf(option),           form.words,   nullptr,        apply};
+    JobFlag row{std::string(option.flag), option.group, form.arguments, form.value_name, helpOf(option), form.words,
+                form.may_be_empty,        nullptr,      apply};
     if (form.number) row.refusal = [&form](const std::string& text) { return refusalOfText(form, text); };
     out.push_back(std::move(row));
   }

@@ -25,6 +25,7 @@ struct OptionForm {
   std::string expected;                                     // the legal texts, for errors
   std::string limits;                                       // "0.25 to 1", for help
   std::vector<std::string> words;                           // for completion
+  bool may_be_empty = false;                                // an empty text is a value
   nlohmann::json present = true;                            // the value of a flag without an argument
   bool number = false;                                      // text that is no number is refused before the job is read
   std::function<nlohmann::json(const std::string&)> parse;  // a text as a value of a job; null for illegal texts

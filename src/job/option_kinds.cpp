@@ -257,6 +257,7 @@ OptionForm Text::form() const {
   out.schema = {{"$ref", "text"}};
   out.value_name = value_name;
   out.expected = what;
+  out.may_be_empty = true;
   out.parse = textOfText;
   return out;
 }
@@ -265,7 +266,11 @@ void Text::read(const JobObject& object, std::string_view key, std::string& out)
   out = *object.text(key, what);
 }
 
-OptionForm FileName::form() const { return Text{"a file name", "FILE"}.form(); }
+OptionForm FileName::form() const {
+  OptionForm out = Text{"a file name", "FILE"}.form();
+  out.may_be_empty = false;
+  return out;
+}
 
 void FileName::read(const JobObject& object, std::string_view key, std::filesystem::path& out) const {
   out = *object.text(key, "a file name");

@@ -348,6 +348,22 @@ TEST_F(AnnotationsCli, SlicesHaveLettersAtTheirEdges) {
   ToolTest::refused({"slice", in("h.kiln"), "-o", in("letters.exr"), "--memory", "64K"}, 1, "--memory");
 }
 
+TEST_F(AnnotationsCli, EmptyTexts_clearThoseOfAJob) {
+  const auto job = [&](const std::string& more) {
+    writeText(
+        in("job.json"),
+        R"({"kiln": 2, "volume": "h.kiln", "image": {"width": 96, "height": 72}, "annotations": {"legend": true)" +
+            more + "}}");
+  };
+  job(R"(, "text": "take 3", "legendTitle": "HU")");
+  done({"render", in("job.json"), "-o", in("cleared.png"), "--text", "", "--legend-title", ""});
+  done({"render", in("job.json"), "-o", in("texts.png")});
+  job("");
+  done({"render", in("job.json"), "-o", in("none.png")});
+  EXPECT_EQ(read("cleared.png").rgba, read("none.png").rgba);
+  EXPECT_NE(read("texts.png").rgba, read("none.png").rgba);
+}
+
 TEST_F(AnnotationsCli, WrongCombinationsAreRefused) {
   refused({"-o", in("a.exr"), "--part", "1/2", "--box"}, "--part: a partial image is not finished");
   refused({"-o", in("a.png"), "--projection", "equirectangular", "--axes"}, "a panorama has no scale bar");

@@ -116,6 +116,10 @@ TEST(Help, ManualPagesAndCompletionNameEveryOption) {
   EXPECT_EQ(completed("kiln convert --type i1", 3), "i16\n");
   EXPECT_EQ(completed("kiln export --type \"\"", 3), "float half\n");
   EXPECT_EQ(completed("kiln render --add-tf ct-b", 3), "ct-bone ct-bone-and-skin\n");
+  EXPECT_EQ(completed("kiln render --progress j", 3), "json\n");
+  EXPECT_EQ(completed("kiln view --look \"\"", 3), "plain studio\n");
+  EXPECT_EQ(completed("kiln gallery --look s", 3), "studio\n");
+  EXPECT_EQ(completed("kiln composite --compression zi", 3), "zips zip\n");
   EXPECT_NE(readTextFile(share / "man/man1/kiln-slice.1").find("\\-\\-axis\\fR \\fITEXT\\fR=z\n"), std::string::npos);
 }
 

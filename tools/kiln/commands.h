@@ -6,12 +6,14 @@
 #include <string>
 
 #include "cluster/ranks.h"
+#include "option_facts.h"
 #include "terminal_progress.h"
 
 namespace kiln::tool {
 
 struct Context {
   TerminalProgress progress;
+  OptionFacts facts;             // of the options of all commands
   std::string command_line;      // for the manifest
   std::function<void()> action;  // runs the chosen command
   Ranks* ranks = nullptr;        // one rank; several under mpirun

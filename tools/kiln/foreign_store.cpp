@@ -5,8 +5,8 @@
 
 namespace kiln::tool {
 
-void addForeignArguments(CLI::App& command, ForeignArguments& arguments) {
-  addSourceArguments(command, arguments);
+void addForeignArguments(CLI::App& command, OptionFacts& facts, ForeignArguments& arguments) {
+  addSourceArguments(command, facts, arguments);
   command
       .add_option("--store", arguments.store_directory,
                   "Folder for the store that is made of a volume file; the file's own folder by default.")

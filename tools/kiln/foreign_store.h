@@ -20,7 +20,7 @@ struct ForeignArguments : SourceWords {
 };
 
 /// Adds the options of SourceWords, and --store, which the variable KILN_STORE_DIR replaces.
-void addForeignArguments(CLI::App& command, ForeignArguments& arguments);
+void addForeignArguments(CLI::App& command, OptionFacts& facts, ForeignArguments& arguments);
 
 /// Returns the input if it is a store, else the store of the volume file (storePathOf), which is made if it is missing
 /// or older than the file. `labels`: the values of a file are labels. No output may be a file that is read. throws: as

@@ -11,6 +11,7 @@
 #include "job/job_facts.h"
 #include "job_arguments.h"
 #include "picture_job.h"
+#include "scene/transfer/presets.h"
 #include "scene_arguments.h"
 #include "sequence/sequence_frames.h"
 #include "sequence/series_volumes.h"
@@ -33,15 +34,20 @@ void requireInterocularOfFiles(const RenderJob& job) {
 
 }  // namespace
 
-void AddedArguments::addTo(CLI::App& command) {
+void AddedArguments::addTo(CLI::App& command, OptionFacts& facts) {
   const auto option = [&](const char* name, const char* type, std::vector<std::string>& value, const char* help) {
-    command.add_option(name, value, help)->type_name(type)->group(nameOf(OptionGroup::kShown))->allow_extra_args(false);
+    return command.add_option(name, value, help)
+        ->type_name(type)
+        ->group(nameOf(OptionGroup::kShown))
+        ->allow_extra_args(false);
   };
   option("--add", "FILE", added,
          "Also draw this volume, placed by its own affine. Options about values or voxels are INPUT's. Repeatable.");
   option("--labels", "FILE", labels, "Also draw this volume of labels, with a colour for each label. Repeatable.");
-  option("--add-tf", "TF", functions,
-         "Transfer function of each --add, then of each --labels, in their order (default auto). Repeatable.");
+  facts.offer(
+      option("--add-tf", "TF", functions,
+             "Transfer function of each --add, then of each --labels, in their order (default auto). Repeatable."),
+      presetNames());
 }
 
 AddedVolumes AddedArguments::resolve() const {

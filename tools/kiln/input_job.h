@@ -16,7 +16,7 @@ namespace kiln::tool {
 /// The options --add, --labels and --add-tf.
 struct AddedArguments {
   std::vector<std::string> added, functions, labels;
-  void addTo(CLI::App& command);
+  void addTo(CLI::App& command, OptionFacts& facts);
   /// throws: Error kUsage for a function that is none.
   AddedVolumes resolve() const;
 };

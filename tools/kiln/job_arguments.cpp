@@ -4,7 +4,7 @@
 
 namespace kiln::tool {
 
-void JobArguments::addTo(CLI::App& command, OptionGroup group, std::string_view left_out) {
+void JobArguments::addTo(CLI::App& command, OptionFacts& facts, OptionGroup group, std::string_view left_out) {
   for (const JobFlag& flag : jobFlags()) {
     if (flag.group != group || flag.flag == left_out) continue;
     CLI::Option* option = nullptr;
@@ -18,6 +18,8 @@ void JobArguments::addTo(CLI::App& command, OptionGroup group, std::string_view 
     }
     if (flag.refusal) option->check(CLI::Validator([&flag](std::string& text) { return flag.refusal(text); }, ""));
     option->description(flag.help)->group(nameOf(group));
+    if (!flag.words.empty()) facts.offer(option, flag.words);
+    if (flag.may_be_empty) facts.allowEmpty(option);
     arguments_.push_back({&flag, option});
   }
   std::sort(arguments_.begin(), arguments_.end(), [](const Argument& a, const Argument& b) { return a.flag < b.flag; });

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "job/command/given_flags.h"
+#include "option_facts.h"
 
 namespace kiln::tool {
 
@@ -14,8 +15,8 @@ inline std::string nameOf(OptionGroup group) { return std::string(kOptionGroupNa
 
 class JobArguments {
  public:
-  /// Adds the flags of a group, but for the flag `left_out`.
-  void addTo(CLI::App& command, OptionGroup group, std::string_view left_out = {});
+  /// Adds the flags of a group, but for the flag `left_out`, and notes their facts.
+  void addTo(CLI::App& command, OptionFacts& facts, OptionGroup group, std::string_view left_out = {});
   /// Returns the flags that are on the command line.
   GivenFlags given() const;
 

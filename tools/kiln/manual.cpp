@@ -5,11 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "job/job_flags.h"
-#include "job/job_names.h"
-#include "scene/transfer/display_map.h"
-#include "scene/transfer/presets.h"
-
 namespace kiln::tool {
 namespace {
 
@@ -86,36 +81,12 @@ std::string optionWords(const CLI::App& command) {
   return out;
 }
 
-// Returns the words of a command's option; nothing if the option takes other values.
-std::vector<std::string> wordsOf(const CLI::App& command, const CLI::Option& option) {
-  // The help of a job's flag distinguishes its option from an option of another meaning.
-  for (const JobFlag& flag : jobFlags()) {
-    if (option.check_lname(flag.flag.substr(flag.flag.find("--") + 2)) && option.get_description() == flag.help)
-      return flag.words;
-  }
-  static const std::vector<std::pair<std::string, std::vector<std::string>>> kWords = {
-      {"slice --axis", {"x", "y", "z", "axial", "coronal", "sagittal"}},
-      {"slice --mode", {"average", "mip", "minip"}},
-      {"--colormap", displayMapNames()},
-      {"export --type", {"float", "half"}},
-      {"--type", {"u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"}},
-      {"--endian", {"little", "big"}},
-      {"--look", {kLookNames.begin(), kLookNames.end()}},
-      {"--tf", presetNames()},
-      {"--add-tf", presetNames()}};
-  for (const auto& [name, words] : kWords) {
-    if (name == "--" + option.get_lnames().front() || name == command.get_name() + " --" + option.get_lnames().front())
-      return words;
-  }
-  return {};
-}
-
 // Returns the cases of a command's options with words, for "COMMAND --option".
-std::string wordCases(const CLI::App& command) {
+std::string wordCases(const CLI::App& command, const OptionFacts& facts) {
   std::string out;
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_lnames().empty()) continue;
-    const std::vector<std::string> words = wordsOf(command, *option);
+    const std::vector<std::string> words = facts.wordsOf(*option);
     if (words.empty()) continue;
     out += fmt::format("    \"{} --{}\") words=\"{}\" ;;\n", command.get_name(), option->get_lnames().front(),
                        fmt::join(words, " "));
@@ -145,7 +116,7 @@ std::string manualPage(const CLI::App& app) {
   return out + optionsOf(app) + kExitStatus;
 }
 
-std::string bashCompletion(const CLI::App& app) {
+std::string bashCompletion(const CLI::App& app, const OptionFacts& facts) {
   std::string commands, cases;
   for (const CLI::App* command : commandsOf(app)) {
     commands += (commands.empty() ? "" : " ") + command->get_name();
@@ -160,7 +131,7 @@ std::string bashCompletion(const CLI::App& app) {
       "  if ((COMP_CWORD == 1)); then\n    COMPREPLY=($(compgen -W \"{} {}\" -- \"$current\"))\n    return\n  fi\n",
       commands, optionWords(app));
   out += "  case \"${COMP_WORDS[1]} $before\" in\n";
-  for (const CLI::App* command : commandsOf(app)) out += wordCases(*command);
+  for (const CLI::App* command : commandsOf(app)) out += wordCases(*command, facts);
   out += "  esac\n  [[ -n $words ]] || [[ $current != -* ]] || case ${COMP_WORDS[1]} in\n" + cases + "  esac\n";
   out +=
       "  [[ -z $words ]] || COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n}\ncomplete -o default -F _kiln "

@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "option_facts.h"
+
 namespace kiln::tool {
 
 /// Returns the page of section 1 for one command, in the language of man(7).
@@ -12,6 +14,6 @@ std::string manualPage(const CLI::App& app, const CLI::App& command);
 std::string manualPage(const CLI::App& app);
 
 /// Returns a script for bash that completes commands, options and words of options; file names elsewhere.
-std::string bashCompletion(const CLI::App& app);
+std::string bashCompletion(const CLI::App& app, const OptionFacts& facts);
 
 }  // namespace kiln::tool

@@ -84,14 +84,16 @@ void refuseVolumeFile(const std::filesystem::path& path, const char* wanted) {
                           shellText(path.string()), shellText(bare.string() + ".png")));
 }
 
-void addSourceArguments(CLI::App& command, SourceWords& a) {
+void addSourceArguments(CLI::App& command, OptionFacts& facts, SourceWords& a) {
   const std::string group = nameOf(OptionGroup::kForeign);
   const auto add = [&](const char* name, const char* type, auto& value, const char* help) {
     return command.add_option(name, value, help)->type_name(type)->group(group);
   };
   add("--dims", "X,Y,Z", a.dims, "Headerless raw file: voxels along x, y, z.");
-  add("--type", "TYPE", a.type, "Headerless raw file: u8 i8 u16 i16 u32 i32 f32 f64.");
-  add("--endian", "ORDER", a.endian, "Headerless raw file: byte order, little (default) or big.");
+  facts.offer(add("--type", "TYPE", a.type, "Headerless raw file: u8 i8 u16 i16 u32 i32 f32 f64."),
+              {"u8", "i8", "u16", "i16", "u32", "i32", "f32", "f64"});
+  facts.offer(add("--endian", "ORDER", a.endian, "Headerless raw file: byte order, little (default) or big."),
+              {"little", "big"});
   add("--skip", "BYTES", a.skip, "Headerless raw file: bytes before the first voxel.")->check(wholeNumberFrom(0));
   add("--spacing", "X,Y,Z", a.spacing, "Spacing in world units, of a file that has no axes.");
   add("--unit", "UNIT", a.unit, "Unit of length, of a file that states none: nm, um, mm, cm, m or another.");
@@ -107,8 +109,9 @@ void addSourceArguments(CLI::App& command, SourceWords& a) {
       "(anterior, posterior), S or I (superior, inferior).");
   // In kiln render, --up is the camera's.
   const bool taken = command.get_option_no_throw("--up") != nullptr;
-  add(taken ? "--up-axis" : "--up-axis,--up", "AXIS", a.up,
-      "World axis of the file that points up: z (default), or y as in files of graphics.");
+  facts.offer(add(taken ? "--up-axis" : "--up-axis,--up", "AXIS", a.up,
+                  "World axis of the file that points up: z (default), or y as in files of graphics."),
+              {"z", "y"});
   command.add_flag("--luminance", a.luminance, "TIFF: read RGB colours as luminance.")->group(group);
   command
       .add_flag("--allow-irregular", a.allow_irregular,

@@ -14,6 +14,7 @@
 #include "base/text.h"
 #include "ingest/source_words.h"
 #include "job/render_job.h"
+#include "option_facts.h"
 
 namespace kiln::tool {
 
@@ -47,8 +48,8 @@ CLI::Option* addNumber(CLI::App& command, const std::string& name, std::optional
   return command.add_option(name, value, help)->check(decimalNumber<T>());
 }
 
-/// Adds an option for each word.
-void addSourceArguments(CLI::App& command, SourceWords& words);
+/// Adds an option for each word of the source.
+void addSourceArguments(CLI::App& command, OptionFacts& facts, SourceWords& source);
 
 /// Adds the option --memory. `text` is a std::string with the default, or a std::optional if a job may set the memory.
 /// `holds` stands in the help text "Most memory, for ….".

@@ -75,11 +75,10 @@ std::vector<std::string> reversedArguments(int argc, char** argv) {
 }
 
 // Returns the name of an option of the command with an empty argument, as a script with an unset variable gives.
-std::string emptyArgument(const CLI::App& app) {
+std::string emptyArgument(const CLI::App& app, const kiln::tool::OptionFacts& facts) {
   for (const CLI::App* const command : app.get_subcommands()) {
     for (const CLI::Option* const option : command->get_options()) {
-      // An empty owner or comment clears the text of the job.
-      if (option->get_name() == "--owner" || option->get_name() == "--comments") continue;
+      if (facts.mayBeEmpty(*option)) continue;
       for (const std::string& text : option->results())
         if (text.empty()) return option->get_name();
     }
@@ -241,7 +240,7 @@ int run(int argc, char** argv) {
   std::optional<CLI::ParseError> refused;
   try {
     app.parse(reversedArguments(argc, argv));
-    if (const std::string empty = emptyArgument(app); !empty.empty())
+    if (const std::string empty = emptyArgument(app, context.facts); !empty.empty())
       refused = CLI::ValidationError(empty, "is empty; write its value");
   } catch (const CLI::Success& asked) {
     answered = asked;

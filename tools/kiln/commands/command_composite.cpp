@@ -55,15 +55,21 @@ void addComposite(CLI::App& app, Context& context) {
       app.add_subcommand("composite", "Put partial images of a volume, drawn with render --part, together.");
   command->add_option("PARTS", a->parts, "The partial images, in any order.")->required();
   command->add_option("-o,--output", a->output, "The whole picture, such as .exr or .png.")->required();
-  command->add_option("--exr-type", a->exr_type, "Numbers of an EXR: half (default) or float.")
-      ->check(CLI::IsMember({"half", "float"}));
-  command
-      ->add_option("--compression", a->exr_compression,
-                   fmt::format("Compression of an EXR: {}; zip if not given.", fmt::join(kExrCompressionNames, ", ")))
-      ->check(oneOf(kExrCompressionNames));
+  CLI::Option* const type =
+      command->add_option("--exr-type", a->exr_type, "Numbers of an EXR: half (default) or float.")
+          ->check(CLI::IsMember({"half", "float"}));
+  context.facts.offer(type, {"half", "float"});
+  CLI::Option* const compression = command
+                                       ->add_option("--compression", a->exr_compression,
+                                                    fmt::format("Compression of an EXR: {}; zip if not given.",
+                                                                fmt::join(kExrCompressionNames, ", ")))
+                                       ->check(oneOf(kExrCompressionNames));
+  context.facts.offer(compression, {kExrCompressionNames.begin(), kExrCompressionNames.end()});
   addMemory(*command, a->memory, "the picture and a part")->capture_default_str();
-  addNumber(*command, "--png-bits", a->png_bits, "Bits of a channel of a PNG: 8 (default) or 16.")
-      ->check(CLI::IsMember({8, 16}));
+  CLI::Option* const bits =
+      addNumber(*command, "--png-bits", a->png_bits, "Bits of a channel of a PNG: 8 (default) or 16.")
+          ->check(CLI::IsMember({8, 16}));
+  context.facts.offer(bits, {"8", "16"});
   addExamples(*command,
               {"kiln render head.kiln -o part1.exr --part 1/2", "kiln render head.kiln -o part2.exr --part 2/2",
                "kiln composite part1.exr part2.exr -o head.exr"});

@@ -271,7 +271,7 @@ void addConvert(CLI::App& app, Context& context) {
       ->excludes(overwrite);
   addQuiet(*command, a->quiet);
   addRankTimeout(*command, context);
-  addSourceArguments(*command, a->source);
+  addSourceArguments(*command, context.facts, a->source);
   addExamples(*command, {"kiln convert phantom:head:64x64x64 head.kiln", "kiln convert scan.nrrd scan.kiln --memory 1G",
                          "kiln convert rock.raw rock.kiln --dims 16,16,8 --type u16 --spacing 0.02,0.02,0.02"});
   command->callback([a, &context] {

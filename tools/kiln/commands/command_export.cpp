@@ -12,6 +12,7 @@
 #include "job/transfer_function_choice.h"
 #include "output_files.h"
 #include "say.h"
+#include "scene/transfer/presets.h"
 #include "scene_arguments.h"
 #include "source_arguments.h"
 
@@ -66,14 +67,18 @@ void addExport(CLI::App& app, Context& context) {
             ".vdb, .nvdb: files side by side, each within the memory; the name has a # for the tile's number")
       ->check(wholeNumberFrom(1, kMostTiles))
       ->capture_default_str();
-  command->add_option("--type", a->type, ".vdb: numbers of the grid; those of the store if not given.")
-      ->type_name("float|half")
-      ->check(CLI::IsMember({"float", "half"}));
-  command
-      ->add_option(
-          "--tf", a->tf,
-          ".vdb, .nvdb: bake a transfer function into the grids density and Cd; a preset or a file, as for render.")
-      ->type_name("NAME");
+  CLI::Option* const type =
+      command->add_option("--type", a->type, ".vdb: numbers of the grid; those of the store if not given.")
+          ->type_name("float|half")
+          ->check(CLI::IsMember({"float", "half"}));
+  context.facts.offer(type, {"float", "half"});
+  CLI::Option* const function =
+      command
+          ->add_option(
+              "--tf", a->tf,
+              ".vdb, .nvdb: bake a transfer function into the grids density and Cd; a preset or a file, as for render.")
+          ->type_name("NAME");
+  context.facts.offer(function, presetNames());
   addNumber(*command, "--background", a->request.values.background,
             ".vdb, .nvdb: value of inactive space; the store's background if not given");
   addNumber(*command, "--tolerance", a->request.values.tolerance,

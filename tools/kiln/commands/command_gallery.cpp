@@ -13,6 +13,7 @@
 #include "job/job_names.h"
 #include "output_files.h"
 #include "say.h"
+#include "scene/transfer/presets.h"
 #include "sequence/sheet/gallery.h"
 #include "source_arguments.h"
 #include "store/store_reader.h"
@@ -55,10 +56,12 @@ void addGallery(CLI::App& app, Context& context) {
   command->add_option("STORE", a->store, "The store, or a volume file (converted to a store beside it first).")
       ->required();
   command->add_option("-o,--output", a->output, "The sheet, .png, .exr, .tif or .jpg.")->required();
-  command->add_option("--tf", a->request.presets, "Draw these presets only.")->type_name("PRESET");
-  command->add_option("--look", a->look, "Light of the pictures, as for render.")
-      ->check(oneOf(kLookNames))
-      ->capture_default_str();
+  context.facts.offer(command->add_option("--tf", a->request.presets, "Draw these presets only.")->type_name("PRESET"),
+                      presetNames());
+  CLI::Option* const look = command->add_option("--look", a->look, "Light of the pictures, as for render.")
+                                ->check(oneOf(kLookNames))
+                                ->capture_default_str();
+  context.facts.offer(look, {kLookNames.begin(), kLookNames.end()});
   command->add_option("--thumbnail", a->request.thumbnail_px, "Edge of a thumbnail.")
       ->type_name("PIXELS")
       ->check(wholeNumberFrom(32, 1024))
@@ -67,7 +70,7 @@ void addGallery(CLI::App& app, Context& context) {
   command->add_option("--threads", a->request.speed.threads, "Threads; 0 uses all processors.")
       ->check(wholeNumberFrom(0, kMostThreads))
       ->capture_default_str();
-  addForeignArguments(*command, a->source);
+  addForeignArguments(*command, context.facts, a->source);
   addExamples(*command, {"kiln gallery head.kiln -o gallery.png", "kiln gallery head.kiln -o studio.png --look studio",
                          "kiln gallery head.kiln -o bones.png --tf ct-bone --tf ct-teeth --thumbnail 256"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });

@@ -254,7 +254,7 @@ void addInfo(CLI::App& app, Context& context) {
                     "For programs: a store's manifest, and what it takes on disk; the header of a volume file, and "
                     "values of a sample; a picture's job, which kiln render draws again.");
   addMemory(*command, *memory, "the index of a store, a volume file, or the texts of a picture")->capture_default_str();
-  addForeignArguments(*command, *source);
+  addForeignArguments(*command, context.facts, *source);
   addExamples(*command, {"kiln info head.kiln", "kiln info scan.nrrd --json", "kiln info face.png"});
   command->callback([path, json, memory, source, &context] {
     context.action = [path, json, memory, source, &context] {

@@ -10,7 +10,7 @@ namespace kiln::tool {
 namespace {
 namespace fs = std::filesystem;
 
-void writeManual(const CLI::App& app, const fs::path& share) {
+void writeManual(const CLI::App& app, const OptionFacts& facts, const fs::path& share) {
   FileSystem& disk = FileSystem::real();
   const fs::path pages = share / "man" / "man1", completions = share / "bash-completion" / "completions";
   requireOutsideStores(pages, "DIR");
@@ -19,7 +19,7 @@ void writeManual(const CLI::App& app, const fs::path& share) {
   disk.writeAtomic(pages / "kiln.1", manualPage(app));
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
     disk.writeAtomic(pages / fmt::format("kiln-{}.1", command->get_name()), manualPage(app, *command));
-  disk.writeAtomic(completions / "kiln", bashCompletion(app));
+  disk.writeAtomic(completions / "kiln", bashCompletion(app, facts));
 }
 
 }  // namespace
@@ -32,7 +32,9 @@ void addManual(CLI::App& app, Context& context) {
                    "A directory such as /usr/local/share: DIR/man/man1, DIR/bash-completion/completions.")
       ->required();
   addExamples(*command, {"kiln manual share"});
-  command->callback([&app, share, &context] { context.action = [&app, share] { writeManual(app, *share); }; });
+  command->callback([&app, share, &context] {
+    context.action = [&app, share, &context] { writeManual(app, context.facts, *share); };
+  });
 }
 
 }  // namespace kiln::tool

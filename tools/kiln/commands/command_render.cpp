@@ -438,13 +438,13 @@ class RenderCommandLine {
         ->required();
     for (std::size_t i = 0; i < kOptionGroupNames.size(); ++i) {
       group_ = static_cast<OptionGroup>(i);
-      a.job.addTo(command, group_);
-      if (group_ == OptionGroup::kShown) a.volumes.addTo(command);
-      if (group_ == OptionGroup::kCost) addCost();
+      a.job.addTo(command, context.facts, group_);
+      if (group_ == OptionGroup::kShown) a.volumes.addTo(command, context.facts);
+      if (group_ == OptionGroup::kCost) addCost(context);
       if (group_ == OptionGroup::kFrames) addFrames();
       if (group_ == OptionGroup::kRanks) addRanks(context);
     }
-    addForeignArguments(command, a.source);
+    addForeignArguments(command, context.facts, a.source);
   }
 
  private:
@@ -456,7 +456,7 @@ class RenderCommandLine {
     return command_.add_option(name, value, help)->type_name(type)->group(nameOf(group_));
   }
 
-  void addCost() {
+  void addCost(Context& context) {
     flag("--dry-run", a_.dry_run, "Print the bricks, the disk reads and the memory of the job; draw nothing.");
     option("--stats", "FILE", a_.stats, "Write counts and times of the rendering as JSON.");
     option("--repeat", "N", a_.repeat, "Draw the frame this many times; from the second on bricks are in memory.")
@@ -469,9 +469,12 @@ class RenderCommandLine {
         ->group(nameOf(group_))
         ->excludes(command_.add_flag("--verbose", a_.verbose, "Print counts of bricks and voxels of each frame.")
                        ->group(nameOf(group_)));
-    option("--progress", "auto|plain|json|none", a_.progress,
-           "Progress of frames and job: auto (default) rewrites a line of a terminal, plain prints a line every ten "
-           "seconds, json prints events to standard output.");
+    context.facts.offer(
+        option(
+            "--progress", "auto|plain|json|none", a_.progress,
+            "Progress of frames and job: auto (default) rewrites a line of a terminal, plain prints a line every ten "
+            "seconds, json prints events to standard output."),
+        {"auto", "plain", "json", "none"});
   }
   void addFrames() {
     option("--share", "I/N", a_.share,

@@ -213,6 +213,7 @@ void addSlice(CLI::App& app, Context& context) {
                        "The axis across the slices: x, y or z; or axial, coronal or sagittal, the nearest to the "
                        "patient's.")
           ->capture_default_str();
+  context.facts.offer(axis, {"x", "y", "z", "axial", "coronal", "sagittal"});
   CLI::Option* const level =
       addNumber(*command, "--level", a->level, "Level of resolution, 0 for the finest.")->capture_default_str();
   CLI::Option* const index =
@@ -244,20 +245,24 @@ void addSlice(CLI::App& app, Context& context) {
             "Edge of a pixel of --plane, in the volume's unit of length; the shortest edge of a voxel if not given.")
       ->type_name("LENGTH")
       ->needs(plane);
-  command->add_option("--mode", a->mode, "The value of a pixel of a thick slice: average, mip or minip.")
-      ->type_name("MODE")
-      ->needs(plane)
-      ->capture_default_str();
+  CLI::Option* const mode =
+      command->add_option("--mode", a->mode, "The value of a pixel of a thick slice: average, mip or minip.")
+          ->type_name("MODE")
+          ->needs(plane)
+          ->capture_default_str();
+  context.facts.offer(mode, {"average", "mip", "minip"});
   command->add_option("--window", a->window, "Values shown: the middle 99 % if not given.")->type_name("CENTRE,WIDTH");
-  command
-      ->add_option("--colormap", a->colormap,
-                   fmt::format("Colours: {}. Labels have their own without a window and with gray.",
-                               fmt::join(displayMapNames(), ", ")))
-      ->type_name("NAME")
-      ->capture_default_str();
+  CLI::Option* const colormap =
+      command
+          ->add_option("--colormap", a->colormap,
+                       fmt::format("Colours: {}. Labels have their own without a window and with gray.",
+                                   fmt::join(displayMapNames(), ", ")))
+          ->type_name("NAME")
+          ->capture_default_str();
+  context.facts.offer(colormap, displayMapNames());
   command->add_flag("--no-letters", a->no_letters, "Leave out the letters of the patient's sides at the edges.");
   addMemory(*command, a->memory, "the picture, a brick and the index")->capture_default_str();
-  addForeignArguments(*command, a->source);
+  addForeignArguments(*command, context.facts, a->source);
   addExamples(*command, {"kiln slice head.kiln -o sheet.png --sheet",
                          "kiln slice head.kiln -o slice_###.png --axis z --index 0-63x16",
                          "kiln slice head.kiln -o oblique.png --plane 0,1,1,-1730 --thickness 10 --mode mip"});

@@ -7,6 +7,7 @@
 #include "ranks/rank_boxes.h"
 #include "ranks/split_store.h"
 #include "say.h"
+#include "scene/transfer/presets.h"
 #include "scene/volume_part.h"
 #include "scene_arguments.h"
 #include "sequence/render_job_run.h"
@@ -52,10 +53,12 @@ void addSplit(CLI::App& app, Context& context) {
                    "The parts, in whose name a run of # is the part's number: 1 is the first rank's.")
       ->required();
   addNumber(*command, "--parts", a->parts, "Number of stores, one a rank.")->required()->type_name("N");
-  command
-      ->add_option("--tf", a->tf,
-                   "The transfer function that is to be drawn: each part has an even share of what it shows.")
-      ->capture_default_str();
+  CLI::Option* const function =
+      command
+          ->add_option("--tf", a->tf,
+                       "The transfer function that is to be drawn: each part has an even share of what it shows.")
+          ->capture_default_str();
+  context.facts.offer(function, presetNames());
   addMemory(*command, a->memory, "the index")->capture_default_str();
   addExamples(*command, {"kiln split head.kiln -o node_##.kiln --parts 2",
                          "kiln split head.kiln -o bone_##.kiln --parts 2 --tf ct-bone"});

@@ -181,8 +181,11 @@ void addTf(CLI::App& app, Context& context) {
                                "a preset: {}",
                                presetList()))
       ->required();
-  command->add_option("--tf", a->tf,
-                      "The transfer function of the store or volume file: a file, points or a preset (default auto).");
+  context.facts.offer(
+      command->add_option("--tf", a->tf,
+                          "The transfer function of the store or volume file: a file, points or a preset (default "
+                          "auto)."),
+      presetNames());
   command
       ->add_option("--window", a->window, "Stretch the function so that it begins and ends with this window of values.")
       ->type_name("CENTRE,WIDTH");
@@ -192,7 +195,7 @@ void addTf(CLI::App& app, Context& context) {
   addExamples(*command, {"kiln tf ct-bone", "kiln tf scan.nrrd", "kiln tf head.kiln --tf viridis -o viridis.png",
                          "kiln tf head.kiln --tf ct-bone --json > bone.json"});
   addMemory(*command, a->memory, "the sample of a volume file")->capture_default_str();
-  addForeignArguments(*command, a->source);
+  addForeignArguments(*command, context.facts, a->source);
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
 

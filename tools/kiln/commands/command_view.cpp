@@ -172,10 +172,10 @@ void addView(CLI::App& app, Context& context) {
   for (const OptionGroup group :
        {OptionGroup::kCamera, OptionGroup::kTransferFunction, OptionGroup::kLight, OptionGroup::kShown,
         OptionGroup::kAnnotations, OptionGroup::kQuality, OptionGroup::kCost}) {
-    a->job.addTo(*command, group, "--trace");
-    if (group == OptionGroup::kShown) a->volumes.addTo(*command);
+    a->job.addTo(*command, context.facts, group, "--trace");
+    if (group == OptionGroup::kShown) a->volumes.addTo(*command, context.facts);
   }
-  addForeignArguments(*command, a->source);
+  addForeignArguments(*command, context.facts, a->source);
   addExamples(*command, {"kiln view head.kiln --tf ct-bone", "kiln view head.kiln --job look.json --socket view.sock"});
   command->callback([a, &context] { context.action = [a, &context] { run(*a, context); }; });
 }
