@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/text.h"
 #include "image/named_color.h"
 #include "ingest/source/formats.h"
@@ -281,6 +283,23 @@ Option<RenderJob> objectRow(std::string_view name, const Options<RenderJob>& ins
   return out;
 }
 
+// A power of two from the least tile's edge (kVisibilityTile) on, or 0.
+struct TileEdge : WholeChoice {
+  TileEdge() : WholeChoice{{0}} {
+    for (int edge = 64; edge <= kLargestSide_px; edge *= 2) numbers.push_back(edge);
+  }
+  OptionForm form() const {
+    OptionForm out = WholeChoice::form();
+    out.value_name = "PIXELS";
+    out.expected = "a power of two from 64 on, or 0 for the whole frame";
+    return out;
+  }
+  void read(const JobObject& object, std::string_view key, int& out) const {
+    out = static_cast<int>(*object.integer(key, 0, kLargestSide_px, "pixels"));
+    if (std::ranges::find(numbers, out) == numbers.end()) object.refuse(key, form().expected);
+  }
+};
+
 // "auto", "auto+N" or the number of a level.
 constexpr std::int64_t kMostLevel = 64;
 
@@ -478,7 +497,7 @@ Options<RenderJob> rootOptions() {
           kSectionHelp));
   add(objectRow("annotations", optionsIn<RenderJob>(annotationOptions(), KILN_MEMBER(picture.annotations))));
   add(objectRow("visibility", visibilityOptions()));
-  add(Row("tile", "--tile", kCost, {KILN_MEMBER(speed.tile_px), Whole{0, kLargestSide_px, "pixels"}, ofQuadtree},
+  add(Row("tile", "--tile", kCost, {KILN_MEMBER(speed.tile_px), TileEdge(), ofQuadtree},
           "Least edge of the tiles that threads draw, a power of two from 64 on; 0 draws the frame as one tile."));
   add(Row("lattice", "--lattice", kQuality, {KILN_MEMBER(picture.lattice), Word{kLatticeNames, kLatticeCount}, kAlways},
           "Positions of samples: on the rays of pixels (pixel; ray is another name), or the voxels themselves, as by "

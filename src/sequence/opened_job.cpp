@@ -157,6 +157,9 @@ FrameMemory memoryOf(RenderJob job, const std::vector<const BrickedVolume*>& sto
 }
 
 SceneInputs sceneInputsOf(const RenderJob& job, const OpenedVolumes& volumes, FitReads& reads, Progress& progress) {
+  if (job.picture.level) {
+    for (const BrickedVolume* const volume : volumes.all()) volume->requireLevel(*job.picture.level);
+  }
   const auto shown_box = [&](std::size_t volume, const std::vector<TransferFunction>& functions,
                              const Clipping& clipping) {
     const BrickedVolume& store = *volumes.all()[volume];

@@ -123,6 +123,7 @@ FrameRequest requestOf(const FrameScene& scene, const SpeedOptions& speed, const
 /// Returns what scenes of the job take from its volumes and annotations: all programs that draw or plan the job have
 /// equal cameras. Boxes are found by index and bricks of the volumes; what is read is added to `reads`. If the job
 /// skips damaged bricks, a damaged brick makes the box larger, with a warning. requires: all outlive the result.
+/// throws: Error kUsage for a level that a volume lacks.
 SceneInputs sceneInputsOf(const RenderJob& job, const OpenedVolumes& volumes, FitReads& reads, Progress& progress);
 
 /// Plans the memory of the job's first frame, with the samples of the frame that has most. `beside` is charged with the

@@ -314,7 +314,7 @@ TEST_F(SceneCli, DepthAndNormalsAreChannelsBesideTheColours) {
   expectRefused({"--crop", "600,0,10,10"},
                 "--crop: expected at least one pixel, and none outside of the picture of 8 x 8 pixels (found "
                 "600,0,10,10)");
-  expectRefused({"--tile", "100"}, "--tile: expected a power of two from 64 on, or 0 for the whole frame (found 100)");
+  expectRefused({"--tile", "100"}, "--tile: expected a power of two from 64 on, or 0 for the whole frame, found '100'");
   expectRefused({"--aov", "depth,colour"}, "--aov: expected one of depth, normal, value, found 'colour'");
   const ToolResult refused = runTool({"render", store_, "-o", in("r.png"), "--aov", "depth"});
   EXPECT_EQ(refused.exit_code, 2);

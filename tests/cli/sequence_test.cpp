@@ -237,6 +237,21 @@ TEST_F(SequenceCli, AFailedFrameDoesNotLoseTheOthers) {
   EXPECT_NE(done({"render", in("job.json"), "--resume"}).out.find("1 drawn, 3 kept, 0 failed"), std::string::npos);
 }
 
+// Known: no frame of the job can be drawn, so that "--resume draws what is missing" would be wrong.
+TEST_F(SequenceCli, OptionsThatNoFrameCanKeep_areRefusedBeforeTheFirst) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"--level", "9"}, in("h.kiln") + ": level: there is no level 9"},
+      {{"--tile", "100"}, "--tile: expected a power of two from 64 on"}};
+  for (const auto& [options, sentence] : cases) {
+    for (std::vector<std::string> words :
+         {std::vector<std::string>{"--turntable", "3", "-o", in("p_#.png")}, std::vector<std::string>{"--dry-run"}}) {
+      words.insert(words.begin(), {"render", in("h.kiln"), "--size", "16x16"});
+      words.insert(words.end(), options.begin(), options.end());
+      refused(words, 2, "kiln: " + sentence);
+    }
+  }
+}
+
 // A substitute for ffmpeg that stores its arguments and input.
 TEST_F(SequenceCli, AVideoIsHandedToFfmpeg) {
   const std::string path = pathWithFfmpeg();

@@ -634,6 +634,7 @@ TEST_F(ViewSessionTest, JobsThatBatchRefuses_areNotSaved) {
   ViewSession session(source(), silent_);
   const std::vector<json> jobs = {jobWith({{"lattice", "voxel"}, {"interpolation", "cubic"}}),
                                   jobWith({{"camera", {{"projection", "equirectangular"}}}, {"lattice", "voxel"}}),
+                                  jobWith({{"level", 9}}),
                                   jobWith({{"camera", {{"eye", {1, 1, 1}}, {"target", {1, 1, 1}}}}}),
                                   jobWith({{"transferFunction", {{"labels", {{{"label", 1}, {"color", "red"}}}}}}}),
                                   jobWith({{"camera",
