@@ -120,7 +120,8 @@ void requireFolderFor(const fs::path& store, const ForeignVolume& volume) {
 bool namesStore(const ForeignVolume& volume) {
   requireNoPhantom(volume.input);
   if (!isForStoreReader(volume.input)) return false;
-  requireNoOptions(volume.input, volume.options);
+  // StoreReader reports a name without a file.
+  if (isThere(volume.input)) requireNoOptions(volume.input, volume.options);
   return true;
 }
 

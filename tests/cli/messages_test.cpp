@@ -182,6 +182,16 @@ TEST_F(Messages, DataFileThatHoldsNoVoxels_IsRefused) {
     refused({"convert", in(name), in("p.kiln")}, 1, "'n.img', the file of its voxels, is this header itself");
 }
 
+// Options of volume files are right for most inputs, so a name without a file is the first fault.
+TEST_F(Messages, NameWithoutAFile_IsTheReason_BesideOptionsOfFiles) {
+  const std::vector<std::vector<std::string>> options = {
+      {}, {"--spacing", "1,1,2"}, {"--orient", "LPS"}, {"--channel", "1"}, {"--dims", "2,2,2", "--type", "u8"}};
+  for (std::vector<std::string> words : options) {
+    words.insert(words.begin(), {"render", in("absent.raw"), "-o", in("a.png")});
+    refused(words, 1, in("absent.raw") + ": there is no such file or store; check the name");
+  }
+}
+
 TEST_F(Messages, LinksThatLeadToOneAnother_AreNamedWithARemedy) {
   fs::create_symlink("b", in("a"));
   fs::create_symlink("a", in("b"));
