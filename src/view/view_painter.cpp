@@ -22,6 +22,7 @@
 #include "sequence/frame_annotations.h"
 #include "sequence/frame_files.h"
 #include "store/brick_index.h"
+#include "store/manifest/json_text.h"
 
 namespace kiln {
 namespace {
@@ -91,7 +92,7 @@ std::string costOf(const ViewedJob& job) {
   plain.frames.clear();
   // A crop has another share of a picture of another size.
   if (!plain.picture.crop) plain.picture.size = {};
-  return fmt::format("{} {} {}", statedJson(plain).dump(), *job.scene.picture.samples,
+  return fmt::format("{} {} {}", jsonText(statedJson(plain), -1), *job.scene.picture.samples,
                      static_cast<int>(job.scene.camera.projection));
 }
 
@@ -135,7 +136,7 @@ std::unique_ptr<ViewedJob> ViewPainter::prepare(const RenderJob& job, const Prog
   nlohmann::ordered_json stated = statedJson(out->job);
   // With several volumes, the bricks that meet in a tile depend on the camera.
   if (job.volumes.empty()) stated.erase("camera");
-  std::string text = fmt::format("{} {} {}", stated.dump(), out->scenes->mostSamples(progress),
+  std::string text = fmt::format("{} {} {}", jsonText(stated, -1), out->scenes->mostSamples(progress),
                                  static_cast<int>(out->scene.camera.projection));
   if (text != planned_) {
     const auto pixels = static_cast<std::uint64_t>(pixelsOf(job.picture.size));

@@ -14,6 +14,7 @@
 #include "base/error.h"
 #include "base/file/file.h"
 #include "base/shell_text.h"
+#include "base/text.h"
 #include "frame/slice.h"
 #include "image/file/image_file.h"
 #include "image/image_rows.h"
@@ -290,6 +291,10 @@ RenderJob ViewSession::savedJobOf(const RequestBody& body) const {
   if (isSeries(out) && !isSeries(source_.named))
     throw Error(ErrorCode::kUsage, source_.named.volume, "",
                 "with frames, # in a volume's name is the place of their number; rename the volume");
+  for (const fs::path& volume : inputVolumesOf(out)) {
+    if (utf8Of(volume.native()) != volume.native())
+      throw Error(ErrorCode::kUsage, volume, "", "has a name that is no UTF-8, which no job can hold; rename it");
+  }
   return out;
 }
 

@@ -74,7 +74,7 @@ class ViewSession final : public ViewService {
   auto inTurn(ViewClient& client, const Work& work, double patience = std::numeric_limits<double>::infinity());
   RenderJob jobOf(const RequestBody& body) const;
   /// The job as `save` saves it, with the volumes as the user named them, all frames and planes. throws: Error kUsage
-  /// for a volume's name that the saved job would read as a pattern.
+  /// for a volume's name that the saved job would read as a pattern, or cannot hold.
   RenderJob savedJobOf(const RequestBody& body) const;
   /// The job with a single frame, the first if the request names none: other frames take time to prepare.
   RenderJob frameJobOf(const RequestBody& body) const;

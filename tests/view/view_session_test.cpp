@@ -707,6 +707,20 @@ TEST_F(ViewSessionTest, NamesThatReadAsPatterns_areRefused) {
     expectError([&] { session.answer(request, bodyOf(turning).dump(), moving); }, ErrorCode::kUsage, "rename");
 }
 
+// Known: a batch render draws such a volume, and JSON has no text for its name.
+TEST_F(ViewSessionTest, NamesThatAreNoUtf8_areDrawn_andNotSaved) {
+  ViewSource given = source();
+  given.drawn.volume = given.named.volume = directory_ / "gr\xfcn.kiln";
+  fs::copy(store_, given.named.volume, fs::copy_options::recursive);
+  ViewSession session(given, silent_);
+  RecordedClient drawn, client;
+  session.answer("frame", bodyOf(jobWith({})).dump(), drawn);
+  EXPECT_NE(drawn.stage("final"), nullptr);
+  for (const char* const request : {"save", "command"})
+    expectError([&] { session.answer(request, bodyOf(jobWith({})).dump(), client); }, ErrorCode::kUsage, "no UTF-8");
+  EXPECT_FALSE(fs::exists(given.job_file));
+}
+
 TEST_F(ViewSessionTest, RenderedFrames_areNumbered) {
   ViewSession session(source(), silent_);
   RecordedClient client, save;
