@@ -34,6 +34,13 @@ struct ViewArguments {
   ForeignArguments source;
 };
 
+// A header Host or Origin is compared by its name alone.
+std::string refusalOfHost(const std::string& text) {
+  const bool plain =
+      text.find('/') == std::string::npos && (text.find(':') == std::string::npos || text.front() == '[');
+  return plain ? "" : fmt::format("expected a name without scheme, port and path, found '{}'", text);
+}
+
 // "head.view.json" of "scans/head.nrrd", of "head.kiln/" and of "head.json".
 fs::path defaultJobFile(const std::string& input) {
   fs::path name = fs::path(input).lexically_normal();
@@ -166,6 +173,7 @@ void addView(CLI::App& app, Context& context) {
       ->add_option("--allow-host", a->hosts,
                    "Answer requests to this name, too: of a proxy in front of the server. Repeatable.")
       ->type_name("NAME")
+      ->check(CLI::Validator(refusalOfHost, ""))
       ->allow_extra_args(false);
   command->add_flag("--no-browser", a->no_browser,
                     "Print the address, and open no browser. Without a desktop or a terminal none is opened.");
