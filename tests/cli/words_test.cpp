@@ -16,6 +16,12 @@ TEST(Words, HelpOfACommand_isThatOfItsOption) {
   EXPECT_EQ(help.out, runTool({"slice", "--help"}).out);
   EXPECT_NE(help.out.find("--colormap"), std::string::npos);
   EXPECT_EQ(runTool({"help"}).out, runTool({"--help"}).out);
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"help", "reder"}, {"reder", "--help"}}) {
+    const ToolResult unknown = runTool(words);
+    EXPECT_EQ(unknown.exit_code, 2);
+    EXPECT_EQ(unknown.err, "kiln: there is no command or option 'reder'; did you mean 'render'?\n");
+    EXPECT_EQ(unknown.out, "");
+  }
 }
 
 TEST(Words, UnknownOption_proposesAnOptionOfTheCommand) {

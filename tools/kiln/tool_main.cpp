@@ -243,7 +243,11 @@ int run(int argc, char** argv) {
     if (const std::string empty = emptyArgument(app, context.facts); !empty.empty())
       refused = CLI::ValidationError(empty, "is empty; write its value");
   } catch (const CLI::Success& asked) {
-    answered = asked;
+    // Help for a command that does not exist.
+    if (app.get_subcommands().empty() && !app.remaining().empty())
+      refused = CLI::ExtrasError(app.remaining());
+    else
+      answered = asked;
   } catch (const CLI::ParseError& error) {
     refused = error;
   }
