@@ -47,6 +47,7 @@ TEST_F(Inputs, TransferFunctionsOfAFile_AreThoseOfItsStore) {
   EXPECT_TRUE(fs::exists(in("tf.png")));
   EXPECT_FALSE(fs::exists(in("v.nhdr.kiln"))) << "converted";
   refused({"tf", in("v.nhdr"), "-o", in("v.raw")}, 2, "v.raw");
+  refused({"tf", "ct-bone", "--channel", "1"}, 2, "'ct-bone' is no volume file");
   // The store of a picture has all values.
   done({"slice", in("v.nhdr"), "-o", in("s.png"), "--store", in("stores")});
   expectSays(done({"tf", in("v.nhdr"), "--store", in("stores")}),

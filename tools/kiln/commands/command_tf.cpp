@@ -81,6 +81,10 @@ Subject subjectOf(const TfArguments& a, const OutputFiles& outputs, Context& con
   if (!a.tf.empty())
     throw Error(ErrorCode::kUsage, fmt::format("--tf goes with a store or a volume file, and '{}' is none", a.input));
   const TransferFunctionChoice function = transferFunctionNamed(a.input, "kiln tf");
+  if (a.source.any())
+    throw Error(ErrorCode::kUsage, fmt::format("'{}' is no volume file, and the options of foreign files are of these; "
+                                               "leave the options out",
+                                               a.input));
   return {{withoutVolume(function), "", 0}, function, false};
 }
 
