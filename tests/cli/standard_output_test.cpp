@@ -40,6 +40,8 @@ TEST_F(PicturesCli, StandardOutputTakesOneWholePicture) {
   refused(render("-", {"--resume"}), 2, "keeps nothing to go on from");
   EXPECT_TRUE(done(render("-", {"--turntable", "4", "--sheet", "2"})).out.starts_with("\x89PNG"));
   EXPECT_TRUE(done(render("-", {"--dry-run"})).out.empty());
+  for (const char* const option : {"--stats", "--trace"})
+    refused(render(in("a.png"), {option, "-"}), 2, option + std::string(": standard output takes a picture alone"));
 }
 
 TEST_F(PicturesCli, TiffAndJpegShowThePicture) {

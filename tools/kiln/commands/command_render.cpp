@@ -189,6 +189,9 @@ void requireOwnFiles(const RenderArguments& a, const RenderJob& job) {
   for (const fs::path& path : passingFiles(a, job)) taken.add(path);
   for (const auto& [option, name] : {std::pair{"--stats", fs::path(a.stats)}, std::pair{"--trace", job.trace}}) {
     if (name.empty()) continue;
+    if (isStandardOutputName(name))
+      throw Error(ErrorCode::kUsage, fmt::format("{}: standard output takes a picture alone (found {}); name a file",
+                                                 option, name.string()));
     requireOutsideKeptFrames(job, name, option);
     if (!taken.add(name))
       throw Error(ErrorCode::kUsage,
