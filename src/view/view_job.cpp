@@ -120,6 +120,13 @@ json withFiles(json job, const ImageSize& size, const RenderJob& session,
 
 }  // namespace
 
+void requireViewable(const RenderJob& job) {
+  if (drawsPart(job.picture))
+    throw Error(ErrorCode::kUsage, "--part: a part of a volume has no background to be seen on; leave it out");
+  requireVolumes(job);
+  requireViews(job);
+}
+
 ordered_json jobForBrowser(const RenderJob& session, const std::vector<const Manifest*>& manifests) {
   RenderJob job = session;
   if (job.volumes.empty()) inObjects(job.picture.transfer_function, job.animation.functions, *manifests.front());

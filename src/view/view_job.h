@@ -11,6 +11,9 @@
 
 namespace kiln {
 
+/// Checks what a session can show of a job, before its volumes are opened. throws: Error kUsage.
+void requireViewable(const RenderJob& job);
+
 /// Returns the session's job for the browser. Transfer functions from files become objects. `manifests`: one for each
 /// volume. throws: as readTransferFunction.
 nlohmann::ordered_json jobForBrowser(const RenderJob& session, const std::vector<const Manifest*>& manifests);

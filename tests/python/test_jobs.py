@@ -3,6 +3,7 @@
 import json
 import os
 import subprocess
+import threading
 import urllib.request
 
 import numpy
@@ -240,3 +241,29 @@ def test_words_take_objects_of_a_job(head):
     assert (one == several).all()
     by_option, by_key = pictures(*({key: {"volume": str(head)}} for key in ("color_by", "colorBy")))
     assert (by_option == by_key).all()
+
+
+def test_the_viewer_refuses_what_the_program_refuses(head):
+    s = kiln.open(head)
+    with pytest.raises(kiln.Error, match="--part"):
+        kiln.view(s, part="1/2")
+
+
+def test_threads_may_stop_one_viewer(head):
+    s = kiln.open(head)
+    for _ in range(10):
+        viewer = kiln.view(s)
+        failures = []
+
+        def stop():
+            try:
+                viewer.stop()
+            except BaseException as failure:
+                failures.append(failure)
+
+        threads = [threading.Thread(target=stop) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert not failures

@@ -3,6 +3,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <atomic>
+#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "job/job_facts.h"
 #include "python/modules.h"
 #include "python/volume.h"
+#include "view/view_job.h"
 #include "view/view_server.h"
 #include "view/view_session.h"
 
@@ -28,9 +30,10 @@ class Viewer {
   Viewer& operator=(const Viewer&) = delete;
 
   const std::string& address() const { return address_; }
-  // Ends the server and closes its port.
+  // Ends the server and closes its port. thread: any.
   void stop() {
     stopped_ = true;
+    const std::lock_guard lock(ending_);
     if (thread_.joinable()) thread_.join();
     server_.reset();
   }
@@ -41,6 +44,7 @@ class Viewer {
   std::unique_ptr<ViewServer> server_;
   const std::string address_;
   std::atomic<bool> stopped_ = false;
+  std::mutex ending_;
   std::thread thread_;  // last: begins with all other members made
 };
 
@@ -51,9 +55,9 @@ ViewSource sourceOf(const Volume& volume, const JobWords& words, const MoreVolum
   if (!job_file.empty()) requireOutsideStores(job_file, "job");
   ViewSource out;
   out.drawn = jobOf(volume.bricks()->path(), words, more.names());
+  requireViewable(out.drawn);
+  out.drawn.trace.clear();
   out.drawn.output = encodingsOf(out.drawn.output);
-  requireVolumes(out.drawn);
-  requireViews(out.drawn);
   out.named = out.drawn;
   out.volumes = more.behind(volume);
   out.job_file = job_file;

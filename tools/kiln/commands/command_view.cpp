@@ -65,12 +65,9 @@ fs::path jobFileOf(const ViewArguments& a) {
 
 RenderJob jobOf(const ViewArguments& a) {
   RenderJob job = jobOfInput(a.input, a.job.given(), a.volumes);
-  if (drawsPart(job.picture))
-    throw Error(ErrorCode::kUsage, "--part: a part of a volume has no background to be seen on; leave it out");
+  requireViewable(job);
   job.trace.clear();
   job.output = encodingsOf(job.output);
-  requireVolumes(job);
-  requireViews(job);
   return job;
 }
 

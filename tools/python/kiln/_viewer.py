@@ -59,7 +59,8 @@ def view(
     if not isinstance(volume, Volume):
         volume = open(volume)
     title = os.path.basename(os.path.normpath(shown_path(volume)))
-    name = os.fspath(job) if job is not None else ""
+    # The working directory may change while the viewer runs.
+    name = os.path.abspath(job) if job is not None else ""
     more, words = more_volumes(words)
     port = whole_number("port", port, 0, 65535)
     viewer = _kiln.Viewer(volume._volume, job_words(words, range_of(volume)), more, name, title, port)
