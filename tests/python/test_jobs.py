@@ -190,6 +190,9 @@ def test_names_that_are_not_utf8():
     assert kiln.convert(memmap, os.path.join(folder, "b.kiln")).shape == (8, 8, 8)
     with kiln.view(s) as viewer:
         assert viewer.url.startswith("http")
+    kiln.transfer_function([(0, 0), (7, 1)]).save(os.path.join(folder, "tf.json"))
+    by_file = s.render(tf=os.path.join(folder, "tf.json"), size=(16, 16))
+    assert (by_file.srgb8() == s.render(tf=[(0, 0), (7, 1)], size=(16, 16)).srgb8()).all()
 
 
 def test_viewer_answers(head):
@@ -241,6 +244,37 @@ def test_words_take_objects_of_a_job(head):
     assert (one == several).all()
     by_option, by_key = pictures(*({key: {"volume": str(head)}} for key in ("color_by", "colorBy")))
     assert (by_option == by_key).all()
+
+
+def test_points_and_opacities_are_checked(head):
+    s = kiln.open(head)
+    for points in ([], [(1,)], [(1, 0, "red", 2)]):
+        with pytest.raises(kiln.Error, match="points"):
+            kiln.transfer_function(points)
+    with pytest.raises(kiln.Error, match="tf: a point is"):
+        s.render(tf=[(1,)])
+    with pytest.raises(kiln.Error, match="opacity"):
+        kiln.transfer_function(lambda t: (t, t, t), opacity=[])
+    grey = lambda **words: kiln.transfer_function(lambda t: (t, t, t), **words).points
+    assert grey(opacity=numpy.float32(0.5)) == grey(opacity=0.5)
+    assert grey(range=numpy.array([1000, 2000])) == grey(range=(1000, 2000))
+
+
+def test_values_of_jobs_are_those_of_words(head):
+    """One job as the words of a picture and as the job of kiln.render."""
+    s = kiln.open(head)
+    camera = {"eye": numpy.array([400.0, -500, 1700]), "target": numpy.zeros(3) + [0, 0, 1700], "up": (0, 0, numpy.int8(1))}
+    tf = kiln.transfer_function([(1000, 0), (1300, 0.5, "orange")])
+    by_words = s.render(camera=camera, tf=tf, size=(32, 24))
+    job = {"volume": s, "camera": camera, "transferFunction": tf, "image": {"width": 32, "height": 24}}
+    assert (numpy.asarray(by_words) == numpy.asarray(next(kiln.render(job)))).all()
+    for wrong in (s, {1, 2}, b"text"):
+        with pytest.raises(TypeError, match="a job has texts"):
+            s.render(camera={"eye": wrong})
+    with pytest.raises(TypeError, match="a job has texts"):
+        next(kiln.render({**job, "camera": {"eye": {1, 2}}}))
+    with pytest.raises(kiln.Error, match="UTF-8"):
+        s.render(annotations={"text": os.fsdecode(b"gr\xfcn")})
 
 
 def test_the_viewer_refuses_what_the_program_refuses(head):

@@ -266,3 +266,36 @@ def test_a_plane_is_a_text_a_tuple_or_a_list(head):
     assert pictures[0].any() and all(numpy.array_equal(pictures[0], picture) for picture in pictures)
     several = numpy.asarray(volume.render(clip=[(1, 0, 0, 0), "0,1,0,0"], size=(48, 36)))
     assert not numpy.array_equal(several, pictures[0])
+
+
+def test_words_of_flags_are_true_or_false(head):
+    """Known: a word of a flag has no other value on the command line, and a text is true in Python."""
+    s = kiln.open(head)
+    plain = numpy.asarray(s.render(**SIZE))
+    for off in (False, numpy.False_, None, 0):
+        assert (s.render(scale_bar=off, **SIZE).srgb8() == s.render(**SIZE).srgb8()).all()
+    for text in ("off", "no", "on", b"off"):
+        with pytest.raises(kiln.Error, match="scale_bar: takes True or False") as failure:
+            s.render(scale_bar=text, **SIZE)
+        assert failure.value.code == "usage"
+    assert (plain == numpy.asarray(s.render(share_reads="off", **SIZE))).all()
+
+
+def test_lists_are_written_as_on_the_command_line(head):
+    s = kiln.open(head)
+    names = s.render(aov=["depth", "normal"], **SIZE).planes.keys()
+    for both in ("depth,normal", ("depth", "normal"), ["depth,normal"]):
+        assert s.render(aov=both, **SIZE).planes.keys() == names
+
+
+def test_arrays_and_copies_are_those_of_numpy(head):
+    s = kiln.open(head)
+    with pytest.raises(TypeError, match="found ndarray"):
+        s[numpy.array([1, 2])]
+    with pytest.raises(ValueError, match="whole numbers"):
+        s.read(0, ((0.5, 2), (0, 3), (0, 3)))
+    for read in (s, s.render(**SIZE)):
+        with pytest.raises(ValueError, match="is a copy"):
+            read.__array__(numpy.dtype("f8"), copy=False)
+        assert read.__array__(numpy.dtype("f8")).dtype == "f8"
+    assert s.render(**SIZE).__array__(copy=False).dtype == "f4"

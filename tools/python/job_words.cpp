@@ -30,6 +30,15 @@ bool isOn(const std::string& name, const std::string& text) {
   return text == "on";
 }
 
+// Returns the items of a list, "depth,normal", as the command line divides them.
+std::vector<std::string> itemsOf(const std::vector<std::string>& texts) {
+  std::vector<std::string> out;
+  for (const std::string& text : texts) {
+    for (const std::string_view item : splitAt(text, ',')) out.emplace_back(item);
+  }
+  return out;
+}
+
 }  // namespace
 
 GivenFlags givenFlags(const Texts& texts) {
@@ -37,7 +46,7 @@ GivenFlags givenFlags(const Texts& texts) {
   std::size_t found = 0;
   for (const JobFlag& flag : jobFlags()) {
     if (const auto given = texts.find(nameOfFlag(flag.flag)); given != texts.end())
-      out.add(flag, given->second), ++found;
+      out.add(flag, flag.arguments == JobFlag::Arguments::kList ? itemsOf(given->second) : given->second), ++found;
   }
   if (found == texts.size()) return out;
   std::vector<std::string> names;

@@ -90,7 +90,7 @@ def _matrix(axes: str, spacing: Any, affine: Any) -> list[float]:
     edges = dict.fromkeys("xyz", 1.0)
     if spacing is not None:
         spatial = [axis for axis in axes if axis in "xyz"]
-        values = [float(value) for value in spacing]
+        values = [float(value) for value in spacing] if hasattr(spacing, "__iter__") else []
         if len(values) != len(spatial) or not all(value > 0 for value in values):
             raise ValueError(f"spacing: expected {len(spatial)} positive numbers, along {', '.join(spatial)}")
         edges.update(zip(spatial, values))

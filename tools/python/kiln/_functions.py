@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import json as _json
+import numbers
 from typing import Any, Callable, Iterable, Sequence
 
 from kiln import _kiln
@@ -55,9 +56,11 @@ def _color(color: Any) -> Any:
 def _opacities(opacity: Any, places: Sequence[float]) -> list[float]:
     if callable(opacity):
         return [float(opacity(place)) for place in places]
-    if isinstance(opacity, (int, float)):
+    if isinstance(opacity, numbers.Real):
         return [float(opacity)] * len(places)
     steps = [float(value) for value in opacity]
+    if not steps:
+        raise wrong_word("opacity", "expected a number, numbers or a function", "no number", "give at least one")
     out = []
     for place in places:
         at = place * (len(steps) - 1)
@@ -86,7 +89,7 @@ def transfer_function(
         places = [i / (_SAMPLES - 1) for i in builtins.range(_SAMPLES)]
         colors = [_color(source(place)) for place in places]
         alphas = _opacities(opacity, places)
-        low, high = range or (0.0, 1.0)
+        low, high = (0.0, 1.0) if range is None else map(float, range)
         return TransferFunction(
             name=getattr(source, "name", "") or "colour map",
             points=[
@@ -96,6 +99,9 @@ def transfer_function(
             stretched=range is None,
         )
     points = [tuple(point) for point in source]
+    if not points or any(not 2 <= len(point) <= 3 for point in points):
+        expected = "expected points (value, opacity) or (value, opacity, color)"
+        raise wrong_word("source", expected, repr(source), "give such points")
     # As in the text of points: a point without a color has that of the point before, or of the first with one.
     color = next((_color(point[2]) for point in points if len(point) > 2), "white")
     out = []

@@ -39,6 +39,8 @@ class Image:
 
         array = numpy.asarray(self._picture.colors(self._view))
         if dtype is not None and array.dtype != dtype:
+            if copy is False:
+                raise ValueError(f"the pixels are {array.dtype}, so that {numpy.dtype(dtype)} is a copy")
             return array.astype(dtype)
         return array.copy() if copy else array
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import os
 from typing import Any, Iterator, NamedTuple
 
 from kiln import _kiln
-from kiln._errors import wrong_word
-from kiln._functions import TransferFunction
 from kiln._image import Image
-from kiln._volume import Progress, Volume, range_of, shown_path, store_folder
+from kiln._volume import Progress, Volume, store_folder
+from kiln._words import json_text
 
 
 class Finished(NamedTuple):
@@ -47,34 +45,6 @@ class Frames(Iterator[Image]):
         return Finished(*self._frames.run(resume, checkpoint, self._progress))
 
 
-def _is_utf8(text: str) -> bool:
-    try:
-        text.encode("utf-8")
-    except UnicodeEncodeError:  # a name with bytes that are no UTF-8, which os.fsdecode made
-        return False
-    return True
-
-
-def _plain(value: Any, volumes: list[Volume], drawn: Any = None) -> Any:
-    """Returns a job's value as JSON has it, and collects open volumes. `drawn`: the volume of the object around it."""
-    if isinstance(value, Volume):
-        volumes.append(value)
-        return shown_path(value)
-    if isinstance(value, TransferFunction):
-        text = value.json(range_of(drawn) if isinstance(drawn, Volume) else None)
-        return json.loads(text) if text else value.name
-    if isinstance(value, os.PathLike):
-        value = os.fspath(value)
-    if isinstance(value, str) and not _is_utf8(value):
-        raise wrong_word("job", "is UTF-8", ascii(value), "open such a volume, and rename other files")
-    if isinstance(value, dict):
-        drawn = value.get("volume", drawn)
-        return {key: _plain(inner, volumes, drawn) for key, inner in value.items()}
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    return [_plain(inner, volumes, drawn) for inner in value] if isinstance(value, (list, tuple)) else value
-
-
 def render(
     job: dict[str, Any] | str | os.PathLike[str],
     *,
@@ -93,5 +63,5 @@ def render(
     if not isinstance(job, dict):
         return Frames(_kiln.Frames.of_file(os.fspath(job), folder), progress)
     volumes: list[Volume] = []
-    text = json.dumps({"kiln": _kiln.job_format, **_plain(job, volumes)})
+    text = json_text({"kiln": _kiln.job_format, **job}, volumes)
     return Frames(_kiln.Frames.of_text(text, folder, [volume._volume for volume in volumes]), progress)

@@ -113,18 +113,19 @@ class Volume:
             box = [(0, length) for length in self.levels[level]]
         try:
             (z0, z1), (y0, y1), (x0, x1) = box
-            edges = [(int(low), int(high)) for low, high in ((z0, z1), (y0, y1), (x0, x1))]
+            edges = [(operator.index(low), operator.index(high)) for low, high in ((z0, z1), (y0, y1), (x0, x1))]
         except (TypeError, ValueError):
-            raise ValueError(f"box: expected 3 pairs, ((z0, z1), (y0, y1), (x0, x1)) (found {box!r})") from None
+            expected = "3 pairs of whole numbers, ((z0, z1), (y0, y1), (x0, x1))"
+            raise ValueError(f"box: expected {expected} (found {box!r})") from None
         data = self._volume.read(level, edges, progress)
         return numpy.frombuffer(data, dtype=self.dtype).reshape([high - low for low, high in edges])
 
     def __getitem__(self, key: Any) -> Any:
         """Reads voxels of level 0: s[z0:z1, y0:y1, x0:x1], with numbers, steps and ... as in NumPy."""
         keys = list(key) if isinstance(key, tuple) else [key]
-        if Ellipsis in keys:
-            at = keys.index(Ellipsis)
-            keys[at : at + 1] = [slice(None)] * (4 - len(keys))
+        ellipses = [at for at, one in enumerate(keys) if one is Ellipsis]  # arrays among the keys have no ==
+        if ellipses:
+            keys[ellipses[0] : ellipses[0] + 1] = [slice(None)] * (4 - len(keys))
         if len(keys) > 3:
             raise IndexError(f"a volume has 3 axes (found {len(keys)} indices)")
         keys += [slice(None)] * (3 - len(keys))
@@ -149,6 +150,8 @@ class Volume:
         return self.read(0, box)[tuple(inside)]
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> "NDArray[Any]":
+        if copy is False:
+            raise ValueError("the voxels of a volume are read, which is a copy")
         array = self.read()
         return array if dtype is None else array.astype(dtype, copy=False)
 

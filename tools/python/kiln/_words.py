@@ -8,6 +8,7 @@ import os
 from typing import Any, NamedTuple
 
 from kiln import _kiln
+from kiln._errors import wrong_word
 from kiln._functions import TransferFunction
 
 
@@ -41,8 +42,8 @@ def text_of(value: Any) -> str:
         return "on" if value else "off"
     if isinstance(value, str):
         return value
-    if isinstance(value, os.PathLike):
-        return str(os.fspath(value))
+    if isinstance(value, (bytes, os.PathLike)):
+        return os.fsdecode(value)
     if isinstance(value, float):
         return repr(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
     if isinstance(value, int):
@@ -55,21 +56,43 @@ def text_of(value: Any) -> str:
     return ",".join(text_of(item) for item in value)
 
 
-def _json_value(value: Any) -> Any:
-    """Returns values that JSON lacks: arrays and numbers of NumPy, paths, transfer functions."""
+def _is_utf8(text: str) -> bool:
+    try:
+        text.encode("utf-8")
+    except UnicodeEncodeError:  # a name with bytes that are no UTF-8, which os.fsdecode made
+        return False
+    return True
+
+
+def _job_value(value: Any, volumes: list[Any] | None, drawn: Any = None) -> Any:
+    """Returns a job's value as JSON has it. `drawn`: the volume of the object around the value."""
+    from kiln._volume import Volume, range_of, shown_path  # which import this module
+
+    if isinstance(value, Volume) and volumes is not None:
+        volumes.append(value)
+        return shown_path(value)
     if isinstance(value, TransferFunction):
-        text = value.json()
+        text = value.json(range_of(drawn) if isinstance(drawn, Volume) else None)
         return json.loads(text) if text else value.name
     if isinstance(value, os.PathLike):
-        return os.fspath(value)
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    raise TypeError(f"an object of a job has texts, numbers, lists and dicts (found {type(value).__name__})")
+        value = os.fspath(value)
+    elif hasattr(value, "tolist"):  # arrays and numbers of NumPy
+        value = value.tolist()
+    if isinstance(value, str) and not _is_utf8(value):
+        raise wrong_word("job", "is UTF-8", ascii(value), "open such a volume, and rename other files")
+    if isinstance(value, dict):
+        drawn = value.get("volume", drawn)
+        return {key: _job_value(inner, volumes, drawn) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_job_value(inner, volumes, drawn) for inner in value]
+    if value is None or isinstance(value, (str, int, float)):
+        return value
+    raise TypeError(f"a job has texts, numbers, lists and dicts (found {type(value).__name__})")
 
 
-def json_text(value: Any) -> str:
-    """Returns the JSON of a dict among the words."""
-    return json.dumps(value, default=_json_value)
+def json_text(value: Any, volumes: list[Any] | None = None) -> str:
+    """Returns the JSON of a job, or of an object of a job. Open volumes are collected in `volumes`, else refused."""
+    return json.dumps(_job_value(value, volumes))
 
 
 def _is_json(value: Any) -> bool:
@@ -94,6 +117,8 @@ def points_text(points: Any) -> str | None:
         return None
     if any(isinstance(point[0], (list, tuple)) for point in points):  # a list of such points
         return None
+    if any(not 2 <= len(point) <= 3 for point in points):
+        raise wrong_word("tf", "a point is (value, opacity) or (value, opacity, color)", repr(points), "give such points")
     return ",".join(":".join(text_of(part) for part in point) for point in points)
 
 
@@ -104,17 +129,26 @@ def _is_one(row: Option, value: Any) -> bool:
     return "," in row.values and len(value) > 0 and not any(isinstance(item, (str, list, tuple)) for item in value)
 
 
-def _text_of_word(word: str, value: Any) -> str:
+def _text_of_word(word: str, value: Any) -> str | bytes:
+    """Returns the text of a word; bytes for a name of a file whose bytes are no UTF-8."""
     try:
-        return text_of(value)
+        text = text_of(value)
     except TypeError as failure:
         raise TypeError(f"{word}: {failure}") from None
+    return text if _is_utf8(text) else os.fsencode(text)
 
 
-def flag_texts(words: dict[str, Any]) -> dict[str, list[str]]:
+def _is_set(word: str, value: Any) -> bool:
+    """Returns whether a flag without an argument is given. Texts, such as "off", are refused."""
+    if isinstance(value, (str, bytes)):
+        raise wrong_word(word, "takes True or False", repr(value), "give one of these")
+    return bool(value)
+
+
+def flag_texts(words: dict[str, Any]) -> dict[str, list[str | bytes]]:
     """Returns words as texts of flags."""
     known = _by_word()
-    flags: dict[str, list[str]] = {}
+    flags: dict[str, list[str | bytes]] = {}
     for word, value in words.items():
         row = known.get(word)
         if value is None:
@@ -122,7 +156,7 @@ def flag_texts(words: dict[str, Any]) -> dict[str, list[str]]:
         if row is None:
             flags["--" + word.replace("_", "-")] = [""]  # refused with the nearest option
         elif row.arguments == "none":
-            if value:
+            if _is_set(word, value):
                 flags[row.flag] = [""]
         elif isinstance(value, (list, set)) and not _is_one(row, value):
             flags[row.flag] = [_text_of_word(word, item) for item in value]
@@ -151,6 +185,6 @@ def job_words(words: dict[str, Any], value_range: tuple[float, float] | None = N
     return _kiln.JobWords(text, flag_texts(words), function)
 
 
-def source_texts(words: dict[str, Any]) -> dict[str, str]:
+def source_texts(words: dict[str, Any]) -> dict[str, str | bytes]:
     """Returns the words of a volume file as texts."""
     return {word: _text_of_word(word, value) for word, value in words.items() if value is not None}
