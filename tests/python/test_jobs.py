@@ -246,6 +246,39 @@ def test_words_take_objects_of_a_job(head):
     assert (by_option == by_key).all()
 
 
+def test_videos(head, tmp_path, monkeypatch):
+    """A substitute for ffmpeg stores its input: known because raw frames have the size of the job's."""
+    (tmp_path / "ffmpeg").write_text(
+        '#!/bin/sh\ncase "$*" in *ffmetadata*) exit 1;; esac\nfor last; do :; done\ncat > "${last#file:}"\n'
+        f"[ ! -e {tmp_path}/fail ]\n"
+    )
+    (tmp_path / "ffmpeg").chmod(0o700)
+    job = {"volume": str(head), "image": {"width": 16, "height": 16}, "camera": {"turntable": {"frames": 3}}}
+    with monkeypatch.context() as patched:
+        patched.setenv("PATH", "relative::.")
+        with pytest.raises(kiln.Error, match="needs the program ffmpeg") as failure:
+            kiln.render({**job, "output": "a.mp4"})
+        assert failure.value.code == "not_found"
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    assert kiln.render({**job, "output": "run.mp4"}).run().drawn == [1, 2, 3]
+    assert len([image.frame for image in kiln.render({**job, "output": "a.mp4"})]) == 3
+    assert os.path.getsize("a.mp4") == os.path.getsize("run.mp4") == 3 * 16 * 16 * 3
+    assert not os.path.exists("a.mp4.frames")
+    # A frame whose video failed is drawn again when it is asked for again.
+    frames = kiln.render({**job, "output": "b.mp4"})
+    next(frames), next(frames)
+    (tmp_path / "fail").touch()
+    with pytest.raises(kiln.Error):
+        next(frames)
+    (tmp_path / "fail").unlink()
+    assert next(frames).frame == 3 and next(frames, None) is None
+    assert os.path.getsize("b.mp4") == 3 * 16 * 16 * 3
+    for wrong in ({"volume": kiln.open(head)}, {"camera": {}}):
+        with pytest.raises(kiln.Error, match="a video needs") as failure:
+            kiln.render({**job, "output": "c.mp4", **wrong})
+        assert failure.value.code == "usage"
+
+
 def test_points_and_opacities_are_checked(head):
     s = kiln.open(head)
     for points in ([], [(1,)], [(1, 0, "red", 2)]):

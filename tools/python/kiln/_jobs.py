@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from typing import Any, Iterator, NamedTuple
 
 from kiln import _kiln
@@ -45,6 +46,12 @@ class Frames(Iterator[Image]):
         return Finished(*self._frames.run(resume, checkpoint, self._progress))
 
 
+def _program(name: str) -> str:
+    """Returns the program in the absolute folders of PATH; empty if there is none. Others are not searched for it."""
+    folders = filter(os.path.isabs, os.environ.get("PATH", "").split(os.pathsep))
+    return shutil.which(name, path=os.pathsep.join(folders)) or ""
+
+
 def render(
     job: dict[str, Any] | str | os.PathLike[str],
     *,
@@ -55,13 +62,13 @@ def render(
 
     job: the file of a job, or its object (the manual's page jobs.md); its volumes are names of stores and files, or
     open volumes, then all of them. A colour map without `range` needs an open volume. A frame's files are written, if the
-    job names any ("output", "outputs"), when the frame is drawn; the video after the last frame. store: folder for stores
-    of volume files.
+    job names any ("output", "outputs"), when the frame is drawn; the video after the last frame, by ffmpeg, of volumes
+    with names. store: folder for stores of volume files.
     progress: called with (step, done, total). throws: kiln.Error.
     """
-    folder = store_folder(store)
+    folder, encoder = store_folder(store), _program("ffmpeg")
     if not isinstance(job, dict):
-        return Frames(_kiln.Frames.of_file(os.fspath(job), folder), progress)
+        return Frames(_kiln.Frames.of_file(os.fspath(job), folder, encoder), progress)
     volumes: list[Volume] = []
     text = json_text({"kiln": _kiln.job_format, **job}, volumes)
-    return Frames(_kiln.Frames.of_text(text, folder, [volume._volume for volume in volumes]), progress)
+    return Frames(_kiln.Frames.of_text(text, folder, encoder, [volume._volume for volume in volumes]), progress)
