@@ -153,7 +153,7 @@ class CellsOfBrick {
 
  private:
   // Numbers of the values of a slice, with a column and a row more than the brick; ShownDepths::kNone: missing,
-  // hidden.
+  // hidden. Surfaces lie between shown and hidden values, too.
   using Numbers = std::vector<int>;
 
   Numbers numbersOf(std::int64_t z) const {
@@ -163,7 +163,7 @@ class CellsOfBrick {
       for (std::int64_t y = 0; y <= dims_.y; ++y) {
         const std::int64_t row = block_.offsetOf({lo_.x, lo_.y + y, lo_.z + z});
         for (std::int64_t x = 0; x <= dims_.x; ++x) {
-          const bool hidden = !block_.shown.all() && !block_.shown.at(row + x);
+          const bool hidden = !shown_.ofSurfaces() && !block_.shown.all() && !block_.shown.at(row + x);
           out.push_back(hidden ? ShownDepths::kNone : shown_.binOf(static_cast<double>(block_.data<T>()[row + x])));
         }
       }
@@ -194,6 +194,7 @@ class CellsOfBrick {
   void addCell(const VoxelCoord& cell, int first, int last, SideViews& views) const {
     if (!values_on_faces_ && !(shown_.depth(first, last, 1) > 0)) return;
     const VoxelBox voxels = {cell, {cell.x + 2, cell.y + 2, cell.z + 2}};
+    if (shown_.ofSurfaces() && !block_.shown.any(voxels)) return;
     if (!region_.showsAll() && region_.classify(voxels) == ClipRegion::Overlap::kOutside) return;
     // A face is opaque.
     constexpr double kOpaque = 10;

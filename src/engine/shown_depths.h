@@ -20,6 +20,7 @@ class ShownDepths {
               const Progress& progress);
 
   bool ofLabels() const { return kind_ == Kind::kLabels; }
+  bool ofSurfaces() const { return kind_ == Kind::kSurfaces; }
   /// The number of a missing value (NaN).
   static constexpr int kNone = -1;
   int binOf(double value) const;

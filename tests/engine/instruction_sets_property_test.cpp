@@ -3,6 +3,10 @@
 // are compared here; `scalar_kernels_test.cpp` and `scalar_voxels_test.cpp` compare single kernels.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <memory>
+
+#include "support/reference/companions.h"
 #include "support/reference/drawing.h"
 #include "support/reference/lattices.h"
 #include "support/reference/scalar_kernels.h"
@@ -124,6 +128,27 @@ TEST(InstructionSets, DrawLabelsTheSame) {
       expectTheSameOnAllSets(store, request);
     }
   }
+}
+
+TEST(InstructionSets, DrawMasksAndTheirColorsTheSame) {
+  const DenseVolume volume = smallHead(VoxelType::i16);
+  const ValueRange range = volume.range();
+  const DenseVolume labels = fill({volume.geometry.dims, VoxelType::u8, volume.geometry.world_from_index},
+                                  [](auto x, auto y, auto z) { return (x + 2 * y + z) / 12 % 3; });
+  const auto store = makeStore(volume, "head", 32), of_labels = makeStore(labels, "labels", 16, true);
+  const auto companions = maskedWithValues(store, of_labels, {0, 1}, of_labels);
+  FrameRequest request;
+  request.view = resolve(cameraFrom(volume.geometry, {0.7, -1, 0.4}, Projection::kPerspective), kSetsSize);
+  TransferFunction by_label;
+  by_label.labels = {{1, "", {0.2, 0.4, 1}, 1}};
+  request.colors = std::make_shared<const CompanionColors>(CompanionColors{by_label, labels.type, labels.range()});
+  request.transfer_function.unit = volume.geometry.meanSpacing();
+  request.transfer_function.points = {{range.lo, {1, 0.7, 0.5}, 0}, {range.hi, {1, 1, 0.8}, 0.7}};
+  expectTheSameOnAllSets(*companions, request);
+  request.transfer_function.points.clear();
+  for (const double at : {0.2, 0.5})
+    request.transfer_function.surfaces.push_back({std::lerp(range.lo, range.hi, at), {1, 0.7, 0.5}, 0.6});
+  expectTheSameOnAllSets(*companions, request);
 }
 
 TEST(InstructionSets, CompositeSeveralVolumesTheSame) {

@@ -197,7 +197,8 @@ class CellCaster {
   void maskSurfaces() {
     const D d;
     for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
-      const V shown = mask_.shownAt(n, std::min(kept_ - n, hn::Lanes(d)));
+      const std::size_t count = std::min(kept_ - n, hn::Lanes(d));
+      const V shown = on_face_ ? mask_.shownAt(n, count) : mask_.shownOnSides(n, count);
       hn::StoreU(hn::Mul(shown, hn::LoadU(d, s_.opacity + n)), d, s_.opacity + n);
     }
   }
