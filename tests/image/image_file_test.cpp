@@ -7,6 +7,7 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
+#include <ImfOutputFile.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -130,6 +131,27 @@ TEST_F(ImageFile, FilesAreCheckedToTheirEnd) {
     errorOf([&] { checkImage(folder_ / name); }, ErrorCode::kFormat);
     std::filesystem::resize_file(folder_ / name, data.size() / 2);
     errorOf([&] { checkImage(folder_ / name); }, ErrorCode::kFormat);
+  }
+}
+
+// A channel of every second pixel has half as many columns, from half the window's first column on.
+TEST_F(ImageFile, SubsampledChannelsOfAFarWindow_areChecked) {
+  constexpr int kWidth = 32, kHeight = 4;
+  for (const int first : {0, 40'000'000, -40'000'000}) {
+    const fs::path path = folder_ / "a.exr";
+    {
+      Imf::Header header(kWidth, kHeight);
+      header.dataWindow() = {{first, first}, {first + kWidth - 1, first + kHeight - 1}};
+      header.channels().insert("BY", Imf::Channel(Imf::FLOAT, 2, 2));
+      std::array<float, kWidth> row{};
+      Imf::FrameBuffer buffer;
+      buffer.insert("BY",
+                    Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(row.data() - first / 2), sizeof(float), 0, 2, 2));
+      Imf::OutputFile file(path.c_str(), header);
+      file.setFrameBuffer(buffer);
+      file.writePixels(kHeight);
+    }
+    EXPECT_NO_THROW(checkImage(path)) << first;
   }
 }
 
@@ -347,7 +369,8 @@ TEST_F(ImageFile, PngOfOtherKindsIsRead) {
 
 TEST_F(ImageFile, OtherNamesAreRefusedBeforeAnyWork) {
   for (const char* name : {"a.gif", "a", "exr", "a.exr.txt"}) {
-    EXPECT_NE(errorOf([&] { requireImagePath(name); }, ErrorCode::kUsage).find(".exr, .png, .tif or .jpg"), std::string::npos);
+    EXPECT_NE(errorOf([&] { requireImagePath(name); }, ErrorCode::kUsage).find(".exr, .png, .tif or .jpg"),
+              std::string::npos);
   }
   requireImagePath("dir.x/a.EXR");
   requireImagePath("a.png");

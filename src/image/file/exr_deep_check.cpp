@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 
 #include "image/file/exr_deep_row.h"
 #include "image/file/exr_parts.h"
@@ -25,7 +26,8 @@ void forEachRow(Imf::MultiPartInputFile& file, int part, std::uint64_t memory_by
   const Imath::Box2i window = in.header().dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
   if (width < 1 || width > kLargestSide_px)
-    throw std::runtime_error("the data window of a deep part must be from 1 to 65536 pixels wide");
+    throw std::runtime_error("the data window of a deep part must be from 1 to " + std::to_string(kLargestSide_px) +
+                             " pixels wide");
   DeepRow row(static_cast<int>(width));
   for (const char* name : kExrChannelNames) row.addChannel(name, Imf::FLOAT);
   in.setFrameBuffer(row.frameBuffer(window.min.x));

@@ -173,7 +173,8 @@ Image readRows(Imf::InputFile& file, std::size_t file_bytes, const std::filesyst
   const std::int64_t height = std::int64_t{window.max.y} - window.min.y + 1;
   if (width < 1 || height < 1 || width > kLargestSide_px || height > kLargestSide_px) {
     throw Error(ErrorCode::kUnsupported, path, "dataWindow",
-                std::to_string(width) + "x" + std::to_string(height) + " pixels; each side must be from 1 to 65536");
+                std::to_string(width) + "x" + std::to_string(height) + " pixels; each side must be from 1 to " +
+                    std::to_string(kLargestSide_px));
   }
   const Imf::ChannelList& channels = file.header().channels();
   const bool grey = channels.findChannel("Y") && !channels.findChannel("R");
@@ -227,13 +228,15 @@ void readAll(File& file) {
   const Imath::Box2i window = file.header().dataWindow();
   const std::int64_t width = std::int64_t{window.max.x} - window.min.x + 1;
   if (width < 1 || width > kLargestSide_px)
-    throw std::runtime_error("its data window must be from 1 to 65536 pixels wide");
+    throw std::runtime_error("its data window must be from 1 to " + std::to_string(kLargestSide_px) + " pixels wide");
   std::vector<float> row(static_cast<std::size_t>(width));
-  char* const base = reinterpret_cast<char*>(row.data()) - std::ptrdiff_t{window.min.x} * 4;
   Imf::FrameBuffer buffer;
-  for (auto channel = file.header().channels().begin(); channel != file.header().channels().end(); ++channel)
-    buffer.insert(channel.name(),
-                  Imf::Slice(Imf::FLOAT, base, 4, 0, channel.channel().xSampling, channel.channel().ySampling));
+  for (auto channel = file.header().channels().begin(); channel != file.header().channels().end(); ++channel) {
+    const int every_x = channel.channel().xSampling, every_y = channel.channel().ySampling;
+    // A channel of every n-th column has its first number at column min.x / n, which OpenEXR requires to be whole.
+    char* const base = reinterpret_cast<char*>(row.data()) - std::ptrdiff_t{window.min.x / every_x} * 4;
+    buffer.insert(channel.name(), Imf::Slice(Imf::FLOAT, base, 4, 0, every_x, every_y));
+  }
   file.setFrameBuffer(buffer);
   for (int y = window.min.y; y <= window.max.y; ++y) file.readPixels(y);
 }
