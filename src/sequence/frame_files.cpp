@@ -51,6 +51,13 @@ void requireOpaqueJpeg(const RenderJob& job, const fs::path& path) {
                 "colour, or write a PNG or a TIFF");
 }
 
+// Both eyes of a file lie side by side, except in an EXR.
+void requireSidesOf(const RenderJob& job, const OutputFile& file) {
+  const PixelRect drawn = drawnPixels(job.picture.size, job.picture.crop);
+  const bool beside = drawsBothEyes(job.picture.stereo) && !file.eye && !isExrPath(file.path);
+  requireSides(file.path, (beside ? 2 : 1) * drawn.width(), drawn.height());
+}
+
 // Returns what a file's bytes depend on beside its picture.
 std::string kindOf(const OutputOptions& output, const fs::path& path) {
   switch (*pictureFormatOf(path)) {
@@ -314,6 +321,7 @@ void requireOutputs(const RenderJob& job, const std::vector<int>& frames) {
   for (const OutputFile& file : patternsOf(job)) {
     requireKnownEnding(file.path);
     requireOpaqueJpeg(job, file.path);
+    requireSidesOf(job, file);
     requireImagePath(file.path, aovsOf(job, file).any());
     if (frames.size() > 1 && !hasFramePlace(file.path)) {
       throw Error(ErrorCode::kUsage, file.path, "",

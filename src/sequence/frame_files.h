@@ -25,8 +25,8 @@ OutputFile videoFrameOf(const RenderJob& job, int frame);
 bool keepsFramesForVideo(const RenderJob& job);
 std::filesystem::path keptFramesOf(const VideoOptions& video);
 
-/// throws: Error kUsage for a name without a picture's ending, a name without a place for the number of several frames,
-/// or two files with equal names.
+/// throws: Error kUsage for a name without a picture's ending, a picture too large for its kind of file, a name without
+/// a place for the number of several frames, or two files with equal names.
 void requireOutputs(const RenderJob& job, const std::vector<int>& frames);
 
 /// Returns the job of one file of a frame, with every choice made, as stored in an EXR's header.

@@ -87,5 +87,22 @@ TEST_F(PicturesCli, AJpegNeedsABackground) {
   refused({"render", in("h.kiln"), "-o", in("a.tif"), "--size", "8x8", "--aov", "depth"}, 2, "only an EXR holds more");
 }
 
+// libjpeg encodes sides of at most 65500 pixels. A picture beyond is refused before the first frame is drawn, with exit
+// code 2; a frame that fails gives exit code 1.
+TEST_F(PicturesCli, ATooLargeJpegIsRefusedBeforeItIsDrawn) {
+  const std::vector<std::string> head = {"render", in("h.kiln"), "--background", "white", "--samples", "1"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), head.begin(), head.end());
+    return more;
+  };
+  const std::string why = "a JPEG has sides of at most 65500 pixels (found ";
+  refused(with({"--turntable", "2", "-o", in("a#.jpg"), "--size", "65536x1"}), 2, why + "65536 x 1)");
+  refused(with({"--turntable", "2", "--stereo", "both", "--interocular", "1", "-o", in("a#.jpg"), "--size", "40000x1"}),
+          2, why + "80000 x 1)");
+  refused(with({"--turntable", "2", "--sheet", "2", "-o", in("a.jpg"), "--size", "65520x1"}), 2, why + "65536 x ");
+  done(with({"-o", in("a.jpg"), "--size", "65536x1", "--crop", "0,0,65500,1"}));
+  done(with({"--stereo", "both", "--interocular", "1", "-o", in("a_%V.jpg"), "--size", "65500x1"}));
+}
+
 }  // namespace
 }  // namespace kiln::test

@@ -59,18 +59,18 @@ void requireImagePath(const std::filesystem::path& path, bool with_planes) {
                 "only an EXR holds more than colours; planes (--aov) need a name ending in .exr");
 }
 
+void requireSides(const std::filesystem::path& path, int width, int height) {
+  if (pictureFormatOf(path) == PictureFormat::kJpeg && std::max(width, height) > kLargestJpegSide_px)
+    throw Error(ErrorCode::kUsage, path, "",
+                fmt::format("a JPEG has sides of at most {} pixels (found {} x {}); write a PNG or a TIFF",
+                            kLargestJpegSide_px, width, height));
+}
+
 namespace {
 
 PatternPlace patternPlaceOf(const ImageMetadata& metadata) {
   const ImageMetadata::Whole whole = metadata.whole.value_or(ImageMetadata::Whole());
   return {whole.x, whole.y, metadata.views_beside};
-}
-
-void requireJpegSize(const ImageRows& rows, const std::filesystem::path& path) {
-  if (std::max(rows.width, rows.height) > kLargestJpegSide_px)
-    throw Error(ErrorCode::kUsage, path, "",
-                fmt::format("a JPEG has sides of at most {} pixels (found {} x {}); write a PNG or a TIFF",
-                            kLargestJpegSide_px, rows.width, rows.height));
 }
 
 }  // namespace
@@ -96,10 +96,9 @@ void writeImage(ImageRows& rows, const ImageMetadata& metadata, const ImageFileO
                 const std::filesystem::path& path) {
   requireImagePath(path, !rows.bandAt(0).image->planes.empty());
   const PictureFormat format = *pictureFormatOf(path);
-  if (format == PictureFormat::kJpeg) {
-    requireJpegSize(rows, path);
+  requireSides(path, rows.width, rows.height);
+  if (format == PictureFormat::kJpeg)
     return chosenDisk(options.disk).writeAtomic(path, encodeJpeg(rows, options.jpeg_quality, metadata.text));
-  }
   ScratchOutput out(path, chosenDisk(options.disk));
   if (format == PictureFormat::kExr)
     encodeExr(rows, metadata, options, path, out);

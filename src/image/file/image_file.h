@@ -104,6 +104,8 @@ std::optional<PictureFormat> pictureFormatOf(const std::filesystem::path& path);
 /// throws: Error kUsage if `writeImage` refuses the extension for a picture with or without planes. Call before long
 /// work.
 void requireImagePath(const std::filesystem::path& path, bool with_planes = false);
+/// throws: Error kUsage if the format of the path has no pictures of this size. unit: pixels. Call before long work.
+void requireSides(const std::filesystem::path& path, int width, int height);
 
 /// No limit on memory for reading a picture.
 inline constexpr std::uint64_t kUnlimitedBytes = UINT64_MAX;

@@ -14,6 +14,7 @@
 #include "frame/background.h"
 #include "frame/empty_frame.h"
 #include "frame/pass/frame_progress.h"
+#include "image/file/image_file.h"
 #include "image/srgb.h"
 #include "image/thumbnail_sheet.h"
 #include "job/frame_list.h"
@@ -74,6 +75,7 @@ void requireSheet(const RenderJob& job) {
   if (std::max(layout.sheetWidth(), layout.sheetHeight()) > kLargestSide_px)
     refuse(fmt::format("the sheet's sides are at most {} pixels (found {}x{}); give a smaller --size", kLargestSide_px,
                        layout.sheetWidth(), layout.sheetHeight()));
+  requireSides(job.output.path, layout.sheetWidth(), layout.sheetHeight());
 }
 
 Image drawSequenceSheet(const RenderJob& given, const StoreFor& store_for, Progress& progress) {
