@@ -159,20 +159,6 @@ bool ClipRegion::contains(const glm::dvec3& index) const noexcept {
   return true;
 }
 
-double ClipRegion::shareOf(const glm::dvec3& index, const glm::dvec3& along) const noexcept {
-  double begin = -0.5, end = 0.5;
-  cutLine(index, along, begin, end);
-  return std::max(end - begin, 0.0);
-}
-
-double ClipRegion::shareBehindFace(const glm::dvec3& index, const glm::dvec3& along, bool alone) const noexcept {
-  // A face at the border of two segments may be in either, as positions are rounded.
-  constexpr double kFirst = -0.501;
-  double begin = kFirst, end = 0.5;
-  cutLine(index, along, begin, end);
-  return begin > (alone ? kFirst : 0.0) ? 0 : std::max(end - std::max(begin, -0.5), 0.0);
-}
-
 void ClipRegion::cutLine(const glm::dvec3& base, const glm::dvec3& slope, double& lo, double& hi) const noexcept {
   for (const HalfSpace& h : half_spaces_) {
     const double at_base = glm::dot(h.normal, base) + h.offset - h.least, change = glm::dot(h.normal, slope);

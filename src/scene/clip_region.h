@@ -45,13 +45,6 @@ class ClipRegion {
   /// a region contains its lower faces and not its upper faces, like a box of voxels.
   bool contains(const glm::dvec3& index) const noexcept;
 
-  /// Returns the share of a ray segment inside the region: 1 if all is inside; the shares of adjacent regions sum to 1.
-  /// `index` is the segment's middle, `along` its extent. unit: voxels.
-  double shareOf(const glm::dvec3& index, const glm::dvec3& along) const noexcept;
-  /// As shareOf, but 0 for a segment that enters the region behind its middle, so that nothing lies in front of a cut
-  /// face; or with `alone` for a segment that enters it anywhere, so that the face is alone in its segment.
-  double shareBehindFace(const glm::dvec3& index, const glm::dvec3& along, bool alone) const noexcept;
-
   /// The planes between the part and the rest of the volume, in the level's index space; infinite if there is no rest.
   /// The part contains its lower planes and not its upper planes.
   struct Part {

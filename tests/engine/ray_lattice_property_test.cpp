@@ -45,7 +45,7 @@ std::array<double, 2> depthsInside(const PixelRay& ray, const Extent3& dims) {
 }
 
 // Composites a pixel's samples one after another, in doubles. The first and the last sample end at the volume's
-// boundary. A ray between the middles of two slabs has one sample.
+// boundary. A ray between the middles of two slabs has one sample. A sample lies in the middle of its piece.
 class SamplesAlone {
  public:
   SamplesAlone(const DenseVolume& volume, const FrameRequest& request, const StoreReader& store)
@@ -112,10 +112,10 @@ std::array<double, 4> SamplesAlone::composited(int x, int y) const {
   const double oblique = projector.perspective() ? std::sqrt(1 + glm::dot(across, across)) : 1;
   std::array<double, 4> out{};
   for (std::size_t i = 0; i < slabs.size(); ++i) {
-    const glm::dvec3 index = ray.base() + 0.5 * (slabs[i][0] + slabs[i][1]) * ray.slope();
+    const double near = i == 0 ? inside[0] : slabs[i][0], far = i + 1 == slabs.size() ? inside[1] : slabs[i][1];
+    const glm::dvec3 index = ray.base() + 0.5 * (near + far) * ray.slope();
     const double value = field_.at(index);
     if (std::isnan(value)) continue;
-    const double near = i == 0 ? inside[0] : slabs[i][0], far = i + 1 == slabs.size() ? inside[1] : slabs[i][1];
     const Classified c = request_.transfer_function.at(value);
     const double tau = extinctionOf(c.opacity, request_.transfer_function.unitIn(volume_.geometry.meanSpacing()));
     const double weight = (1 - out[3]) * -std::expm1(-tau * (far - near) * oblique);

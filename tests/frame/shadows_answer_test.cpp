@@ -185,7 +185,8 @@ TEST(Shadows, OfALightThatHardlyTurnsStay) {
 
 // The middle of the box is always at the same place of a pixel, and the longest edge is as required.
 TEST(Shadows, OfLightsThatTurnKeepThePlaceOfTheirPixels) {
-  const VolumeGeometry box{{90, 70, 50}};
+  VolumeGeometry box;
+  box.dims = {90, 70, 50};
   const auto corners = box.corners();
   const glm::dvec3 middle = 0.5 * (corners.front() + corners.back());
   for (const int edge_px : {kLeastShadowEdge, 255, 512}) {

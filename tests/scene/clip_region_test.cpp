@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -37,6 +38,13 @@ TEST(ClipRegion, ABoxOfVoxelsHoldsItsVoxels) {
   }
 }
 
+// Returns the share of a segment inside the region. `index` is the segment's middle, `along` its extent.
+double shareInside(const ClipRegion& region, const glm::dvec3& index, const glm::dvec3& along) {
+  double begin = -0.5, end = 0.5;
+  region.cutLine(index, along, begin, end);
+  return std::max(end - begin, 0.0);
+}
+
 // A coarse voxel whose centre lies on the shared face of two regions is in exactly one of them.
 TEST(ClipRegion, RegionsThatShareAFaceShareNoVoxelOfAnyLevel) {
   const VolumeGeometry volume = volumeOf({24, 24, 24});
@@ -60,13 +68,13 @@ TEST(ClipRegion, SharesOfSamplesAddUp) {
     for (int i = 0; i < 26; ++i) {
       const glm::dvec3 index((i + 0.5) * kEdge - 0.5, 1, 1);
       const glm::dvec3 along(i % 2 == 0 ? kEdge : -kEdge, 0.1, 0);
-      const double share = below.shareOf(index, along);
-      EXPECT_NEAR(share + above.shareOf(index, along), 1, 1e-12);
+      const double share = shareInside(below, index, along);
+      EXPECT_NEAR(share + shareInside(above, index, along), 1, 1e-12);
       width += share * kEdge;
     }
     EXPECT_NEAR(width, static_cast<double>(face), 1e-12);
     for (std::int64_t x = 0; x < 16; ++x)
-      EXPECT_EQ(below.shareOf({x, 1, 1}, glm::dvec3(1, 0, 0)), x < face ? 1 : 0) << "whole voxels";
+      EXPECT_EQ(shareInside(below, {x, 1, 1}, glm::dvec3(1, 0, 0)), x < face ? 1 : 0) << "whole voxels";
   }
 }
 
@@ -77,25 +85,9 @@ TEST(ClipRegion, APlateHasTheShareOfItsThickness) {
     const double middle = glm::dot(normal, glm::dvec3(8, 8, 8));
     const ClipRegion plate({{}, {{normal, thickness / 2 - middle}, {-normal, thickness / 2 + middle}}},
                            volumeOf({16, 16, 16}));
-    EXPECT_NEAR(plate.shareOf({8, 8, 8}, normal), thickness, 1e-12);
-    EXPECT_NEAR(plate.shareOf({8, 8, 8}, 2.0 * normal), thickness / 2, 1e-12);
-    EXPECT_EQ(plate.shareOf(glm::dvec3(8, 8, 8) + normal, normal), 0);
-  }
-}
-
-// A segment of 2 voxels that enters at voxel 3.5, at several places of its own, and one that leaves there.
-TEST(ClipRegion, NothingOfASegmentLiesInFrontOfAFace) {
-  const ClipRegion region({VoxelBox{{4, 0, 0}, {16, 4, 4}}, {}}, volumeOf({16, 4, 4}));
-  const glm::dvec3 along(2, 0, 0), back(-2, 0, 0);
-  const auto at = [](double x) { return glm::dvec3(x, 1, 1); };
-  EXPECT_DOUBLE_EQ(region.shareOf(at(3), along), 0.25);
-  EXPECT_EQ(region.shareBehindFace(at(3), along, false), 0);
-  EXPECT_DOUBLE_EQ(region.shareBehindFace(at(3.75), along, false), 0.625);
-  EXPECT_EQ(region.shareBehindFace(at(3.75), along, true), 0);
-  for (const bool alone : {false, true}) {
-    EXPECT_DOUBLE_EQ(region.shareBehindFace(at(5), along, alone), 1);
-    EXPECT_DOUBLE_EQ(region.shareBehindFace(at(3.75), back, alone), 0.625);
-    EXPECT_EQ(region.shareBehindFace(at(2), along, alone), 0);
+    EXPECT_NEAR(shareInside(plate, {8, 8, 8}, normal), thickness, 1e-12);
+    EXPECT_NEAR(shareInside(plate, {8, 8, 8}, 2.0 * normal), thickness / 2, 1e-12);
+    EXPECT_EQ(shareInside(plate, glm::dvec3(8, 8, 8) + normal, normal), 0);
   }
 }
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "engine/pixel/finish_sample.h"
+#include "engine/pixel/sample_normal.h"
 #include "engine/pixel/slab_layer.h"
 #include "engine/pixel/voxels/mask_voxels.h"
 
@@ -14,13 +14,13 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "engine/pixel/border_slopes-inl.h"
 #include "engine/pixel/cell_chords-inl.h"
 #include "engine/pixel/cell_faces-inl.h"
 #include "engine/pixel/cell_field-inl.h"
 #include "engine/pixel/cell_rays-inl.h"
 #include "engine/pixel/cell_surfaces-inl.h"
 #include "engine/pixel/classify-inl.h"
+#include "engine/pixel/face_slopes-inl.h"
 #include "engine/pixel/mask_samples-inl.h"
 #include "engine/pixel/sample_colors-inl.h"
 #include "engine/pixel/sample_light-inl.h"
@@ -43,14 +43,13 @@ class CellCaster {
         in_(in),
         tile_(tile),
         opacity_threshold_(opacity_threshold),
-        finishes_(context.detailed()),
         modulates_(l_.plane.factors != nullptr),
-        places_(finishes_ || tile.aovs.any() || (l_.surfaces > 0 && tile.deep != nullptr)),
+        places_(tile.aovs.any() || (l_.surfaces > 0 && (!in.cuts.empty() || tile.deep != nullptr))),
         derives_(places_ || modulates_),
         slopes_(!derives_ && !(l_.lights != nullptr && l_.lights->model().scatters)),
         lit_by_mask_(in.mask != nullptr && l_.surfaces == 0),
         p_(rays, context.lattice(), in, tile),
-        border_(p_, rays, context.lattice()),
+        faces_(p_, rays, in),
         field_(context.lattice(), in, samples),
         mask_(context.lattice(), in, samples),
         colors_(context.lattice(), in, samples),
@@ -62,7 +61,7 @@ class CellCaster {
     if (in_.at_edge && l_.surfaces == 0) castChords();
     const auto cast = [this](std::size_t count) { castFound(count); };
     const RayParts parts = l_.surfaces > 0 ? RayParts::kPieces : RayParts::kMiddles;
-    CellRays<decltype(cast)>(p_, r_, in_, tile_, s_, parts, cast).run(field_.shown());
+    CellRays<decltype(cast)>(p_, r_, in_, tile_, s_, parts, cast).run(shownSpaces());
   }
 
  private:
@@ -80,10 +79,11 @@ class CellCaster {
   HWY_NOINLINE void castFound(std::size_t count) {
     if (l_.surfaces > 0) return castSurfaces(count);
     count_ = count;
-    placeAll();
+    const bool pieces = p_.inPieces();
+    pieces ? placeAll<true>() : placeAll<false>();
     field_.interpolate(count_);
     classifyAll();
-    attenuateAll();
+    pieces ? attenuateAll<true>() : attenuateAll<false>();
     if (in_.sums != nullptr)
       keepAll();
     else
@@ -104,6 +104,15 @@ class CellCaster {
     });
   }
 
+  // Spaces in which samples may be visible; all spaces if none are returned. The middle of a piece may lie beside the
+  // middle of its slab.
+  std::optional<Spaces> shownSpaces() const {
+    const std::optional<Spaces> shown = field_.shown();
+    if (!shown || l_.surfaces > 0 || !(in_.at_end || !in_.cuts.empty())) return shown;
+    if (r_.longestStep(in_.bounds) > 1) return std::nullopt;
+    return grown(*shown);
+  }
+
   // Draws the rays that cross the volume between the middles of slabs. They have no other sample in the volume.
   HWY_NOINLINE void castChords() {
     p_.useChords(true);
@@ -120,7 +129,7 @@ class CellCaster {
       if (in_.mask != nullptr) maskSurfaces();
       const D d;
       for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
-        const CellPlaces::Where w = p_.whereIs(hn::Load(DI(), s_.kept_code + n));
+        const CellPlaces::Where w = p_.slabOf(hn::Load(DI(), s_.kept_code + n));
         for (int a = 0; a < 3; ++a) hn::StoreU(p_.pointAt(a, w, hn::Load(d, s_.at + n)), d, s_.index_place[a] + n);
       }
       if (in_.sums != nullptr)
@@ -175,12 +184,12 @@ class CellCaster {
   void finishSurfaces() {
     const D d;
     for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
-      const CellPlaces::Where w = p_.whereIs(hn::Load(DI(), s_.kept_code + n));
+      const CellPlaces::Where w = p_.slabOf(hn::Load(DI(), s_.kept_code + n));
       for (int a = 0; a < 3; ++a) hn::StoreU(p_.pointAt(a, w, hn::Load(d, s_.at + n)), d, s_.index_place[a] + n);
       keepSlopes(n, std::min(kept_ - n, hn::Lanes(d)));
       keepSlope(n, outOfSurface(n, slopesFrom(n)));
     }
-    if (context_.look().clip->showsAll()) return;
+    if (in_.cuts.empty()) return;
     for (std::size_t n = 0; n < kept_; ++n) {
       if (!context_.look().clip->contains(siteOf(n).index)) s_.opacity[n] = 0;
     }
@@ -238,18 +247,19 @@ class CellCaster {
   }
 
   // Computes the voxel before each sample, and the position between voxels.
+  template <bool kPieces>
   void placeAll() {
     const D d;
     const DI di;
     for (std::size_t n = 0; n < count_; n += hn::Lanes(d)) {
-      const CellPlaces::Where w = p_.whereIs(hn::Load(di, s_.code + n));
-      // Relative to the second voxel that was read, half a voxel before the cell.
+      const CellPlaces::Where w = p_.sampleOf<kPieces>(hn::Load(di, s_.code + n));
+      // Relative to the voxel before the cell, which begins half a voxel behind it.
       VI voxel[3];
       for (int a = 0; a < 3; ++a) {
         const V at = p_.indexOf(a, w, in_.lo[a]);
-        // Rounding may put a sample just outside the cell.
-        const V inside = hn::Min(hn::Max(at, hn::Set(d, 0.5f)), hn::Set(d, kPatchVoxels + 0.5f));
-        voxel[a] = hn::ConvertTo(di, inside);
+        // Rounding, or the middle of a piece, may put a sample just outside the cell.
+        const V inside = hn::Min(hn::Max(at, hn::Zero(d)), hn::Set(d, kPatchVoxels + 1.0f));
+        voxel[a] = hn::Min(hn::ConvertTo(di, inside), hn::Set(di, kPatchVoxels));
         hn::Store(hn::Sub(inside, hn::ConvertTo(d, voxel[a])), d, s_.fraction[a] + n);
       }
       hn::Store(offsetOf(voxel), di, s_.offset + n);
@@ -319,11 +329,12 @@ class CellCaster {
   }
 
   // Computes the opacities of visible samples; for several volumes, the optical depths. Equation (6).
+  template <bool kPieces>
   void attenuateAll() {
     const D d;
     // Vectors beyond the last sample look up the table's first entry.
     hn::StoreU(hn::Zero(d), d, s_.entry + kept_);
-    const bool asks = l_.perspective || in_.at_end || in_.in_pairs || derives_;
+    const bool asks = kPieces || l_.perspective || in_.in_pairs || derives_;
     const bool masked = in_.mask != nullptr;
     for (std::size_t n = 0; n < kept_; n += hn::Lanes(d)) {
       V tau = l_.integral != nullptr ? hn::Load(d, s_.opacity + n) : extinctionAt(d, l_, hn::Load(d, s_.entry + n));
@@ -331,13 +342,13 @@ class CellCaster {
       V length = hn::Set(d, l_.thickness);
       if (asks) {
         const std::size_t count = std::min(kept_ - n, hn::Lanes(d));
-        const CellPlaces::Where w = p_.whereIs(hn::Load(DI(), s_.kept_code + n));
-        length = hn::Mul(hn::Mul(length, p_.sightOf(w).oblique), in_.at_end ? p_.partOf(w) : w.slabs);
+        const CellPlaces::Where w = p_.sampleOf<kPieces>(hn::Load(DI(), s_.kept_code + n));
+        length = hn::Mul(hn::Mul(length, p_.sightOf(w).oblique), w.slabs);
         if (derives_) keepSlopes(n, count);
         if (modulates_) tau = modulatedTau(n, tau);
         // Opacity depends on the gradient of the values; light depends on the normal.
         if (derives_ && lit_by_mask_) keepSlope(n, mask_.slopesOr(slopesFrom(n), 0));
-        if (places_) tau = finishTau(n, count, w, tau);
+        if (places_) keepPlaces(n, w);
       }
       const V depth = hn::Mul(tau, length);
       hn::Store(in_.sums != nullptr ? depth : opacityOf(d, depth), d, s_.opacity + n);
@@ -360,26 +371,11 @@ class CellCaster {
     return {hn::LoadU(d, s_.slope[0] + n), hn::LoadU(d, s_.slope[1] + n), hn::LoadU(d, s_.slope[2] + n)};
   }
 
-  // Finishes extinctions one by one at cuts. Stores positions for finishing colours.
-  HWY_NOINLINE V finishTau(std::size_t n, std::size_t count, const CellPlaces::Where& w, V tau) {
+  // Stores the positions of samples, and the slabs that the samples cover.
+  HWY_INLINE void keepPlaces(std::size_t n, const CellPlaces::Where& w) {
     const D d;
     for (int a = 0; a < 3; ++a) hn::StoreU(p_.indexOf(a, w, 0), d, s_.index_place[a] + n);
-    if (!finishes_) return tau;
-    alignas(64) float taus[kLanes], steps[3][kLanes], slabs[kLanes];
-    hn::Store(tau, d, taus);
-    hn::Store(w.slabs, d, slabs);
-    for (int a = 0; a < 3; ++a) hn::Store(CellPlaces::linear(r_.step, a, w), d, steps[a]);
-    for (std::size_t i = 0; i < count; ++i) {
-      const SampleSite site = siteOf(n + i);
-      glm::dvec3 along;
-      for (int a = 0; a < 3; ++a) along[a] = static_cast<double>(steps[a][i] * slabs[i]);
-      const ClipRegion& clip = *context_.look().clip;
-      const bool behind_face = context_.look().faces != nullptr;
-      // The sums of a slab have one sample of each volume.
-      taus[i] *= static_cast<float>(behind_face ? clip.shareBehindFace(site.index, along, in_.sums != nullptr)
-                                                : clip.shareOf(site.index, along));
-    }
-    return hn::Load(d, taus);
+    hn::StoreU(w.slabs, d, s_.slabs + n);
   }
 
   SampleSite siteOf(std::size_t n) const {
@@ -487,7 +483,7 @@ class CellCaster {
   bool exact() const { return l_.surfaces > 0 || on_face_; }
 
   glm::vec3 normalOf(const SampleSite& site) const {
-    return on_face_ ? faceNormal(context_.look(), site) : finishedNormal(context_.look(), site);
+    return on_face_ ? faceNormal(context_.look(), site) : sampleNormal(context_.look(), site);
   }
 
   void addShadow(std::size_t n, float before, float after) {
@@ -512,7 +508,7 @@ class CellCaster {
     layer.closes = closes;
     layer.opacity = opacity;
     layer.middle = site.view.z;
-    layer.thickness = exact() ? 0 : (s_.kept_code[n] >= CellPlaces::kPair ? 2 : 1) * zone.thickness;
+    layer.thickness = exact() ? 0 : static_cast<double>(s_.slabs[n]) * zone.thickness;
     const glm::vec3 normal = normalOf(site);
     for (int a = 0; a < 3; ++a) layer.normal[a] = weight * normal[a];
     addLayer(layer, tile_.aovs, p_.pixelPlace(pixel));
@@ -536,16 +532,15 @@ class CellCaster {
   HWY_INLINE void light(std::size_t n, std::size_t count) {
     const D d;
     const D4 d4;
-    const bool one_color = in_.color != nullptr && !finishes_ && l_.plane.colors == nullptr;
     const SampleTable* const of_faces = on_face_ ? context_.look().faces->colors() : nullptr;
+    const bool one_color = in_.color != nullptr && l_.plane.colors == nullptr && of_faces == nullptr;
     if (of_faces != nullptr) {
       colors_.lookUpIn(*of_faces, n, count);
     } else {
       if (!one_color) colors_.lookUp(n, count);
       if (l_.plane.colors != nullptr) colors_.mixRegions(n, count);
     }
-    if (finishes_ && !on_face_) finishColors(n, count);
-    const bool lights = l_.light.phong || l_.lights != nullptr;
+    const bool lights = !on_face_ && (l_.light.phong || l_.lights != nullptr);
     if (lights && slopes_) findSlopes(n, count);
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
       V red, green, blue, unused;
@@ -553,16 +548,14 @@ class CellCaster {
         red = hn::Set(d, in_.color[0]), green = hn::Set(d, in_.color[1]), blue = hn::Set(d, in_.color[2]);
       else
         hn::LoadInterleaved4(d, s_.rows[0] + 4 * i, red, green, blue, unused);
-      if (l_.light.phong) {
+      if (lights && l_.light.phong) {
         V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
-        const CellPlaces::Where w = p_.whereIs(hn::LoadU(DI(), s_.kept_code + n + i));
-        const Vector slope = slopeOf(n, i);
-        const Sight sight = p_.sightOf(w);
-        lightOn(d, l_.light, l_.perspective, in_.at_border ? border_.replaced(w, sight, slope).slope : slope, sight,
-                matte, gloss);
+        const Sight sight = p_.sightOf(p_.slabOf(hn::LoadU(DI(), s_.kept_code + n + i)));
+        const Vector slope = in_.lit_by.empty() ? slopeOf(n, i) : slopeAtFace(n, i);
+        lightOn(d, l_.light, l_.perspective, slope, sight, matte, gloss);
         const auto lit = [&](V color) { return fused(color, matte, gloss); };
         red = lit(red), green = lit(green), blue = lit(blue);
-      } else if (l_.lights != nullptr) {
+      } else if (lights) {
         lightAt(n + i, i, count - i, red, green, blue);
       }
       const V weight = hn::LoadU(d, s_.weight + n + i);
@@ -580,12 +573,12 @@ class CellCaster {
   // Lights a vector of samples, the i-th of its batch on, in any lights.
   HWY_NOINLINE void lightAt(std::size_t n, std::size_t i, std::size_t count, V& red, V& green, V& blue) const {
     const D d;
-    CellPlaces::Where w = p_.whereIs(hn::LoadU(DI(), s_.kept_code + n));
+    CellPlaces::Where w = p_.sampleOf(hn::LoadU(DI(), s_.kept_code + n));
     if (l_.surfaces > 0) w.t = hn::LoadU(d, s_.at + n);
     const Sight sight = p_.sightOf(w);
     const Vector inside = l_.surfaces > 0 && !derives_ ? outOfSurface(n, slopeOf(n - i, i)) : slopeOf(n - i, i);
-    const BorderSlopes::Slopes found =
-        in_.at_border ? border_.replaced(w, sight, inside) : BorderSlopes::Slopes{inside, hn::FirstN(d, 0)};
+    const FaceSlopes::Slopes found =
+        !in_.lit_by.empty() ? faces_.replaced(w, inside) : FaceSlopes::Slopes{inside, hn::FirstN(d, 0)};
     Colors colors{red, green, blue};
     SampleLight(*l_.lights, l_.perspective)
         .on(found.slope, found.on_face, sight, p_.viewOf(w, sight), hn::FirstN(d, std::min(count, hn::Lanes(d))),
@@ -598,6 +591,10 @@ class CellCaster {
     if (derives_) return slopesFrom(n + i);
     const D d;
     return slopes_ ? slopesAt(i) : Vector{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  }
+
+  HWY_NOINLINE Vector slopeAtFace(std::size_t n, std::size_t i) const {
+    return faces_.replaced(p_.sampleOf(hn::LoadU(DI(), s_.kept_code + n + i)), slopeOf(n, i)).slope;
   }
 
   // Adds light as `light` does, and stores each sample as a deep sample. A sample that closes its pixel includes the
@@ -627,14 +624,6 @@ class CellCaster {
     return in_.sums->light(at.slab, at.x, at.y);
   }
 
-  HWY_NOINLINE void finishColors(std::size_t n, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) {
-      float* const rgba = s_.rows[0] + 4 * i;
-      const Color color = finishedColor(context_.look(), {rgba[0], rgba[1], rgba[2], rgba[3]}, siteOf(n + i));
-      rgba[0] = color.r, rgba[1] = color.g, rgba[2] = color.b;
-    }
-  }
-
   // Interpolates between neighbours along an axis, independent of the interpolation of values (Interval).
   template <class Tag, class Vec>
   static HWY_INLINE Vec mix(Tag d, Vec a, Vec b, Vec t) {
@@ -647,14 +636,13 @@ class CellCaster {
   const CellInput& in_;
   const TilePixels& tile_;
   const float opacity_threshold_;
-  const bool finishes_;     // samples are lit and cut one by one
   const bool modulates_;    // opacities depend on gradients
   const bool places_;       // positions and gradients of samples are kept
   const bool derives_;      // gradients of samples are kept
   const bool slopes_;       // light needs gradients that are not kept
   const bool lit_by_mask_;  // a solid has the normals of its mask's surface; an iso-surface ends at the mask
   CellPlaces p_;
-  const BorderSlopes border_;
+  const FaceSlopes faces_;
   Field field_;
   MaskSamples mask_;
   SampleColors colors_;

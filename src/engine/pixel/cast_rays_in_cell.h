@@ -13,8 +13,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 
 #include "engine/pixel/ray_sampling.h"
+#include "engine/pixel/sample_faces.h"
 #include "engine/pixel/slab_context.h"
 #include "engine/pixel/slab_sums.h"
 #include "engine/pixel/voxels/load_patch.h"
@@ -37,9 +39,11 @@ struct CellInput {
   glm::dvec3 corner, end;                  // begin and end of the cell in index space
   PixelRect rect;                          // pixels of the tile that the cell may touch
   PixelRect bounds;                        // pixels that the cell may touch in a picture of any size
+  std::array<bool, 3> ends{};              // axes along which the cell is at an end of the volume
   bool at_end = false;                     // the cell is at an end of the volume
   bool at_edge = false;                    // the cell is at two ends of the volume or more
-  bool at_border = false;                  // samples may be less than a voxel inside the volume's border
+  std::span<const SampleFace> cuts;        // faces that may end samples
+  std::span<const SampleFace> lit_by;      // faces that may light samples
   bool in_pairs = false;                   // one sample may cover two slabs
   bool gaps = false;                       // the cell's voxels may be NaN
   const float* color = nullptr;            // r, g, b of all samples if equal; otherwise null
@@ -75,8 +79,8 @@ struct CellSamples {
   alignas(64) float at[kRoom], bracket[2][kRoom], excess[2][kRoom], moved[kRoom];
   // Per visible sample, if colours depend on gradients: row in the plane of values and gradients.
   alignas(64) float row[kRoom];
-  // Per visible sample, if something needs them: gradient and position in index space.
-  alignas(64) float slope[3][kRoom], index_place[3][kRoom];
+  // Per visible sample, if something needs them: gradient, position in index space, and slabs that it covers.
+  alignas(64) float slope[3][kRoom], index_place[3][kRoom], slabs[kRoom];
   // Alpha of a vector of pixels.
   alignas(64) float alpha[kLanes];
   // Per sample that is lit: position along x; rows of interpolated values.

@@ -55,13 +55,15 @@ class CellChords {
   HWY_INLINE std::size_t keepShort(VI code, std::size_t rays, std::size_t found) {
     const D d;
     const DI di;
-    const CellPlaces::Where w = p_.whereIs(code);
+    const CellPlaces::Where w = p_.sampleOf(code);
     const CellPlaces::Span chord = p_.inVolume(w);
     const V middle = hn::Set(d, r_.middle);
     const V least = hn::Set(d, static_cast<float>(r_.first)), most = hn::Set(d, static_cast<float>(r_.end));
-    // The slabs with their middles in the chord, as CellRays finds them; in the zones on both sides as partOf does.
+    // The slabs with their middles in the chord, as CellRays finds them; in the zones on both sides as CellPlaces finds
+    // the ends.
     const auto slab = [&](V at) { return hn::Min(hn::Max(hn::Ceil(hn::Add(at, middle)), least), most); };
-    M kept = hn::And(lanesBefore(0, rays), hn::Lt(chord.enter, chord.leave));
+    M kept = hn::And(lanesBefore(0, rays), hn::Gt(w.slabs, hn::Zero(d)));
+    kept = hn::And(kept, hn::Lt(chord.enter, chord.leave));
     kept = hn::And(kept, hn::Ge(slab(chord.enter), slab(chord.leave)));
     kept = hn::And(kept, hn::Gt(chord.enter, hn::Set(d, r_.before)));
     kept = hn::And(kept, hn::Le(chord.leave, hn::Set(d, r_.after)));

@@ -64,7 +64,7 @@ class CellFaces {
     for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
       const VI code = hn::Load(di, s_.kept_code + n);
       const V at = hn::Load(d, s_.at + n);
-      const CellPlaces::Where w = p_.whereIs(code);
+      const CellPlaces::Where w = p_.slabOf(code);
       V enter = hn::Set(d, -CellPlaces::kFar), leave = hn::Set(d, CellPlaces::kFar);
       p_.cutToCell(w, enter, leave);
       const M inside = hn::And(lanesBefore(n, count), hn::And(hn::Le(enter, at), hn::Lt(at, leave)));
@@ -74,7 +74,7 @@ class CellFaces {
       kept += hn::CountTrue(d, inside);
     }
     for (std::size_t n = 0; n < kept; n += hn::Lanes(d)) {
-      p_.placeAt(n, p_.whereIs(hn::Load(di, s_.kept_code + n)), hn::Load(d, s_.at + n), s_);
+      p_.placeAt(n, p_.slabOf(hn::Load(di, s_.kept_code + n)), hn::Load(d, s_.at + n), s_);
       hn::Store(hn::Iota(di, static_cast<int>(n)), di, s_.index + n);
     }
     return kept;

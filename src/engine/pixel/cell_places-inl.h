@@ -49,6 +49,7 @@ class CellPlaces {
       : r_(rays),
         l_(lattice),
         in_(in),
+        pieces_(in.at_end || !in.cuts.empty()),
         first_pixel_(tile.placeOf(in.rect.x0, in.rect.y0)),
         row_pixels_(tile.stride / 4),
         rgba_(tile.rgba) {}
@@ -74,7 +75,7 @@ class CellPlaces {
   struct Where {
     V x, y, t, slabs;
   };
-  HWY_INLINE Where whereIs(VI code) const {
+  HWY_INLINE Where slabOf(VI code) const {
     const D d;
     const DI di;
     const VI mask = hn::Set(di, kSquareEdge - 1);
@@ -83,18 +84,25 @@ class CellPlaces {
     };
     const VI slab = hn::ShiftRight<kSlabBits>(hn::And(code, hn::Set(di, kPair - 1)));
     const M pair = hn::RebindMask(d, hn::Gt(code, hn::Set(di, kPair - 1)));
-    Where out{at(hn::And(code, mask), in_.rect.x0, r_.centre_x),
-              at(hn::And(hn::ShiftRight<kPixelBits>(code), mask), in_.rect.y0, r_.centre_y),
-              hn::Add(at(slab, 0, -r_.middle), hn::IfThenElseZero(pair, hn::Set(d, 0.5f))),
-              hn::Add(hn::Set(d, 1.0f), hn::IfThenElseZero(pair, hn::Set(d, 1.0f)))};
-    if (HWY_UNLIKELY(chords_)) {
-      const Span chord = inVolume(out);
-      out.t = hn::Mul(hn::Set(d, 0.5f), hn::Add(chord.enter, chord.leave));
-      out.slabs = hn::Sub(chord.leave, chord.enter);
-    }
-    return out;
+    return {at(hn::And(code, mask), in_.rect.x0, r_.centre_x),
+            at(hn::And(hn::ShiftRight<kPixelBits>(code), mask), in_.rect.y0, r_.centre_y),
+            hn::Add(at(slab, 0, -r_.middle), hn::IfThenElseZero(pair, hn::Set(d, 0.5f))),
+            hn::Add(hn::Set(d, 1.0f), hn::IfThenElseZero(pair, hn::Set(d, 1.0f)))};
   }
-  // Decodes samples as the middles of their rays' chords in the volume from now on; not their slabs' (CellChords).
+  // True at the ends of the volume and at cuts, where samples may stand for other pieces of a ray than their slabs.
+  bool inPieces() const { return pieces_; }
+  // Decodes samples as the pieces of a ray that they stand for: the middle of the piece, and the slabs that the piece
+  // covers; 0 slabs if the piece is cut off. kPieces: inPieces(), of which loops have two versions, as the search for a
+  // piece is a call.
+  template <bool kPieces>
+  HWY_INLINE Where sampleOf(VI code) const {
+    if constexpr (kPieces)
+      return pieceOf(slabOf(code));
+    else
+      return slabOf(code);
+  }
+  HWY_INLINE Where sampleOf(VI code) const { return pieces_ ? sampleOf<true>(code) : sampleOf<false>(code); }
+  // From now on a sample stands for its ray's whole chord in the volume (CellChords).
   void useChords(bool use) { chords_ = use; }
   // Order of operations as in CellRays, so that a sample lies exactly on its ray.
   HWY_INLINE static V linear(const RaySampling::Linear& l, int axis, const Where& w) {
@@ -164,30 +172,9 @@ class CellPlaces {
   HWY_INLINE Span inVolume(const Where& w) const {
     const D d;
     Span out{hn::Set(d, -kFar), hn::Set(d, kFar)};
-    for (int a = 0; a < 3; ++a)
-      cut(linear(r_.place, a, w), linear(r_.step, a, w), r_.faceAt(a, -0.5), r_.faceAt(a, r_.volume_hi[a]), out.enter,
-          out.leave);
+    for (int a = 0; a < 3; ++a) cutToEnds(a, w, out.enter, out.leave);
     return out;
   }
-  // Length of the ray that a sample stands for. The first and the last sample of a ray in the volume also stand for the
-  // remainder up to the volume's faces. The tests for first and last equal those of CellRays. unit: slabs.
-  HWY_INLINE V partOf(const Where& w) const {
-    if (HWY_UNLIKELY(chords_)) return w.slabs;
-    const D d;
-    const auto [enter, leave] = inVolume(w);
-    const V half = hn::Set(d, 0.5f), one = hn::Set(d, 1.0f), middle = hn::Set(d, r_.middle);
-    const V own = hn::Mul(w.slabs, half), near = hn::Sub(hn::Add(w.t, half), own),
-            far = hn::Sub(hn::Add(w.t, own), half);
-    const auto slab = [&](V at) { return hn::Sub(hn::Ceil(hn::Add(at, middle)), middle); };
-    const V begin = hn::Set(d, static_cast<float>(r_.first) - r_.middle);
-    const V end = hn::Set(d, static_cast<float>(r_.end) - r_.middle - 1);
-    const auto either = [](M m, M yes, M no) { return hn::Or(hn::And(m, yes), hn::AndNot(m, no)); };
-    const M first = either(hn::Le(near, begin), hn::Gt(enter, hn::Set(d, r_.before)), hn::Le(near, slab(enter)));
-    const M last =
-        either(hn::Ge(far, end), hn::Le(leave, hn::Set(d, r_.after)), hn::Ge(hn::Add(far, one), slab(leave)));
-    return hn::Add(hn::IfThenElse(first, hn::Sub(w.t, enter), own), hn::IfThenElse(last, hn::Sub(leave, w.t), own));
-  }
-
   // Pixel of the picture and slab of a sample.
   struct Place {
     int x, y, slab;
@@ -203,12 +190,83 @@ class CellPlaces {
   float* pixelOf(std::int32_t pixel) const { return rgba_ + 4 * pixelPlace(pixel); }
 
  private:
+  HWY_INLINE void cutToEnds(int axis, const Where& w, V& enter, V& leave) const {
+    cut(linear(r_.place, axis, w), linear(r_.step, axis, w), r_.faceAt(axis, -0.5), r_.faceAt(axis, r_.volume_hi[axis]),
+        enter, leave);
+  }
+
+  HWY_NOINLINE Where pieceOf(Where w) const {
+    const D d;
+    const V half = hn::Set(d, 0.5f), own = hn::Mul(half, w.slabs);
+    Span piece{hn::Sub(w.t, own), hn::Add(w.t, own)};
+    if (chords_)
+      piece = inVolume(w);
+    else if (in_.at_end)
+      extendToEnds(w, own, piece);
+    if (chords_) w.t = hn::Mul(half, hn::Add(piece.enter, piece.leave));
+    if (!in_.cuts.empty()) cutOff(w, piece);
+    w.t = hn::Mul(half, hn::Add(piece.enter, piece.leave));
+    w.slabs = hn::Sub(piece.leave, piece.enter);
+    return w;
+  }
+
+  // The first and the last sample of a ray in the volume also stand for the remainder up to the volume's faces. The
+  // tests for first and last equal those of CellRays. `own`: half the slabs of the sample.
+  HWY_INLINE void extendToEnds(const Where& w, V own, Span& piece) const {
+    const D d;
+    // Other ends are farther away than a sample reaches.
+    V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
+    for (int a = 0; a < 3; ++a) {
+      if (in_.ends[static_cast<std::size_t>(a)]) cutToEnds(a, w, enter, leave);
+    }
+    const V half = hn::Set(d, 0.5f), one = hn::Set(d, 1.0f), middle = hn::Set(d, r_.middle);
+    const V near = hn::Sub(hn::Add(w.t, half), own), far = hn::Sub(hn::Add(w.t, own), half);
+    const auto slab = [&](V at) { return hn::Sub(hn::Ceil(hn::Add(at, middle)), middle); };
+    const V begin = hn::Set(d, static_cast<float>(r_.first) - r_.middle);
+    const V end = hn::Set(d, static_cast<float>(r_.end) - r_.middle - 1);
+    const auto either = [](M m, M yes, M no) { return hn::Or(hn::And(m, yes), hn::AndNot(m, no)); };
+    const M first = either(hn::Le(near, begin), hn::Gt(enter, hn::Set(d, r_.before)), hn::Le(near, slab(enter)));
+    const M last =
+        either(hn::Ge(far, end), hn::Le(leave, hn::Set(d, r_.after)), hn::Ge(hn::Add(far, one), slab(leave)));
+    piece.enter = hn::IfThenElse(first, enter, piece.enter);
+    piece.leave = hn::IfThenElse(last, leave, piece.leave);
+  }
+
+  // Cuts pieces at the faces of the clip region. Where points on the faces are samples, nothing may lie in front of
+  // them: a sample whose middle is in front of a face is dropped; with several volumes, which have a sample for each
+  // slab, a sample that a face cuts.
+  HWY_INLINE void cutOff(const Where& w, Span& piece) const {
+    const D d;
+    const V zero = hn::Zero(d);
+    V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
+    for (const SampleFace& face : in_.cuts) {
+      V at = hn::Set(d, face.offset), rate = zero;
+      for (int a = 0; a < 3; ++a) {
+        const V normal = hn::Set(d, face.normal[a]);
+        at = fused(normal, linear(r_.place, a, w), at), rate = fused(normal, linear(r_.step, a, w), rate);
+      }
+      const M inwards = hn::Gt(rate, zero), outwards = hn::Lt(rate, zero);
+      const V crossing = hn::Div(hn::Neg(at), hn::IfThenElse(hn::Or(inwards, outwards), rate, hn::Set(d, 1.0f)));
+      enter = hn::IfThenElse(inwards, hn::Max(enter, crossing), enter);
+      leave = hn::IfThenElse(outwards, hn::Min(leave, crossing), leave);
+      const M outside = hn::AndNot(hn::Or(inwards, outwards), hn::Lt(at, zero));
+      leave = hn::IfThenElse(outside, hn::Set(d, -kFar), leave);
+    }
+    // A face at the border of two slabs may be in either, as positions are rounded.
+    const V least = in_.sums != nullptr ? hn::Sub(piece.enter, hn::Set(d, 0.001f)) : w.t;
+    const V near = hn::Min(hn::Max(piece.enter, enter), piece.leave);
+    V far = hn::Max(hn::Min(piece.leave, leave), near);
+    if (l_.points_on_faces) far = hn::IfThenElse(hn::Gt(enter, least), near, far);
+    piece = {near, far};
+  }
+
   const RaySampling& r_;
   const SampleLattice& l_;
   const CellInput& in_;
+  const bool pieces_;                              // samples may stand for other pieces than their slabs
   const std::ptrdiff_t first_pixel_, row_pixels_;  // first pixel of the cell's rectangle in the tile; distance of rows
   float* const rgba_;
-  bool chords_ = false;  // samples are the middles of chords
+  bool chords_ = false;  // pieces are whole chords
 };
 
 }  // namespace

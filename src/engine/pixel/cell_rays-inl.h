@@ -70,7 +70,7 @@ class CellRays {
     static_assert(sizeof *shown == sizeof shown_);
     if (!pieces_)
       std::memcpy(shown_.data(), shown->data(), sizeof shown_);
-    else if (longestPiece() > 1 - 3 * kVoxelMargin)
+    else if (r_.longestStep(in_.bounds) > 1 - 3 * kVoxelMargin)
       shown_.fill(-1);
     else
       std::memcpy(shown_.data(), spacesBefore(*shown).data(), sizeof shown_);
@@ -85,19 +85,6 @@ class CellRays {
       if (box.last[a] < kSpaces - 1 && end < in_.end[a]) hi_[a] = r_.faceAt(a, end);
     }
     return true;
-  }
-
-  // Longest extent of a slab along an axis, independent of the tile. unit: voxels.
-  float longestPiece() const {
-    float out = 0;
-    for (const int x : {in_.bounds.x0, in_.bounds.x1}) {
-      for (const int y : {in_.bounds.y0, in_.bounds.y1}) {
-        const glm::vec3 step = r_.step.centre + (static_cast<float>(x) + r_.centre_x) * r_.step.along_x +
-                               (static_cast<float>(y) + r_.centre_y) * r_.step.along_y;
-        for (int a = 0; a < 3; ++a) out = std::max(out, std::abs(step[a]));
-      }
-    }
-    return out;
   }
 
   // Keeps the rays of a vector of row y, from pixel x on, that pass through the box and whose pixels are open.
@@ -155,7 +142,7 @@ class CellRays {
     for (std::size_t n = 0; n < ray_count_; n += hn::Lanes(d)) {
       VI code = hn::Load(di, s_.ray_code + n);
       const V end = hn::IfThenElse(lanesBefore(n, ray_count_), hn::Load(d, s_.ray_end + n), hn::Set(d, -kFar));
-      const CellPlaces::Where w = p_.whereIs(code);
+      const CellPlaces::Where w = p_.slabOf(code);
       V place[3], step[3], t = w.t;
       for (int a = 0; a < 3; ++a) {
         place[a] = hn::Sub(CellPlaces::linear(r_.place, a, w), hn::Set(d, in_.lo[a]));

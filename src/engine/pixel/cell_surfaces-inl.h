@@ -82,7 +82,7 @@ class CellSurfaces {
     const DI di;
     const V half = hn::Set(d, 0.5f);
     for (std::size_t n = 0; n < count; n += hn::Lanes(d)) {
-      const CellPlaces::Where w = p_.whereIs(hn::Load(di, s_.code + n));
+      const CellPlaces::Where w = p_.slabOf(hn::Load(di, s_.code + n));
       V enter = hn::Sub(w.t, half), leave = hn::Add(w.t, half);
       const M first = hn::Eq(w.t, hn::Set(d, -r_.middle));
       enter = hn::Sub(enter, hn::IfThenElseZero(first, hn::Set(d, r_.overlap)));
@@ -96,7 +96,7 @@ class CellSurfaces {
     field_.interpolate(count);
     for (std::size_t n = 0; n < count; n += hn::Lanes(d)) hn::Store(field_.values(n), d, s_.value_begin + n);
     for (std::size_t n = 0; n < count; n += hn::Lanes(d))
-      placeAt(n, p_.whereIs(hn::Load(di, s_.code + n)), hn::Load(d, s_.end + n));
+      placeAt(n, p_.slabOf(hn::Load(di, s_.code + n)), hn::Load(d, s_.end + n));
     field_.interpolate(count);
     for (std::size_t n = 0; n < count; n += hn::Lanes(d)) hn::Store(field_.values(n), d, s_.value_end + n);
   }
@@ -121,7 +121,7 @@ class CellSurfaces {
       const V begin = hn::Load(d, s_.begin + n), end = hn::Load(d, s_.end + n);
       hn::Store(end, d, s_.turn + n);
       hn::Store(hn::Load(d, s_.value_end + n), d, s_.value_turn + n);
-      placeAt(n, p_.whereIs(hn::Load(di, s_.code + n)), hn::Mul(half, hn::Add(begin, end)));
+      placeAt(n, p_.slabOf(hn::Load(di, s_.code + n)), hn::Mul(half, hn::Add(begin, end)));
     }
     field_.interpolate(count);
     std::size_t bent = 0;
@@ -164,7 +164,7 @@ class CellSurfaces {
         return hn::Add(begin, hn::Mul(share, hn::Sub(hn::Load(d, s_.bracket[1] + n), begin)));
       };
       for (std::size_t n = 0; n < bent; n += hn::Lanes(d))
-        placeAt(n, p_.whereIs(hn::Load(di, s_.kept_code + n)), place(n));
+        placeAt(n, p_.slabOf(hn::Load(di, s_.kept_code + n)), place(n));
       field_.interpolate(bent);
       for (std::size_t n = 0; n < bent; n += hn::Lanes(d)) {
         const V value = field_.values(n), farthest = hn::Load(d, s_.excess[0] + n);
@@ -236,7 +236,7 @@ class CellSurfaces {
         V at = hn::Sub(b, hn::Mul(of_b, hn::Div(hn::Sub(b, a), hn::Sub(of_b, of_a))));
         at = hn::IfThenElse(hn::And(hn::Ge(at, a), hn::Le(at, b)), at, hn::Mul(half, hn::Add(a, b)));
         hn::Store(at, d, s_.at + n);
-        placeAt(n, p_.whereIs(hn::Load(di, s_.kept_code + n)), at);
+        placeAt(n, p_.slabOf(hn::Load(di, s_.kept_code + n)), at);
         hn::Store(hn::Iota(di, static_cast<int>(n)), di, s_.index + n);
       }
       if (i == kRefinements) return;

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <memory>
+#include <vector>
 
 #include "engine/pixel/cast_rays_in_cell.h"
 #include "engine/pixel/voxels/color_patch.h"
@@ -80,17 +81,17 @@ class RayCaster {
       in.corner[a] = static_cast<double>(box.lo[a]) - 0.5;
       in.end[a] = last ? rays_.volume_hi[a] : static_cast<double>(box.hi[a]) - 0.5;
       ends += (last ? 1 : 0) + (box.lo[a] == 0 ? 1 : 0);
-      in.at_border = in.at_border || box.lo[a] == 0 || in.end[a] > rays_.volume_hi[a] - 1;
+      in.ends[static_cast<std::size_t>(a)] = last || box.lo[a] == 0;
     }
     in.at_end = ends > 0, in.at_edge = ends > 1;
     in.bounds = seen.cell->rect;
-    // A cut of a surface has no face.
-    if (context_.table().ofSurfaces()) in.at_border = false;
+    findFaces(box, in);
     if (!part_.all()) in.part = &part_;
     in.on_face = context_.onFace(box);
     in.sums = sums_;
     // Several volumes are composited in single slabs.
-    in.in_pairs = in.in_pairs && sums_ == nullptr && !litByFace(in, box);
+    // A face may light samples: the middle of a pair may lie behind the voxel at the face, which gets the light.
+    in.in_pairs = in.in_pairs && sums_ == nullptr && (in.lit_by.empty() || !context_.look().shading.phong);
     forEachSquare(seen.rect, [&](const PixelRect& square) {
       in.rect = square;
       if (square == seen.rect || !visibility_.hidden(square)) castSquare(in);
@@ -126,9 +127,19 @@ class RayCaster {
     return around != LabelsAround::kNone;
   }
 
-  // True if a face may light samples: the middle of a pair may lie behind the voxel at the face, which gets the light.
-  bool litByFace(const CellInput& in, const VoxelBox& box) const {
-    return context_.look().shading.phong && (in.at_border || context_.atFace(box));
+  // Finds the faces at a cell. Surfaces have no cut faces.
+  void findFaces(const VoxelBox& box, CellInput& in) {
+    // Positions are rounded to floats. unit: voxels.
+    constexpr float kMargin = 0.1f;
+    cuts_.clear(), lit_by_.clear();
+    // A slab reaches half of its extent beyond the cell.
+    const float beyond = 0.5f * rays_.longestStep(in.bounds) + kMargin;
+    for (const SampleFace& face : context_.faces()) {
+      const float inside = leastInside(face, box, context_.dims());
+      if (face.cuts && inside < beyond * face.voxel) cuts_.push_back(face);
+      if (!context_.table().ofSurfaces() && inside < face.voxel + kMargin) lit_by_.push_back(face);
+    }
+    in.cuts = cuts_, in.lit_by = lit_by_;
   }
 
   // Returns false if the mask hides the cell. Labels know the mask already.
@@ -161,9 +172,10 @@ class RayCaster {
   const ClipRegion::Part& part_;
   DrawCounts& counts_;
   CellSamples samples_;
-  std::unique_ptr<LabelVoxels> labels_;  // label volumes only
-  std::unique_ptr<MaskVoxels> mask_;     // masked volumes only
-  std::unique_ptr<ColorPatch> colors_;   // volumes coloured by another only
+  std::vector<SampleFace> cuts_, lit_by_;  // faces at the cell that is cast
+  std::unique_ptr<LabelVoxels> labels_;    // label volumes only
+  std::unique_ptr<MaskVoxels> mask_;       // masked volumes only
+  std::unique_ptr<ColorPatch> colors_;     // volumes coloured by another only
 };
 
 }  // namespace

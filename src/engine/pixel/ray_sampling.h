@@ -9,6 +9,7 @@
 #include "engine/shared/end_voxels.h"
 #include "engine/shared/projector.h"
 #include "engine/shared/slab_grid.h"
+#include "image/pixel_rect.h"
 #include "occlusion/visibility.h"
 
 namespace kiln {
@@ -26,6 +27,13 @@ struct RaySampling {
   RaySampling(const std::vector<SlabZone>& zones, std::size_t i, const Projector& projector, const Extent3& dims,
               const EndVoxels& ends, bool in_quincunx = false);
 
+  /// The voxel from which positions are counted.
+  static VoxelCoord anchorOf(const Extent3& dims) { return {dims.x / 2, dims.y / 2, dims.z / 2}; }
+  /// Far end of a level's voxels along an axis; the near end is -1/2. unit: voxels.
+  static double volumeEnd(int axis, const Extent3& dims, const EndVoxels& ends) {
+    return static_cast<double>(dims[axis]) - 1.5 + ends.part[axis];
+  }
+
   /// First pixel from x on in row y that has a ray; rayStride() is the distance to the next (Sampling::quincunx).
   int firstRay(int x, int y) const { return quincunx ? x + ((x + y) & 1) : x; }
   int rayStride() const { return quincunx ? 2 : 1; }
@@ -38,6 +46,9 @@ struct RaySampling {
   /// Coordinate of a face across an axis, relative to the rays' origin: the eye in perspective, otherwise the anchor.
   /// Computed in double precision, so that a ray in or nearly in a face stays on one side along its whole length.
   float faceAt(int axis, double at) const { return static_cast<float>(at - faces_from[axis]); }
+
+  /// Longest extent of a slab along an axis, on the rays of a rectangle. unit: voxels.
+  float longestStep(const PixelRect& pixels) const;
 
   bool quincunx = false;
   VoxelCoord anchor;

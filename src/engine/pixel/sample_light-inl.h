@@ -22,12 +22,7 @@ namespace kiln {
 namespace HWY_NAMESPACE {
 namespace {
 
-HWY_INLINE V dotOf(const Vector& a, const Vector& b) { return fused(a.x, b.x, fused(a.y, b.y, hn::Mul(a.z, b.z))); }
 HWY_INLINE Vector scaled(const Vector& a, V by) { return {hn::Mul(a.x, by), hn::Mul(a.y, by), hn::Mul(a.z, by)}; }
-HWY_INLINE Vector vectorOf(const glm::vec3& v) {
-  const D d;
-  return {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z)};
-}
 HWY_INLINE Vector unitOf(const Vector& a) {
   const D d;
   return scaled(a, hn::Div(hn::Set(d, 1.0f), hn::Sqrt(dotOf(a, a))));

@@ -44,7 +44,7 @@ SampleLattice::Plane planeOf(const SampleTable& table, const Projector& projecto
 }
 
 SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, const SampleTable& table,
-                            const Appearance& look, bool detailed) {
+                            const Appearance& look) {
   SampleLattice out;
   out.interpolation = look.interpolation;
   out.perspective = projector.perspective();
@@ -68,8 +68,8 @@ SampleLattice sampleLattice(const SlabZone& zone, const Projector& projector, co
   out.plane = planeOf(table, projector);
   out.least_interval = table.leastInterval();
   out.light = plainLight(look.shading, look.gradients, projector);
-  out.light.phong = out.light.phong && !detailed;
-  if (!detailed && look.shading.phong && !isPlain(look.shading)) out.lights = &look.shader;
+  out.points_on_faces = look.faces != nullptr;
+  if (look.shading.phong && !isPlain(look.shading)) out.lights = &look.shader;
   out.near = static_cast<float>(zone.near);
   return out;
 }
@@ -105,22 +105,19 @@ SlabContext::SlabContext(const SlabZone& zone, const Projector& projector, const
       ends_(ends),
       table_(table),
       look_(look),
-      detailed_(!look.clip->showsAll()),
-      lattice_(sampleLattice(zone, projector, table, look_, detailed_)),
+      clipped_(!look.clip->showsAll()),
+      lattice_(sampleLattice(zone, projector, table, look_)),
+      faces_(sampleFaces(*look.clip, dims, ends, lattice_.light.gradient.directed)),
       voxel_length_(std::cbrt(projector.voxelVolume())),
       shortest_edge_(shortestEdge(projector)) {
   lattice_.label_smoothing = labelSmoothing(zone, projector);
-  if (look_.faces != nullptr) faces_ = look_.faces->seenFaces(*look_.clip);
+  if (look_.faces != nullptr) shown_faces_ = look_.faces->seenFaces(*look_.clip);
 }
 
 // A sample extends across faces: up to half of a sample may be inside although the middle is outside.
 bool SlabContext::cutOff(const VoxelBox& samples) const {
   return !look_.clip->part().touches(samples) ||
-         (detailed_ && look_.clip->classify(dilated(samples, 1)) == ClipRegion::Overlap::kOutside);
-}
-
-bool SlabContext::atFace(const VoxelBox& voxels) const {
-  return detailed_ && look_.clip->classify(voxels) != ClipRegion::Overlap::kInside;
+         (clipped_ && look_.clip->classify(dilated(samples, 1)) == ClipRegion::Overlap::kOutside);
 }
 
 bool SlabContext::onFace(const VoxelBox& voxels) const {
@@ -128,7 +125,7 @@ bool SlabContext::onFace(const VoxelBox& voxels) const {
   constexpr double kMargin = 0.1;
   const glm::dvec3 lo(voxels.lo.x, voxels.lo.y, voxels.lo.z), hi(voxels.hi.x, voxels.hi.y, voxels.hi.z);
   const glm::dvec3 middle = 0.5 * (lo + hi) - 0.5, half = 0.5 * (hi - lo) + kMargin;
-  return std::any_of(faces_.begin(), faces_.end(), [&](const glm::dvec4& face) {
+  return std::any_of(shown_faces_.begin(), shown_faces_.end(), [&](const glm::dvec4& face) {
     const glm::dvec3 normal(face);
     return std::abs(glm::dot(normal, middle) + face.w) <= glm::dot(glm::abs(normal), half);
   });

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/pixel/cut_faces.h"
+#include "engine/pixel/sample_faces.h"
 #include "engine/pixel/voxels/load_patch.h"
 #include "engine/pixel/voxels/sample_table.h"
 #include "engine/shared/end_voxels.h"
@@ -50,13 +51,11 @@ class SlabContext {
   bool onFace(const VoxelBox& voxels) const;
   /// Returns true if such a face shows values of `range`, whatever the table says of them.
   bool coloursFace(const VoxelBox& voxels, const ValueRange& range) const;
-  /// Returns true if the clip region may have a face in the voxels' cubes, or less than a voxel beside the cubes.
-  bool atFace(const VoxelBox& voxels) const;
+  /// Faces that end and light samples.
+  const std::vector<SampleFace>& faces() const { return faces_; }
   /// Returns true if a single sample may replace two in a cell with values in `range`.
   bool inPairs(const SampledRange& range) const;
   const Appearance& look() const { return look_; }
-  /// Returns true if samples are shaded and clipped one by one instead of in vectors.
-  bool detailed() const { return detailed_; }
   const SampleLattice& lattice() const { return lattice_; }
 
   /// Conservative rectangle of the pixels whose rays may have samples of the zone in the voxels' cubes; not clipped to
@@ -70,11 +69,12 @@ class SlabContext {
   const EndVoxels ends_;
   const SampleTable& table_;
   Appearance look_;
-  bool detailed_;
+  bool clipped_;
   SampleLattice lattice_;
-  std::vector<glm::dvec4> faces_;  // cut faces that look at the eye, in index space
-  double voxel_length_;            // mean edge of a voxel. unit: world
-  double shortest_edge_;           // shortest edge of a voxel. unit: world
+  std::vector<SampleFace> faces_;
+  std::vector<glm::dvec4> shown_faces_;  // cut faces that show values and look at the eye, in index space
+  double voxel_length_;                  // mean edge of a voxel. unit: world
+  double shortest_edge_;                 // shortest edge of a voxel. unit: world
 };
 
 /// A visible cell of a brick and the pixels it may touch.

@@ -172,6 +172,18 @@ inline Spaces spacesBefore(const Spaces& spaces) {
   return out;
 }
 
+// Returns the spaces that are set, or next to a set space along any axes.
+inline Spaces grown(const Spaces& spaces) {
+  constexpr std::uint64_t kNotFirst = 0xfefefefefefefefe, kNotLast = 0x7f7f7f7f7f7f7f7f;
+  Spaces out;
+  for (std::size_t z = 0; z < kSpaces; ++z) {
+    const std::uint64_t plane = spaces[z] | (z > 0 ? spaces[z - 1] : 0) | (z + 1 < kSpaces ? spaces[z + 1] : 0);
+    const std::uint64_t rows = plane | plane << 8 | plane >> 8;
+    out[z] = rows | (rows << 1 & kNotFirst) | (rows >> 1 & kNotLast);
+  }
+  return out;
+}
+
 // Bounding box of the set spaces; boxOf returns false if there are none.
 struct SpaceBox {
   int first[3], last[3];

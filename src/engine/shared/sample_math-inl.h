@@ -92,6 +92,12 @@ HWY_INLINE Floats between(Floats a, Floats b, Floats t) {
   return fused(t, hn::Sub(b, a), a);
 }
 
+HWY_INLINE V dotOf(const Vector& a, const Vector& b) { return fused(a.x, b.x, fused(a.y, b.y, hn::Mul(a.z, b.z))); }
+HWY_INLINE Vector vectorOf(const glm::vec3& v) {
+  const D d;
+  return {hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z)};
+}
+
 // 2^x = whole + whole · rest for -126 <= x <= 0, `whole` a power of two. Relative error 2e-6.
 template <class DF>
 struct Power {

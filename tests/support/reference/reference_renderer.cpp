@@ -34,7 +34,7 @@ struct Face {
   glm::dvec3 world_normal;  // normal in world space, transformed like a gradient; any length
 
   double at(const glm::dvec3& index) const { return glm::dot(normal, index) + offset; }
-  /// Distance from a point to the face towards the eye; infinite if the face is seen edge-on.
+  /// Distance from a point to the face towards the eye. requires: the face is not seen edge-on.
   double distance(const glm::dvec3& index, const glm::dvec3& to_eye) const {
     return at(index) / -glm::dot(world_normal, to_eye);
   }
@@ -197,7 +197,8 @@ Normal normalAt(const Scene& scene, const glm::dvec3& index, const glm::dvec3& t
   const Face* nearest = nullptr;
   for (const std::vector<Face>* faces : {&scene.faces, &scene.border}) {
     for (const Face& face : *faces) {
-      if (glm::dot(face.world_normal, to_eye) > 0) continue;
+      // A face seen edge-on lights nothing.
+      if (glm::dot(face.world_normal, to_eye) > -1e-6 * glm::length(face.world_normal)) continue;
       if (face.at(index) < face.voxel() &&
           (!nearest || face.distance(index, to_eye) < nearest->distance(index, to_eye)))
         nearest = &face;

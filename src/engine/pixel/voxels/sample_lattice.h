@@ -45,7 +45,8 @@ struct SampleLattice {
   int surfaces = 0;
   const float* surface_values = nullptr;
   const float* surface_opacities = nullptr;
-  // Without phong if samples are finished one by one (engine/pixel/finish_sample.h), or if there are `lights`.
+  bool points_on_faces = false;  // points on cut faces are samples of their own (CutFaces)
+  // Without phong if there are `lights`.
   PlainLight light;
   const Shader* lights = nullptr;  // other lights than a white headlight; null: none
   float near = 0;                  // depth at which the zone begins. unit: world

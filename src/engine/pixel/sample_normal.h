@@ -1,7 +1,6 @@
-// Scalar completion of a sample beyond the vector kernels: light on cut faces.
+// Normals of samples, one at a time, for the planes of a picture.
 #pragma once
 
-#include <cmath>
 #include <glm/vec3.hpp>
 
 #include "engine/pixel/slab_context.h"
@@ -18,20 +17,9 @@ struct SampleSite {
   glm::vec3 gradient;  // unit: value per voxel; 0 if not finite
 };
 
-/// Returns the gradient of the cut face near a sample; null if there is none. Surfaces have no cut faces.
-inline const glm::vec3* cutFaceAt(const Appearance& look, const SampleSite& site) {
-  return look.surfaces ? nullptr : look.clip->cutGradient(site.index, site.to_eye);
-}
-
-inline Color finishedColor(const Appearance& look, const Material& material, const SampleSite& site) {
-  const glm::vec3* const face = cutFaceAt(look, site);
-  return face != nullptr ? look.shader.onCut(material, *face, site.view)
-                         : look.shader(material, site.gradient, site.view);
-}
-
-/// Unit normal in view space; 0 if the sample has no direction.
-inline glm::vec3 finishedNormal(const Appearance& look, const SampleSite& site) {
-  const glm::vec3* const face = cutFaceAt(look, site);
+/// Unit normal in view space; 0 if the sample has no direction. Surfaces have no cut faces.
+inline glm::vec3 sampleNormal(const Appearance& look, const SampleSite& site) {
+  const glm::vec3* const face = look.surfaces ? nullptr : look.clip->cutGradient(site.index, site.to_eye);
   return face != nullptr ? look.shader.normalOnCut(*face, site.view) : look.shader.normal(site.gradient, site.view);
 }
 
