@@ -84,7 +84,7 @@ ImageDifference compareImages(const Image& a, const Image& b) {
   }
   out.psnr_db = decibel(sum, static_cast<double>(a.rgba.size()));
   out.foreground_psnr_db = decibel(foreground_sum, 3 * static_cast<double>(out.foreground));
-  out.mean_brightness_ratio = light_a == light_b ? 1 : light_b / light_a;
+  out.mean_brightness_ratio = light_a == light_b || out.differing == 0 ? 1 : light_b / light_a;
   return out;
 }
 

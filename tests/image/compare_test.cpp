@@ -70,6 +70,7 @@ TEST(Compare, ANanAgainstANumberIsADifference) {
   a.rgba[0] = std::nanf("");
   EXPECT_TRUE(std::isinf(compareImages(a, b).largest));
   EXPECT_EQ(compareImages(a, a).differing, 0u);
+  EXPECT_EQ(compareImages(a, a).mean_brightness_ratio, 1);
 }
 
 TEST(Compare, RefusesUnequalSizes) {
