@@ -172,6 +172,8 @@ EmptyFrame emptinessOf(const FrameStatistics& drawn, const FrameScene& scene, co
   const bool composites = request.engine().capabilities().composites, is_part = scene.picture.clipping.part.has_value();
   const EmptyFrame out =
       emptinessOf(composites ? drawn.voxels_splats > 0 : drawn.bricks_contributing > 0, scene, request, manifests);
+  const bool is_guess = out == EmptyFrame::kCombined || out == EmptyFrame::kMasked;
+  if (is_guess && drawn.bricks_damaged > 0) return EmptyFrame::kDamaged;
   if (out != EmptyFrame::kShows || !composites || is_part || drawn.visible) return out;
   const std::vector<DrawnVolume> volumes = volumesOf(scene, manifests);
   return std::any_of(volumes.begin(), volumes.end(), isCut) ? EmptyFrame::kThin : EmptyFrame::kFaint;
@@ -204,6 +206,8 @@ std::string emptyText(EmptyFrame why) {
     case EmptyFrame::kMasked:
       return "what the transfer function shows is hidden by the mask, clipped away, out of view, or the value of no "
              "voxel";
+    case EmptyFrame::kDamaged:
+      return "damaged bricks are missing, and the others show nothing";
   }
   return "something is drawn";
 }

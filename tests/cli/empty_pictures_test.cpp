@@ -54,6 +54,19 @@ class EmptyPicturesCli : public ToolTest {
   }
 };
 
+// All files of bricks are cut short: the transfer function and the camera have no part in the emptiness.
+TEST_F(EmptyPicturesCli, MissingBricks_areTheReasonForAnEmptyPicture) {
+  for (const fs::directory_entry& file : fs::recursive_directory_iterator(in("h.kiln/bricks")))
+    if (file.is_regular_file()) fs::resize_file(file.path(), 50);
+  for (const char* const mode : {"composite", "mip"}) {
+    const std::string text = done(with({"--skip-damaged", "--mode", mode})).err;
+    EXPECT_NE(text.find("the picture is empty: damaged bricks are missing, and the others show nothing"),
+              std::string::npos)
+        << text;
+    EXPECT_EQ(text.find("the value of no voxel"), std::string::npos) << text;
+  }
+}
+
 TEST_F(EmptyPicturesCli, Nothing_isSaidOfAPictureThatShowsSomething) {
   for (const std::vector<std::string>& options : {std::vector<std::string>{},
                                                   {"--lattice", "voxel"},

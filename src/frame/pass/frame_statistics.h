@@ -33,6 +33,7 @@ struct LevelStatistics {
 /// - kFaint: 8 bits round the alpha of each pixel to 0.
 /// - kCombined: several reasons together: visible values are clipped away, out of view or in no voxel.
 /// - kMasked: as kCombined, where a mask may hide the visible values, too.
+/// - kDamaged: damaged bricks are missing, and the other bricks show nothing.
 enum class EmptyFrame : std::uint8_t {
   kShows,
   kOpacity,
@@ -44,7 +45,8 @@ enum class EmptyFrame : std::uint8_t {
   kThin,
   kFaint,
   kCombined,
-  kMasked
+  kMasked,
+  kDamaged
 };
 
 /// Counts of one frame. Bricks belong to the levels that the view selects (BrickWalkCounts). With several samples a
