@@ -189,23 +189,34 @@ ClipRegion::Overlap ClipRegion::classify(const VoxelBox& voxels) const noexcept 
   return out;
 }
 
-const glm::vec3* ClipRegion::cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept {
-  const glm::vec3* gradient = nullptr;
+void ClipRegion::Nearest::compare(const std::vector<HalfSpace>& faces, const glm::dvec3& index,
+                                  const glm::dvec3& to_eye) noexcept {
   const bool eye = to_eye != glm::dvec3(0);
-  double nearest = std::numeric_limits<double>::infinity();
-  const auto compare = [&](const std::vector<HalfSpace>& faces) {
-    for (const HalfSpace& h : faces) {
-      const double inside = glm::dot(h.normal, index) + h.offset;
-      if (!(inside < h.voxel) || !facesEye(h.normal, to_eye)) continue;
-      const double distance = eye ? inside / -glm::dot(h.normal, to_eye) : inside * h.world_distance;
-      if (!(distance < nearest)) continue;
-      nearest = distance;
-      gradient = &h.gradient;
-    }
-  };
-  compare(half_spaces_);
-  if (glm::any(glm::lessThan(index, core_lo_)) || glm::any(glm::greaterThan(index, core_hi_))) compare(border_);
-  return gradient;
+  for (const HalfSpace& h : faces) {
+    const double inside = glm::dot(h.normal, index) + h.offset;
+    if (!(inside < h.voxel) || !facesEye(h.normal, to_eye)) continue;
+    const double here = eye ? inside / -glm::dot(h.normal, to_eye) : inside * h.world_distance;
+    if (!(here < distance)) continue;
+    distance = here;
+    gradient = &h.gradient;
+  }
+}
+
+const glm::vec3* ClipRegion::cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept {
+  Nearest out;
+  out.compare(half_spaces_, index, to_eye);
+  if (nearBorder(index)) out.compare(border_, index, to_eye);
+  return out.gradient;
+}
+
+const glm::vec3* ClipRegion::borderGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept {
+  Nearest out;
+  if (nearBorder(index)) out.compare(border_, index, to_eye);
+  return out.gradient;
+}
+
+bool ClipRegion::nearBorder(const glm::dvec3& index) const noexcept {
+  return glm::any(glm::lessThan(index, core_lo_)) || glm::any(glm::greaterThan(index, core_hi_));
 }
 
 }  // namespace kiln

@@ -75,6 +75,8 @@ class ClipRegion {
   /// faces that look away from the eye, or are seen edge-on, light no sample; 0: all faces do, and distances are along
   /// their normals. requires: a part of the sample at `index` is inside.
   const glm::vec3* cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye = glm::dvec3(0)) const noexcept;
+  /// As cutGradient, of the volume's border alone: where cut faces show values (Section), they light no sample behind.
+  const glm::vec3* borderGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept;
 
  private:
   // Shows points with normal·p + offset >= least.
@@ -87,6 +89,14 @@ class ClipRegion {
   };
   static HalfSpace halfSpace(const glm::dvec3& normal, double offset, double least, const VolumeGeometry& finest,
                              const Extent3& span);
+  // The face that is nearest to a sample towards the eye.
+  struct Nearest {
+    const glm::vec3* gradient = nullptr;
+    double distance = std::numeric_limits<double>::infinity();
+    void compare(const std::vector<HalfSpace>& faces, const glm::dvec3& index, const glm::dvec3& to_eye) noexcept;
+  };
+  bool nearBorder(const glm::dvec3& index) const noexcept;
+
   std::vector<HalfSpace> half_spaces_;
   std::vector<HalfSpace> border_;  // lights samples and clips nothing
   // Points farther than a voxel from the border, which need no comparison with the faces of the border.

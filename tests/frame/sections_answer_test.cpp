@@ -496,5 +496,32 @@ TEST(Sections, StandInFrontOfSurfaces) {
   EXPECT_GT(seen, 500);
 }
 
+// A ball cut above its middle: the first voxel of its outside below the rim.
+TEST(Sections, LeaveTheNormalsBelowTheirRim) {
+  const glm::dvec3 centre(15.5);
+  const DenseVolume volume = ball({{32, 32, 32}, VoxelType::u8}, centre, 11, 200);
+  FrameRequest request = answerRequest(volume.geometry, {0.5, -0.9, 0.4}, Projection::kOrthographic, 160);
+  request.transfer_function = {1, {{90, glm::dvec3(1), 0}, {110, glm::dvec3(1), 1}}};
+  const double top = 18;
+  request.clipping.planes = {planeThrough({0, 0, top}, {0, 0, -1})};
+  request.clipping.section = Section{};
+  const Image image = draw(makeStore(volume, "ball_below_rim", 32), request);
+  int below = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const double depth = planeAt(image, "Z", x, y);
+      if (!std::isfinite(depth) || image.pixel(x, y)[3] < 1) continue;
+      const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
+      const double origin = (request.view.view_from_world * glm::dvec4(ray.origin, 1)).z;
+      const double along = (depth - origin) / glm::dot(request.view.forward_world, ray.direction);
+      const glm::dvec3 at = ray.origin + along * ray.direction;
+      if (at.z > top - 0.1 || at.z < top - 0.8) continue;
+      ++below;
+      EXPECT_GT(glm::dot(normalAt(image, x, y), glm::normalize(at - centre)), 0.9) << x << ' ' << y;
+    }
+  }
+  EXPECT_GT(below, 100);
+}
+
 }  // namespace
 }  // namespace kiln::test

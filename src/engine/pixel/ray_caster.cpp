@@ -127,7 +127,7 @@ class RayCaster {
     return around != LabelsAround::kNone;
   }
 
-  // Finds the faces at a cell. Surfaces have no cut faces.
+  // Finds the faces at a cell. Surfaces have no cut faces; faces that show values are samples of their own.
   void findFaces(const VoxelBox& box, CellInput& in) {
     // Positions are rounded to floats. unit: voxels.
     constexpr float kMargin = 0.1f;
@@ -137,7 +137,8 @@ class RayCaster {
     for (const SampleFace& face : context_.faces()) {
       const float inside = leastInside(face, box, context_.dims());
       if (face.cuts && inside < beyond * face.voxel) cuts_.push_back(face);
-      if (!context_.table().ofSurfaces() && inside < face.voxel + kMargin) lit_by_.push_back(face);
+      const bool lights = !context_.table().ofSurfaces() && !(face.cuts && context_.look().faces != nullptr);
+      if (lights && inside < face.voxel + kMargin) lit_by_.push_back(face);
     }
     in.cuts = cuts_, in.lit_by = lit_by_;
   }

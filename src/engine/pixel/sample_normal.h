@@ -17,9 +17,12 @@ struct SampleSite {
   glm::vec3 gradient;  // unit: value per voxel; 0 if not finite
 };
 
-/// Unit normal in view space; 0 if the sample has no direction. Surfaces have no cut faces.
+/// Unit normal in view space; 0 if the sample has no direction. Surfaces have no cut faces; faces that show values are
+/// samples of their own.
 inline glm::vec3 sampleNormal(const Appearance& look, const SampleSite& site) {
-  const glm::vec3* const face = look.surfaces ? nullptr : look.clip->cutGradient(site.index, site.to_eye);
+  const glm::vec3* const face = look.surfaces           ? nullptr
+                                : look.faces != nullptr ? look.clip->borderGradient(site.index, site.to_eye)
+                                                        : look.clip->cutGradient(site.index, site.to_eye);
   return face != nullptr ? look.shader.normalOnCut(*face, site.view) : look.shader.normal(site.gradient, site.view);
 }
 

@@ -191,11 +191,12 @@ struct Normal {
   bool of_face = false;  // its sign has no meaning
 };
 
-/// Returns the normal at a sample: of the nearest face towards the eye, of the clipping or of the volume, less than a
-/// voxel away, else of the gradient, out of matter; zero if there is none.
+/// Returns the normal at a sample: of the nearest face towards the eye, of the volume or of a clipping without a
+/// section, less than a voxel away, else of the gradient, out of matter; zero if there is none.
 Normal normalAt(const Scene& scene, const glm::dvec3& index, const glm::dvec3& to_eye) {
   const Face* nearest = nullptr;
   for (const std::vector<Face>* faces : {&scene.faces, &scene.border}) {
+    if (faces == &scene.faces && scene.settings.clipping.section) continue;
     for (const Face& face : *faces) {
       // A face seen edge-on lights nothing.
       if (glm::dot(face.world_normal, to_eye) > -1e-6 * glm::length(face.world_normal)) continue;
