@@ -199,7 +199,7 @@ TEST_F(ViewCli, WrongOptions_areRefused) {
   EXPECT_EQ(done({"view", "--help"}).out.find("--trace"), std::string::npos);
   refused({"view", in("h.kiln"), "--memory", "1M"}, 1, "--memory");
   refused({"view", in("h.kiln"), "--port", "70000"}, 2, "--port");
-  for (const char* const name : {"https://hub.example", "hub.example:443", "hub.example/user"})
+  for (const char* const name : {"https://hub.example", "hub.example:443", "hub.example/user", "[::1]:443"})
     refused({"view", in("h.kiln"), "--allow-host", name}, 2, "--allow-host: expected a name without scheme, port");
   refused({"view", in("h.kiln"), "--part", "1/2"}, 2, "--part");
   EXPECT_EQ(readFile(in("file")).size(), 4u);

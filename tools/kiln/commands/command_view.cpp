@@ -36,8 +36,8 @@ struct ViewArguments {
 
 // A header Host or Origin is compared by its name alone.
 std::string refusalOfHost(const std::string& text) {
-  const bool plain =
-      text.find('/') == std::string::npos && (text.find(':') == std::string::npos || text.front() == '[');
+  const bool of_six = text.starts_with('[') && text.ends_with(']');  // an address of IPv6
+  const bool plain = text.find('/') == std::string::npos && (text.find(':') == std::string::npos || of_six);
   return plain ? "" : fmt::format("expected a name without scheme, port and path, found '{}'", text);
 }
 
