@@ -193,30 +193,28 @@ void ClipRegion::Nearest::compare(const std::vector<HalfSpace>& faces, const glm
                                   const glm::dvec3& to_eye) noexcept {
   const bool eye = to_eye != glm::dvec3(0);
   for (const HalfSpace& h : faces) {
+    if (!facesEye(h.normal, to_eye)) continue;
     const double inside = glm::dot(h.normal, index) + h.offset;
-    if (!(inside < h.voxel) || !facesEye(h.normal, to_eye)) continue;
     const double here = eye ? inside / -glm::dot(h.normal, to_eye) : inside * h.world_distance;
     if (!(here < distance)) continue;
     distance = here;
-    gradient = &h.gradient;
+    gradient = inside < h.voxel ? &h.gradient : nullptr;
   }
 }
 
 const glm::vec3* ClipRegion::cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept {
+  if (half_spaces_.empty()) return borderGradient(index, to_eye);
   Nearest out;
   out.compare(half_spaces_, index, to_eye);
-  if (nearBorder(index)) out.compare(border_, index, to_eye);
+  out.compare(border_, index, to_eye);
   return out.gradient;
 }
 
 const glm::vec3* ClipRegion::borderGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept {
   Nearest out;
-  if (nearBorder(index)) out.compare(border_, index, to_eye);
+  if (glm::any(glm::lessThan(index, core_lo_)) || glm::any(glm::greaterThan(index, core_hi_)))
+    out.compare(border_, index, to_eye);
   return out.gradient;
-}
-
-bool ClipRegion::nearBorder(const glm::dvec3& index) const noexcept {
-  return glm::any(glm::lessThan(index, core_lo_)) || glm::any(glm::greaterThan(index, core_hi_));
 }
 
 }  // namespace kiln

@@ -40,6 +40,8 @@ class ClipRegion {
 
   /// Returns the half-spaces in the level's index space: points p with normal·p + w >= 0, normal the first three.
   std::vector<glm::dvec4> halfSpaces() const;
+  /// True if the points of the i-th half-space's face are outside: the upper faces of a region.
+  bool open(std::size_t i) const { return half_spaces_[i].least > 0; }
 
   /// `index` is a position in the level's index space, with voxel centres at integers. Adjacent regions share no point:
   /// a region contains its lower faces and not its upper faces, like a box of voxels.
@@ -69,11 +71,11 @@ class ClipRegion {
   /// Cosine of the angle to the eye below which a face counts as seen edge-on.
   static constexpr double kEdgeOn = 1e-6;
 
-  /// Returns the shading gradient of a sample that lies less than a voxel's extent (along the normal) inside a face
-  /// or inside the volume's border: the normal of the face that is nearest towards the eye, in the level's index
-  /// space, of any positive length; null if there is no such face. `to_eye`: direction in the level's index space;
-  /// faces that look away from the eye, or are seen edge-on, light no sample; 0: all faces do, and distances are along
-  /// their normals. requires: a part of the sample at `index` is inside.
+  /// Returns the shading gradient of a sample: the normal of the face, of a cut or of the volume's border, that is
+  /// nearest towards the eye, in the level's index space, of any positive length. Null if the sample is a voxel's
+  /// extent (along the normal) or more inside that face. `to_eye`: direction in the level's index space; faces that
+  /// look away from the eye, or are seen edge-on, light no sample; 0: all faces do, and distances are along their
+  /// normals. requires: a part of the sample at `index` is inside.
   const glm::vec3* cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye = glm::dvec3(0)) const noexcept;
   /// As cutGradient, of the volume's border alone: where cut faces show values (Section), they light no sample behind.
   const glm::vec3* borderGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept;
@@ -89,14 +91,12 @@ class ClipRegion {
   };
   static HalfSpace halfSpace(const glm::dvec3& normal, double offset, double least, const VolumeGeometry& finest,
                              const Extent3& span);
-  // The face that is nearest to a sample towards the eye.
+  // The face that is nearest to a sample towards the eye; its gradient if the sample is less than a voxel inside.
   struct Nearest {
     const glm::vec3* gradient = nullptr;
     double distance = std::numeric_limits<double>::infinity();
     void compare(const std::vector<HalfSpace>& faces, const glm::dvec3& index, const glm::dvec3& to_eye) noexcept;
   };
-  bool nearBorder(const glm::dvec3& index) const noexcept;
-
   std::vector<HalfSpace> half_spaces_;
   std::vector<HalfSpace> border_;  // lights samples and clips nothing
   // Points farther than a voxel from the border, which need no comparison with the faces of the border.

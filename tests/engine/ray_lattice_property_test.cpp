@@ -61,18 +61,22 @@ class SamplesAlone {
   std::array<double, 4> composited(int x, int y) const;
 
  private:
-  // Returns the world normal of the volume's nearest face towards the eye less than a voxel away, else the gradient.
+  // Returns the world normal of the volume's nearest face towards the eye if it is less than a voxel away, else the
+  // gradient.
   // `ray`: from the eye, in index space.
   glm::dvec3 normalAt(const glm::dvec3& index, const glm::dvec3& ray) const {
     const glm::dmat3 world_from_gradient = glm::transpose(glm::inverse(glm::dmat3(volume_.geometry.world_from_index)));
-    glm::dvec3 out = world_from_gradient * field_.gradient(index);
+    const glm::dvec3 of_field = world_from_gradient * field_.gradient(index);
+    glm::dvec3 out = of_field;
     double nearest = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
       if (ray[axis] == 0) continue;
       const auto edge = static_cast<double>(volume_.geometry.dims[axis]);
       const double inside = ray[axis] > 0 ? index[axis] + 0.5 : edge - 0.5 - index[axis];
       const double distance = inside / std::abs(ray[axis]);
-      if (inside < 1 && distance < nearest) nearest = distance, out = world_from_gradient[axis];
+      if (!(distance < nearest)) continue;
+      nearest = distance;
+      out = inside < 1 ? world_from_gradient[axis] : of_field;
     }
     return out;
   }

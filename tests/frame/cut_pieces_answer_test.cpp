@@ -22,7 +22,7 @@ namespace kiln::test {
 namespace {
 
 constexpr int kCutPixels = 200;
-constexpr Extent3 kCutDims{5, 4, 1};
+constexpr Extent3 kCutDims{5, 4, 1}, kThinCells{9, 17, 1};  // 9 and 17: the last cell is a voxel
 
 // A ray's way through the convex part that planes show.
 struct Way {
@@ -115,6 +115,17 @@ TEST_P(Pieces, OpaqueFacesMeetInASharpEdge) {
   EXPECT_GT(pixels, 4000);
 }
 
+// All samples of a translucent box have no normal, or that of the face of entry.
+TEST_P(Pieces, NoFaceLightsWhatIsBehindAnother) {
+  const FrameRequest translucent = request(0.4);
+  const Image image = draw(store_, translucent);
+  forEachPixel(translucent, [&](int x, int y, const Ray&, const Way& way) {
+    if (way.length() < 0.1) return;
+    const glm::dvec3 normal = normalAt(image, x, y);
+    EXPECT_GT(glm::dot(normal, way.out_of_face), 0.999 * glm::length(normal)) << x << ' ' << y;
+  });
+}
+
 class PiecesOfARamp : public Pieces {
  protected:
   // The value is the place along x, and the colour the value.
@@ -151,6 +162,49 @@ const Cut kCuts[] = {{"nothing", {}},
 const auto kAll = ::testing::Combine(::testing::Values(Projection::kOrthographic, Projection::kPerspective),
                                      ::testing::ValuesIn(kCuts));
 INSTANTIATE_TEST_SUITE_P(Cuts, Pieces, kAll);
+
+// Rays whose last sample is in the cell before a thin one, at slabs of several voxels.
+TEST(PiecesOfThinCells, EachRayHasItsLengthInTheBox) {
+  constexpr double kOpacity = 0.2;
+  const double tau = -std::log1p(-kOpacity);
+  const DenseVolume volume = fill({kThinCells, VoxelType::u8}, [](auto...) { return 100; });
+  const std::filesystem::path store = makeStore(volume, "thin_cells", 32);
+  for (const int pixels : {5, 9, 20, 60}) {
+    FrameRequest request = answerRequest(volume.geometry, {0.5, -0.8, 0.35}, Projection::kOrthographic, pixels);
+    request.opacity_threshold = 1;
+    request.transfer_function = {1, {{0, glm::dvec3(1), kOpacity}}};
+    const Image image = draw(store, request);
+    const glm::dvec3 size(kThinCells.x, kThinCells.y, kThinCells.z);
+    for (int y = 0; y < pixels; ++y) {
+      for (int x = 0; x < pixels; ++x) {
+        const Way way = wayThrough(rayThrough(request.view, {x + 0.5, y + 0.5}), facesOf(glm::dvec3(-0.5), size - 0.5));
+        EXPECT_NEAR(image.pixel(x, y)[3], -std::expm1(-tau * way.length()), 1e-3) << pixels << ' ' << x << ' ' << y;
+      }
+    }
+  }
+}
+
+// Rays in the face between two regions, and beside the face: the optical depths of both regions are the whole.
+TEST(PiecesOfRegions, HaveTheLengthOfTheWhole) {
+  const DenseVolume volume = fill({{8, 8, 8}, VoxelType::u8}, [](auto...) { return 100; });
+  const std::filesystem::path store = makeStore(volume, "regions", 32);
+  for (const Projection projection : {Projection::kOrthographic, Projection::kPerspective}) {
+    FrameRequest request = answerRequest(volume.geometry, {0, -1, 0}, projection, 9);
+    request.opacity_threshold = 1;
+    request.transfer_function = {1, {{0, glm::dvec3(1), 0.3}}};
+    const Image whole = draw(store, request);
+    request.clipping.region = VoxelBox{{0, 0, 0}, {4, 8, 8}};
+    const Image left = draw(store, request);
+    request.clipping.region = VoxelBox{{4, 0, 0}, {8, 8, 8}};
+    const Image right = draw(store, request);
+    for (int y = 0; y < 9; ++y) {
+      for (int x = 0; x < 9; ++x) {
+        const auto clear = [&](const Image& image) { return 1 - double{image.pixel(x, y)[3]}; };
+        EXPECT_NEAR(clear(left) * clear(right), clear(whole), 1e-5) << x << ' ' << y;
+      }
+    }
+  }
+}
 
 const Cut kRampCuts[] = {{"nothing", {}}, {"slant", {{{-0.5, 0.9, -0.3}, -4}}}};
 INSTANTIATE_TEST_SUITE_P(Cuts, PiecesOfARamp,

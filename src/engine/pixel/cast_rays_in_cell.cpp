@@ -601,7 +601,20 @@ class CellCaster {
   // effect of the division by alpha.
   HWY_NOINLINE void addDeep(std::size_t n, std::size_t count) {
     const SlabZone& zone = context_.zone();
-    const auto depthOf = [&](int slab) { return static_cast<float>(zone.near + slab * zone.thickness); };
+    // Slabs from the zone's begin to the middles of the pieces, and half of the pieces.
+    alignas(64) float middle[kLit], half[kLit];
+    const D d;
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+      const CellPlaces::Where w = p_.sampleOf(hn::LoadU(DI(), s_.kept_code + n + i));
+      hn::Store(hn::Add(w.t, hn::Set(d, r_.middle + 0.5f)), d, middle + i);
+      hn::Store(hn::Mul(hn::Set(d, 0.5f), w.slabs), d, half + i);
+    }
+    // Pieces that meet between two slabs have one depth there. unit: slabs.
+    constexpr float kRounded = 1e-3f;
+    const auto depthOf = [&](float slabs) {
+      const float whole = std::round(slabs), at = std::abs(slabs - whole) < kRounded ? whole : slabs;
+      return static_cast<float>(zone.near + static_cast<double>(at) * zone.thickness);
+    };
     for (std::size_t i = 0; i < count; ++i) {
       const std::int32_t code = s_.kept_code[n + i];
       float* const to = p_.pixelOf(code & CellPlaces::kPixel);
@@ -611,7 +624,7 @@ class CellCaster {
         for (float& channel : after) channel /= alpha;
       }
       const CellPlaces::Place at = p_.placeOf(code);
-      float near = depthOf(at.slab), far = depthOf(at.slab + (code >= CellPlaces::kPair ? 2 : 1));
+      float near = depthOf(middle[i] - half[i]), far = depthOf(middle[i] + half[i]);
       if (exact()) near = far = static_cast<float>(siteOf(n + i).view.z);
       tile_.deep->add(at.x, at.y, near, far, before, after);
     }

@@ -39,11 +39,11 @@ struct CellInput {
   glm::dvec3 corner, end;                  // begin and end of the cell in index space
   PixelRect rect;                          // pixels of the tile that the cell may touch
   PixelRect bounds;                        // pixels that the cell may touch in a picture of any size
-  std::array<bool, 3> ends{};              // axes along which the cell is at an end of the volume
-  bool at_end = false;                     // the cell is at an end of the volume
-  bool at_edge = false;                    // the cell is at two ends of the volume or more
+  std::array<bool, 3> ends{};              // axes along which samples may reach an end of the volume
+  bool at_end = false;                     // samples may reach an end of the volume
+  bool at_edge = false;                    // samples may reach two ends of the volume or more
   std::span<const SampleFace> cuts;        // faces that may end samples
-  std::span<const SampleFace> lit_by;      // faces that may light samples
+  std::span<const SampleFace> lit_by;      // all faces that light samples; none if no face is near
   bool in_pairs = false;                   // one sample may cover two slabs
   bool gaps = false;                       // the cell's voxels may be NaN
   const float* color = nullptr;            // r, g, b of all samples if equal; otherwise null

@@ -214,7 +214,7 @@ class CellPlaces {
   // tests for first and last equal those of CellRays. `own`: half the slabs of the sample.
   HWY_INLINE void extendToEnds(const Where& w, V own, Span& piece) const {
     const D d;
-    // Other ends are farther away than a sample reaches.
+    // A sample reaches no other ends.
     V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
     for (int a = 0; a < 3; ++a) {
       if (in_.ends[static_cast<std::size_t>(a)]) cutToEnds(a, w, enter, leave);
@@ -233,8 +233,8 @@ class CellPlaces {
   }
 
   // Cuts pieces at the faces of the clip region. Where points on the faces are samples, nothing may lie in front of
-  // them: a sample whose middle is in front of a face is dropped; with several volumes, which have a sample for each
-  // slab, a sample that a face cuts.
+  // them: a sample whose middle is in front of a face is dropped. With several volumes, which have one sample in each
+  // slab, a sample that a face cuts is dropped.
   HWY_INLINE void cutOff(const Where& w, Span& piece) const {
     const D d;
     const V zero = hn::Zero(d);
@@ -249,11 +249,12 @@ class CellPlaces {
       const V crossing = hn::Div(hn::Neg(at), hn::IfThenElse(hn::Or(inwards, outwards), rate, hn::Set(d, 1.0f)));
       enter = hn::IfThenElse(inwards, hn::Max(enter, crossing), enter);
       leave = hn::IfThenElse(outwards, hn::Min(leave, crossing), leave);
-      const M outside = hn::AndNot(hn::Or(inwards, outwards), hn::Lt(at, zero));
+      const M outside = hn::AndNot(hn::Or(inwards, outwards), face.open ? hn::Le(at, zero) : hn::Lt(at, zero));
       leave = hn::IfThenElse(outside, hn::Set(d, -kFar), leave);
     }
-    // A face at the border of two slabs may be in either, as positions are rounded.
-    const V least = in_.sums != nullptr ? hn::Sub(piece.enter, hn::Set(d, 0.001f)) : w.t;
+    // A face at the border of two slabs may be in either, as positions are rounded. unit: slabs.
+    constexpr float kRounded = 0.001f;
+    const V least = in_.sums != nullptr ? hn::Sub(piece.enter, hn::Set(d, kRounded)) : w.t;
     const V near = hn::Min(hn::Max(piece.enter, enter), piece.leave);
     V far = hn::Max(hn::Min(piece.leave, leave), near);
     if (l_.points_on_faces) far = hn::IfThenElse(hn::Gt(enter, least), near, far);

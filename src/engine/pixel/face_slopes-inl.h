@@ -26,9 +26,9 @@ class FaceSlopes {
     Vector slope;
     M on_face;
   };
-  // Replaces the gradients of samples less than a voxel inside a face by the normal of the face that is nearest towards
-  // the eye, as ClipRegion::cutGradient does.
-  HWY_NOINLINE Slopes replaced(const CellPlaces::Where& w, Vector slope) const {
+  // Replaces the gradients of samples less than a voxel behind the face that is nearest towards the eye by the normal
+  // of the face, as ClipRegion::cutGradient does.
+  HWY_NOINLINE Slopes replaced(const CellPlaces::Where& w, const Vector& slope) const {
     const D d;
     const Vector at{p_.indexOf(0, w, 0), p_.indexOf(1, w, 0), p_.indexOf(2, w, 0)};
     const Vector step{CellPlaces::linear(r_.step, 0, w), CellPlaces::linear(r_.step, 1, w),
@@ -36,20 +36,24 @@ class FaceSlopes {
     const V edge_on = hn::Mul(hn::Set(d, static_cast<float>(ClipRegion::kEdgeOn)), hn::Sqrt(dotOf(step, step)));
     M on_face = hn::FirstN(d, 0);
     V nearest = hn::Set(d, CellPlaces::kFar);
+    Vector normal_of_face = slope;
     for (const SampleFace& face : in_.lit_by) {
       const Vector normal = vectorOf(face.normal);
       const V inside = hn::Add(dotOf(normal, at), hn::Set(d, face.offset)), rate = dotOf(normal, step);
       // A face looks at the eye if rays enter through the face.
-      const M looks = hn::And(hn::Gt(rate, edge_on), hn::Lt(inside, hn::Set(d, face.voxel)));
+      const M looks = hn::Gt(rate, edge_on);
       const V distance = hn::Div(inside, hn::IfThenElse(looks, rate, hn::Set(d, 1.0f)));
-      const M lit = hn::And(looks, hn::Lt(distance, nearest));
-      nearest = hn::IfThenElse(lit, distance, nearest);
-      on_face = hn::Or(on_face, lit);
-      slope.x = hn::IfThenElse(lit, hn::Set(d, face.slope.x), slope.x);
-      slope.y = hn::IfThenElse(lit, hn::Set(d, face.slope.y), slope.y);
-      slope.z = hn::IfThenElse(lit, hn::Set(d, face.slope.z), slope.z);
+      const M nearer = hn::And(looks, hn::Lt(distance, nearest)),
+              lit = hn::And(nearer, hn::Lt(inside, hn::Set(d, face.voxel)));
+      nearest = hn::IfThenElse(nearer, distance, nearest);
+      on_face = hn::Or(hn::AndNot(nearer, on_face), lit);
+      normal_of_face.x = hn::IfThenElse(lit, hn::Set(d, face.slope.x), normal_of_face.x);
+      normal_of_face.y = hn::IfThenElse(lit, hn::Set(d, face.slope.y), normal_of_face.y);
+      normal_of_face.z = hn::IfThenElse(lit, hn::Set(d, face.slope.z), normal_of_face.z);
     }
-    return {slope, on_face};
+    return {{hn::IfThenElse(on_face, normal_of_face.x, slope.x), hn::IfThenElse(on_face, normal_of_face.y, slope.y),
+             hn::IfThenElse(on_face, normal_of_face.z, slope.z)},
+            on_face};
   }
 
  private:

@@ -1,5 +1,6 @@
 #include "engine/pixel/ray_caster.h"
 
+#include <algorithm>
 #include <bit>
 #include <memory>
 #include <vector>
@@ -74,18 +75,23 @@ class RayCaster {
     if (!(context_.table().ofLabels() ? loadLabelsOf(box, in) : loadValuesOf(box, values, in))) return;
     if (!loadMaskOf(box, in)) return;
     loadColorsOf(box, in);
+    in.bounds = seen.cell->rect;
+    // Extent of a slab; positions are rounded to floats. unit: voxels.
+    constexpr double kMargin = 0.1;
+    const double slab = static_cast<double>(rays_.longestStep(in.bounds)) + kMargin;
     int ends = 0;
     for (int a = 0; a < 3; ++a) {
       const bool last = box.hi[a] == context_.dims()[a];
       in.lo[a] = static_cast<float>(box.lo[a] - rays_.anchor[a]) - 1.0f;
       in.corner[a] = static_cast<double>(box.lo[a]) - 0.5;
       in.end[a] = last ? rays_.volume_hi[a] : static_cast<double>(box.hi[a]) - 0.5;
-      ends += (last ? 1 : 0) + (box.lo[a] == 0 ? 1 : 0);
-      in.ends[static_cast<std::size_t>(a)] = last || box.lo[a] == 0;
+      // The first or the last sample of a ray may be in the cell beside a thin cell at the end.
+      const int at_axis = (in.corner[a] + 0.5 < slab ? 1 : 0) + (rays_.volume_hi[a] - in.end[a] < slab ? 1 : 0);
+      in.ends[static_cast<std::size_t>(a)] = at_axis > 0;
+      ends += at_axis;
     }
     in.at_end = ends > 0, in.at_edge = ends > 1;
-    in.bounds = seen.cell->rect;
-    findFaces(box, in);
+    findFaces(box, 0.5 * slab, in);
     if (!part_.all()) in.part = &part_;
     in.on_face = context_.onFace(box);
     in.sums = sums_;
@@ -127,20 +133,20 @@ class RayCaster {
     return around != LabelsAround::kNone;
   }
 
-  // Finds the faces at a cell. Surfaces have no cut faces; faces that show values are samples of their own.
-  void findFaces(const VoxelBox& box, CellInput& in) {
-    // Positions are rounded to floats. unit: voxels.
-    constexpr float kMargin = 0.1f;
-    cuts_.clear(), lit_by_.clear();
-    // A slab reaches half of its extent beyond the cell.
-    const float beyond = 0.5f * rays_.longestStep(in.bounds) + kMargin;
+  // Finds the faces at a cell. `beyond`: reach of samples beyond the cell. unit: voxels.
+  void findFaces(const VoxelBox& box, double beyond, CellInput& in) {
+    cuts_.clear();
     for (const SampleFace& face : context_.faces()) {
-      const float inside = leastInside(face, box, context_.dims());
-      if (face.cuts && inside < beyond * face.voxel) cuts_.push_back(face);
-      const bool lights = !context_.table().ofSurfaces() && !(face.cuts && context_.look().faces != nullptr);
-      if (lights && inside < face.voxel + kMargin) lit_by_.push_back(face);
+      if (face.cuts && leastInside(face, box, context_.dims()) < static_cast<float>(beyond) * face.voxel)
+        cuts_.push_back(face);
     }
-    in.cuts = cuts_, in.lit_by = lit_by_;
+    in.cuts = cuts_;
+    // A ray may have entered through a distant face, which then lights no sample; hence all faces.
+    const std::vector<SampleFace>& lights = context_.lightFaces();
+    if (std::any_of(lights.begin(), lights.end(), [&](const SampleFace& face) {
+          return leastInside(face, box, context_.dims()) < static_cast<float>(1 + beyond) * face.voxel;
+        }))
+      in.lit_by = lights;
   }
 
   // Returns false if the mask hides the cell. Labels know the mask already.
@@ -173,10 +179,10 @@ class RayCaster {
   const ClipRegion::Part& part_;
   DrawCounts& counts_;
   CellSamples samples_;
-  std::vector<SampleFace> cuts_, lit_by_;  // faces at the cell that is cast
-  std::unique_ptr<LabelVoxels> labels_;    // label volumes only
-  std::unique_ptr<MaskVoxels> mask_;       // masked volumes only
-  std::unique_ptr<ColorPatch> colors_;     // volumes coloured by another only
+  std::vector<SampleFace> cuts_;         // faces that reach the cell that is cast
+  std::unique_ptr<LabelVoxels> labels_;  // label volumes only
+  std::unique_ptr<MaskVoxels> mask_;     // masked volumes only
+  std::unique_ptr<ColorPatch> colors_;   // volumes coloured by another only
 };
 
 }  // namespace

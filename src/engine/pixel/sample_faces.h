@@ -1,4 +1,4 @@
-// Faces that end and light samples: the faces of the clip region, and the border of the volume.
+// Faces that end or light samples: the faces of the clip region, and the border of the volume.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -18,6 +18,7 @@ struct SampleFace {
   float voxel = 0;    // extent of a voxel's cube along the normal
   glm::vec3 slope;    // the normal, as long as a gradient of a direction
   bool cuts = false;  // samples end at the face; the border of the volume only lights them
+  bool open = false;  // points on the face are outside
 };
 
 /// Returns the faces of a level. `slope`: length of a gradient that has a direction.

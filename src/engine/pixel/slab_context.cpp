@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <iterator>
 
 #include "base/thread/parallel.h"
 #include "engine/pixel/voxels/label_voxels.h"
@@ -102,7 +103,6 @@ SlabContext::SlabContext(const SlabZone& zone, const Projector& projector, const
     : zone_(zone),
       projector_(projector),
       dims_(dims),
-      ends_(ends),
       table_(table),
       look_(look),
       clipped_(!look.clip->showsAll()),
@@ -111,6 +111,8 @@ SlabContext::SlabContext(const SlabZone& zone, const Projector& projector, const
       voxel_length_(std::cbrt(projector.voxelVolume())),
       shortest_edge_(shortestEdge(projector)) {
   lattice_.label_smoothing = labelSmoothing(zone, projector);
+  std::copy_if(faces_.begin(), faces_.end(), std::back_inserter(light_faces_),
+               [&](const SampleFace& face) { return !table.ofSurfaces() && !(face.cuts && look_.faces != nullptr); });
   if (look_.faces != nullptr) shown_faces_ = look_.faces->seenFaces(*look_.clip);
 }
 

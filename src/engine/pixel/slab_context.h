@@ -41,7 +41,6 @@ class SlabContext {
   const SlabZone& zone() const { return zone_; }
   const Projector& projector() const { return projector_; }
   const Extent3& dims() const { return dims_; }
-  const EndVoxels& ends() const { return ends_; }
   const SampleTable& table() const { return table_; }
   /// Returns true if samples that interpolate `range`, or stand for values in `range`, may be visible.
   bool interesting(const ValueRange& range) const { return table_.interesting(range); }
@@ -51,8 +50,10 @@ class SlabContext {
   bool onFace(const VoxelBox& voxels) const;
   /// Returns true if such a face shows values of `range`, whatever the table says of them.
   bool coloursFace(const VoxelBox& voxels, const ValueRange& range) const;
-  /// Faces that end and light samples.
+  /// Faces that end or light samples.
   const std::vector<SampleFace>& faces() const { return faces_; }
+  /// Those of them that light samples. Surfaces have no cut faces; faces that show values are samples of their own.
+  const std::vector<SampleFace>& lightFaces() const { return light_faces_; }
   /// Returns true if a single sample may replace two in a cell with values in `range`.
   bool inPairs(const SampledRange& range) const;
   const Appearance& look() const { return look_; }
@@ -66,12 +67,11 @@ class SlabContext {
   const SlabZone& zone_;
   const Projector& projector_;
   const Extent3 dims_;
-  const EndVoxels ends_;
   const SampleTable& table_;
   Appearance look_;
   bool clipped_;
   SampleLattice lattice_;
-  std::vector<SampleFace> faces_;
+  std::vector<SampleFace> faces_, light_faces_;
   std::vector<glm::dvec4> shown_faces_;  // cut faces that show values and look at the eye, in index space
   double voxel_length_;                  // mean edge of a voxel. unit: world
   double shortest_edge_;                 // shortest edge of a voxel. unit: world

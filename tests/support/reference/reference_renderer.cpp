@@ -192,7 +192,7 @@ struct Normal {
 };
 
 /// Returns the normal at a sample: of the nearest face towards the eye, of the volume or of a clipping without a
-/// section, less than a voxel away, else of the gradient, out of matter; zero if there is none.
+/// section, if it is less than a voxel away, else of the gradient, out of matter; zero if there is none.
 Normal normalAt(const Scene& scene, const glm::dvec3& index, const glm::dvec3& to_eye) {
   const Face* nearest = nullptr;
   for (const std::vector<Face>* faces : {&scene.faces, &scene.border}) {
@@ -200,12 +200,10 @@ Normal normalAt(const Scene& scene, const glm::dvec3& index, const glm::dvec3& t
     for (const Face& face : *faces) {
       // A face seen edge-on lights nothing.
       if (glm::dot(face.world_normal, to_eye) > -1e-6 * glm::length(face.world_normal)) continue;
-      if (face.at(index) < face.voxel() &&
-          (!nearest || face.distance(index, to_eye) < nearest->distance(index, to_eye)))
-        nearest = &face;
+      if (!nearest || face.distance(index, to_eye) < nearest->distance(index, to_eye)) nearest = &face;
     }
   }
-  if (nearest) return {glm::normalize(nearest->world_normal), true};
+  if (nearest && nearest->at(index) < nearest->voxel()) return {glm::normalize(nearest->world_normal), true};
   const glm::dvec3 difference = scene.gradient(index);
   // The negated comparison also leaves a NaN gradient, which has no direction, unshaded.
   if (!(glm::length(difference) >= scene.gradient_noise) || glm::length(difference) == 0) return {glm::dvec3(0)};

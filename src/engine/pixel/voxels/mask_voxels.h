@@ -1,8 +1,8 @@
 // Voxels of a cell as a mask shows them (ShownVoxels).
 // Method. A point is shown as a point of a label volume is solid (label_voxels.h): by the share of shown voxels in its
 // linear interpolation. Where the smoothed share rises, its gradient is the normal of the mask's surface and replaces
-// the volume's gradient in the light of solids. Iso-surfaces have no thickness, and keep their gradients; a point of an iso-surface is shown by the
-// larger share of the voxels on either side of the surface.
+// the volume's gradient in the light of solids. Iso-surfaces have no thickness, and keep their gradients; a point of an
+// iso-surface is shown by the larger share of the voxels on either side of the surface.
 #pragma once
 
 #include "engine/pixel/voxels/sample_lattice.h"
