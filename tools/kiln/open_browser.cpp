@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <thread>
 
-#include "find_program.h"
+#include "base/find_program.h"
 
 extern char** environ;
 

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "base/find_program.h"
 #include "base/thread/parallel.h"
 #include "frame/empty_frame.h"
 #include "job/job_facts.h"
@@ -20,9 +21,8 @@ namespace {
 // thread: one call at a time, which Turn ensures.
 class Frames {
  public:
-  // `volumes` are open volumes of the job, or none: then the job's stores and files are opened. `encoder` is the
-  // program ffmpeg, empty if there is none.
-  Frames(RenderJob job, std::filesystem::path store_directory, const std::filesystem::path& encoder,
+  // `volumes` are open volumes of the job, or none: then the job's stores and files are opened.
+  Frames(RenderJob job, std::filesystem::path store_directory,
          std::vector<std::shared_ptr<const BrickedVolume>> volumes)
       : job_(std::move(job)),
         numbers_(framesOf(job_)),
@@ -33,8 +33,7 @@ class Frames {
     requireVolumes(job_);
     requireViews(job_);
     requireEngineOptions(job_.picture);
-    requireVideo(encoder);
-    job_.output.video.encoder = encoder;
+    if (!job_.output.video.path.empty()) job_.output.video.encoder = encoderOfVideo();
   }
 
   std::size_t count() const { return numbers_.size(); }
@@ -91,19 +90,21 @@ class Frames {
   };
 
  private:
-  void requireVideo(const std::filesystem::path& encoder) const {
+  // throws: Error kUsage for a video that cannot be made, kNotFound without the program.
+  std::filesystem::path encoderOfVideo() const {
     const std::filesystem::path& video = job_.output.video.path;
-    if (video.empty()) return;
     if (numbers_.size() == 1 && job_.frames.empty())
       throw Error(ErrorCode::kUsage, video, "",
                   "a video needs frames (found 1); give the camera a turntable or key frames");
     if (!volumes_.empty())
       throw Error(ErrorCode::kUsage, video, "",
                   "a video needs stores or volume files (found open volumes); name their files in the job");
+    std::filesystem::path encoder = findProgram("ffmpeg");
     if (encoder.empty())
       throw Error(ErrorCode::kNotFound, video, "",
                   "a video needs the program ffmpeg, which is in no absolute folder of PATH; install it, or write "
                   "pictures");
+    return encoder;
   }
 
   bool hasFiles() const { return !namesOf(job_.output).empty(); }
@@ -150,16 +151,14 @@ class Frames {
 void bindFrames(py::module_& module) {
   py::class_<Frames, UnlockedPointer<Frames>>(module, "Frames")
       .def_static("of_file",
-                  [](const std::filesystem::path& path, const std::filesystem::path& store,
-                     const std::filesystem::path& encoder) {
-                    return UnlockedPointer<Frames>(new Frames(readJob(path), store, encoder, {}));
+                  [](const std::filesystem::path& path, const std::filesystem::path& store) {
+                    return UnlockedPointer<Frames>(new Frames(readJob(path), store, {}));
                   })
       .def_static("of_text",
-                  [](const std::string& json, const std::filesystem::path& store, const std::filesystem::path& encoder,
-                     const std::vector<Volume*>& volumes) {
+                  [](const std::string& json, const std::filesystem::path& store, const std::vector<Volume*>& volumes) {
                     std::vector<std::shared_ptr<const BrickedVolume>> bricks;
                     for (const Volume* volume : volumes) bricks.push_back(volume->bricks());
-                    return UnlockedPointer<Frames>(new Frames(parseJob(json, {}), store, encoder, std::move(bricks)));
+                    return UnlockedPointer<Frames>(new Frames(parseJob(json, {}), store, std::move(bricks)));
                   })
       .def_property_readonly("count", &Frames::count)
       .def("next",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 from typing import Any, Iterator, NamedTuple
 
 from kiln import _kiln
@@ -46,12 +45,6 @@ class Frames(Iterator[Image]):
         return Finished(*self._frames.run(resume, checkpoint, self._progress))
 
 
-def _program(name: str) -> str:
-    """Returns the program in the absolute folders of PATH; empty if there is none. Others are not searched for it."""
-    folders = filter(os.path.isabs, os.environ.get("PATH", "").split(os.pathsep))
-    return shutil.which(name, path=os.pathsep.join(folders)) or ""
-
-
 def render(
     job: dict[str, Any] | str | os.PathLike[str],
     *,
@@ -66,9 +59,9 @@ def render(
     with names. store: folder for stores of volume files.
     progress: called with (step, done, total). throws: kiln.Error.
     """
-    folder, encoder = store_folder(store), _program("ffmpeg")
+    folder = store_folder(store)
     if not isinstance(job, dict):
-        return Frames(_kiln.Frames.of_file(os.fspath(job), folder, encoder), progress)
+        return Frames(_kiln.Frames.of_file(os.fspath(job), folder), progress)
     volumes: list[Volume] = []
     text = json_text({"kiln": _kiln.job_format, **job}, volumes)
-    return Frames(_kiln.Frames.of_text(text, folder, encoder, [volume._volume for volume in volumes]), progress)
+    return Frames(_kiln.Frames.of_text(text, folder, [volume._volume for volume in volumes]), progress)

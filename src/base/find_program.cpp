@@ -1,4 +1,4 @@
-#include "find_program.h"
+#include "base/find_program.h"
 
 #include <unistd.h>
 
@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-namespace kiln::tool {
+namespace kiln {
 namespace fs = std::filesystem;
 
 fs::path findProgram(const std::string& name) {
@@ -26,4 +26,4 @@ fs::path findProgram(const std::string& name) {
   return {};
 }
 
-}  // namespace kiln::tool
+}  // namespace kiln
