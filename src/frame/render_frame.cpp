@@ -37,6 +37,7 @@ void requireRequest(const std::vector<const BrickedVolume*>& stores, const Frame
   requireSurfaces(request.engine(), request.transfer_function);
   for (const VolumeRequest& volume : request.volumes) requireSurfaces(request.engine(), volume.transfer_function);
   const int tile_px = request.tile_px;
+  static_assert(kLeastTile_px == kVisibilityTile);
   if (tile_px != 0 && (tile_px < kVisibilityTile || !std::has_single_bit(static_cast<unsigned>(tile_px)))) {
     throw Error(ErrorCode::kUsage,
                 fmt::format("--tile: expected a power of two from {} on, or 0 for the whole frame (found {})",

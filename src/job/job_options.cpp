@@ -283,15 +283,15 @@ Option<RenderJob> objectRow(std::string_view name, const Options<RenderJob>& ins
   return out;
 }
 
-// A power of two from the least tile's edge (kVisibilityTile) on, or 0.
+// A power of two from the least tile's edge on, or 0.
 struct TileEdge : WholeChoice {
   TileEdge() : WholeChoice{{0}} {
-    for (int edge = 64; edge <= kLargestSide_px; edge *= 2) numbers.push_back(edge);
+    for (int edge = kLeastTile_px; edge <= kLargestSide_px; edge *= 2) numbers.push_back(edge);
   }
   OptionForm form() const {
     OptionForm out = WholeChoice::form();
     out.value_name = "PIXELS";
-    out.expected = "a power of two from 64 on, or 0 for the whole frame";
+    out.expected = fmt::format("a power of two from {} on, or 0 for the whole frame", kLeastTile_px);
     return out;
   }
   void read(const JobObject& object, std::string_view key, int& out) const {

@@ -82,8 +82,8 @@ inline constexpr std::int64_t kMostThreads = 4096;
 struct SpeedOptions {
   VisibilityOptions visibility;
   std::uint64_t memory_bytes = 2ull << 30;
-  unsigned threads = 0;  // 0: all
-  int tile_px = 64;      // a power of two from 64 on; 0: the frame is one tile and has one thread
+  unsigned threads = 0;         // 0: all
+  int tile_px = kLeastTile_px;  // a power of two from kLeastTile_px on; 0: the frame is one tile and has one thread
 };
 
 /// The content of a file: colours, in an EXR with the requested planes; colours alone; the planes of depth, normals or

@@ -21,6 +21,9 @@ enum class ProjectedArea { kBox, kSphere };
 
 inline constexpr int kLargestEpsilon = 65536;
 
+/// Least edge of the tiles that threads draw. unit: pixels.
+inline constexpr int kLeastTile_px = 64;
+
 /// Options for finding hidden nodes.
 struct VisibilityOptions {
   VisibilityMethod method = VisibilityMethod::kMask;
