@@ -30,7 +30,7 @@ void requireVoxels(const char* what, const VoxelBox& region, const Extent3& dims
                   " (half-open) holds none of the volume's voxels, 0,0,0 to " + voxelText({dims.x, dims.y, dims.z}));
 }
 
-// False for a face that is seen edge-on: its normal, turned to the eye, may point into the matter. True without an eye.
+// False for a face that is seen edge-on: its normal, turned to the eye, may point into the matter.
 bool facesEye(const glm::dvec3& inwards, const glm::dvec3& to_eye) {
   const double along = glm::dot(inwards, to_eye);
   return along <= -ClipRegion::kEdgeOn * std::sqrt(glm::dot(inwards, inwards) * glm::dot(to_eye, to_eye));
@@ -77,10 +77,10 @@ ClipRegion::ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, c
       glm::dvec3 along(0);
       along[axis] = 1;
       if (region.lo[axis] > 0)
-        half_spaces_.push_back(halfSpace(along, 0.5 - static_cast<double>(region.lo[axis]), 0, finest, span));
+        half_spaces_.push_back(halfSpace(along, 0.5 - static_cast<double>(region.lo[axis]), 0, span));
       if (region.hi[axis] < finest.dims[axis])
         half_spaces_.push_back(halfSpace(-along, static_cast<double>(region.hi[axis]) - 0.5,
-                                         std::numeric_limits<double>::denorm_min(), finest, span));
+                                         std::numeric_limits<double>::denorm_min(), span));
     }
   }
   if (clipping.part) {
@@ -99,14 +99,14 @@ ClipRegion::ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, c
     const glm::dvec3 normal = plane.normal / length;
     half_spaces_.push_back(halfSpace(glm::transpose(glm::dmat3(finest.world_from_index)) * normal,
                                      glm::dot(normal, glm::dvec3(finest.world_from_index[3])) + plane.offset / length,
-                                     0, finest, span));
+                                     0, span));
   }
   for (int axis = 0; axis < 3; ++axis) {
     glm::dvec3 along(0);
     along[axis] = 1;
     const double end = static_cast<double>(finest.dims[axis]) - 0.5;
-    border_.push_back(halfSpace(along, 0.5, 0, finest, span));
-    border_.push_back(halfSpace(-along, end, 0, finest, span));
+    border_.push_back(halfSpace(along, 0.5, 0, span));
+    border_.push_back(halfSpace(-along, end, 0, span));
     core_lo_[axis] = 0.5;
     core_hi_[axis] = static_cast<double>(finest.dims[axis]) / static_cast<double>(span[axis]) - 1.5;
   }
@@ -114,14 +114,13 @@ ClipRegion::ClipRegion(const Clipping& clipping, const VolumeGeometry& finest, c
 
 // `normal` and `offset` are in the index space of level 0; voxel p of this level is at span·p + (span - 1)/2.
 ClipRegion::HalfSpace ClipRegion::halfSpace(const glm::dvec3& normal, double offset, double least,
-                                            const VolumeGeometry& finest, const Extent3& span) {
+                                            const Extent3& span) {
   const glm::dvec3 scale(span.x, span.y, span.z);
   HalfSpace out;
   out.normal = scale * normal;
   out.offset = offset + glm::dot(normal, 0.5 * (scale - 1.0));
   out.least = least;
   out.voxel = std::abs(out.normal.x) + std::abs(out.normal.y) + std::abs(out.normal.z);
-  out.world_distance = 1 / glm::length(glm::transpose(glm::inverse(glm::dmat3(finest.world_from_index))) * normal);
   out.gradient = glm::vec3(glm::normalize(out.normal));
   return out;
 }
@@ -149,6 +148,13 @@ bool ClipRegion::Part::touches(const VoxelBox& voxels) const noexcept {
 std::vector<glm::dvec4> ClipRegion::halfSpaces() const {
   std::vector<glm::dvec4> out;
   for (const HalfSpace& h : half_spaces_) out.emplace_back(h.normal, h.offset - h.least);
+  return out;
+}
+
+std::vector<ClipRegion::Face> ClipRegion::faces() const {
+  std::vector<Face> out;
+  for (const HalfSpace& h : half_spaces_) out.push_back({glm::dvec4(h.normal, h.offset), true, h.least > 0});
+  for (const HalfSpace& h : border_) out.push_back({glm::dvec4(h.normal, h.offset), false, false});
   return out;
 }
 
@@ -191,11 +197,9 @@ ClipRegion::Overlap ClipRegion::classify(const VoxelBox& voxels) const noexcept 
 
 void ClipRegion::Nearest::compare(const std::vector<HalfSpace>& faces, const glm::dvec3& index,
                                   const glm::dvec3& to_eye) noexcept {
-  const bool eye = to_eye != glm::dvec3(0);
   for (const HalfSpace& h : faces) {
     if (!facesEye(h.normal, to_eye)) continue;
-    const double inside = glm::dot(h.normal, index) + h.offset;
-    const double here = eye ? inside / -glm::dot(h.normal, to_eye) : inside * h.world_distance;
+    const double inside = glm::dot(h.normal, index) + h.offset, here = inside / -glm::dot(h.normal, to_eye);
     if (!(here < distance)) continue;
     distance = here;
     gradient = inside < h.voxel ? &h.gradient : nullptr;

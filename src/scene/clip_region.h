@@ -40,8 +40,14 @@ class ClipRegion {
 
   /// Returns the half-spaces in the level's index space: points p with normal·p + w >= 0, normal the first three.
   std::vector<glm::dvec4> halfSpaces() const;
-  /// True if the points of the i-th half-space's face are outside: the upper faces of a region.
-  bool open(std::size_t i) const { return half_spaces_[i].least > 0; }
+  /// A face that ends or lights samples.
+  struct Face {
+    glm::dvec4 half_space;  // in the level's index space, as of halfSpaces()
+    bool cuts;              // matter ends at the face; the volume's border only lights samples
+    bool open;              // the points of the face are outside: an upper face of a region
+  };
+  /// Returns the faces of the region, then those of the volume's border.
+  std::vector<Face> faces() const;
 
   /// `index` is a position in the level's index space, with voxel centres at integers. Adjacent regions share no point:
   /// a region contains its lower faces and not its upper faces, like a box of voxels.
@@ -74,9 +80,8 @@ class ClipRegion {
   /// Returns the shading gradient of a sample: the normal of the face, of a cut or of the volume's border, that is
   /// nearest towards the eye, in the level's index space, of any positive length. Null if the sample is a voxel's
   /// extent (along the normal) or more inside that face. `to_eye`: direction in the level's index space; faces that
-  /// look away from the eye, or are seen edge-on, light no sample; 0: all faces do, and distances are along their
-  /// normals. requires: a part of the sample at `index` is inside.
-  const glm::vec3* cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye = glm::dvec3(0)) const noexcept;
+  /// look away from the eye, or are seen edge-on, light no sample. requires: a part of the sample at `index` is inside.
+  const glm::vec3* cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept;
   /// As cutGradient, of the volume's border alone: where cut faces show values (Section), they light no sample behind.
   const glm::vec3* borderGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept;
 
@@ -85,12 +90,10 @@ class ClipRegion {
   struct HalfSpace {
     glm::dvec3 normal;
     double offset, least;
-    double voxel;           // change of normal·p over a voxel's cube
-    double world_distance;  // world distance per unit of normal·p
+    double voxel;  // change of normal·p over a voxel's cube
     glm::vec3 gradient;
   };
-  static HalfSpace halfSpace(const glm::dvec3& normal, double offset, double least, const VolumeGeometry& finest,
-                             const Extent3& span);
+  static HalfSpace halfSpace(const glm::dvec3& normal, double offset, double least, const Extent3& span);
   // The face that is nearest to a sample towards the eye; its gradient if the sample is less than a voxel inside.
   struct Nearest {
     const glm::vec3* gradient = nullptr;

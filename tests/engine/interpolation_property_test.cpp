@@ -75,7 +75,7 @@ Image drawnWhole(const std::filesystem::path& path, const FrameRequest& request,
     const SlabZone& zone = zones[i];
     const Appearance look{request.shading, Shader(request.shading, view, gradients, projector), &levels.clipRegion(0),
                           gradients, request.interpolation};
-    const SlabContext frame(zone, projector, levels.dims(0), levels.endVoxels(0), table, look);
+    const SlabContext frame(zone, projector, levels.dims(0), table, look);
     const std::vector<SlabCell> cells = allCells(frame, block);
     skipped += cells.size() - visibleCells(frame, block).size();
     const RaySampling rays(zones, i, projector, levels.dims(0), levels.endVoxels(0));

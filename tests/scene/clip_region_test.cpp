@@ -25,7 +25,7 @@ TEST(ClipRegion, NothingSaidShowsEverything) {
   EXPECT_TRUE(ClipRegion({}, volumeOf({4, 4, 4})).showsAll());
   EXPECT_TRUE(ClipRegion({VoxelBox{{0, -5, 0}, {4, 4, 90}}, {}}, volumeOf({4, 4, 4})).showsAll());
   EXPECT_EQ(ClipRegion().classify({{0, 0, 0}, {9, 9, 9}}), ClipRegion::Overlap::kInside);
-  EXPECT_EQ(ClipRegion().cutGradient({0, 0, 0}), nullptr);
+  EXPECT_EQ(ClipRegion().cutGradient({0, 0, 0}, {1, 1, 1}), nullptr);
 }
 
 TEST(ClipRegion, ABoxOfVoxelsHoldsItsVoxels) {
@@ -130,8 +130,11 @@ TEST(ClipRegion, ABoxIsClassifiedAsItsPointsAre) {
         for (int i = 0; i < 1000; ++i) {
           const glm::dvec3 p = glm::dvec3(x, y, z) - 0.499 + 0.444 * glm::dvec3(i % 10, i / 10 % 10, i / 100);
           EXPECT_FALSE(overlap == ClipRegion::Overlap::kOutside && region.contains(p));
-          EXPECT_FALSE(overlap == ClipRegion::Overlap::kInside &&
-                       !(region.contains(p) && region.cutGradient(p) == nullptr));
+          // Each face looks at one of the eyes.
+          for (const glm::dvec3& to_eye : {glm::dvec3(1, 1, 1), glm::dvec3(-1, -1, -1)}) {
+            EXPECT_FALSE(overlap == ClipRegion::Overlap::kInside &&
+                         !(region.contains(p) && region.cutGradient(p, to_eye) == nullptr));
+          }
         }
       }
     }
@@ -142,8 +145,9 @@ TEST(ClipRegion, ABoxIsClassifiedAsItsPointsAre) {
 // The first layer of voxels behind a face has the face's normal, the second none; in a corner the nearer face wins.
 TEST(ClipRegion, TheFirstVoxelsBehindAFaceHaveItsNormal) {
   const ClipRegion region({VoxelBox{{2, 0, 0}, {8, 5, 8}}, {{{0, 0, 2}, -5.0}}}, volumeOf({8, 8, 8}));
+  // All faces look at the eye, from equal sides.
   const auto normalAt = [&](const glm::dvec3& index) {
-    const glm::vec3* gradient = region.cutGradient(index);
+    const glm::vec3* gradient = region.cutGradient(index, {-1, 1, -1});
     return gradient == nullptr ? glm::vec3(0) : *gradient;
   };
   EXPECT_EQ(normalAt({2, 2, 5}), glm::vec3(1, 0, 0));
@@ -174,7 +178,8 @@ TEST(ClipRegion, BorderOfTheVolume_isLitAsAFace) {
     EXPECT_TRUE(whole.showsAll());
     EXPECT_TRUE(whole.halfSpaces().empty());
     const auto normalAt = [&](const glm::dvec3& index) {
-      const glm::vec3* gradient = whole.cutGradient(index);
+      const double side = index.x > 2 ? 1 : -1;  // the eye's
+      const glm::vec3* gradient = whole.cutGradient(index, glm::dvec3(side));
       return gradient == nullptr ? glm::vec3(0) : *gradient;
     };
     const double end = 9.0 / static_cast<double>(span) - 0.5;

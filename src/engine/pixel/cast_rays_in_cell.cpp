@@ -609,10 +609,9 @@ class CellCaster {
       hn::Store(hn::Add(w.t, hn::Set(d, r_.middle + 0.5f)), d, middle + i);
       hn::Store(hn::Mul(hn::Set(d, 0.5f), w.slabs), d, half + i);
     }
-    // Pieces that meet between two slabs have one depth there. unit: slabs.
-    constexpr float kRounded = 1e-3f;
+    // Pieces that meet between two slabs have one depth there.
     const auto depthOf = [&](float slabs) {
-      const float whole = std::round(slabs), at = std::abs(slabs - whole) < kRounded ? whole : slabs;
+      const float whole = std::round(slabs), at = std::abs(slabs - whole) < CellPlaces::kRounded ? whole : slabs;
       return static_cast<float>(zone.near + static_cast<double>(at) * zone.thickness);
     };
     for (std::size_t i = 0; i < count; ++i) {

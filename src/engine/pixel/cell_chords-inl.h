@@ -51,7 +51,7 @@ class CellChords {
   }
 
  private:
-  // Appends the codes of those of the first `rays` rays of a vector whose chord is in the cell and holds no middle.
+  // Appends the codes of the rays, among the first `rays` of a vector, whose chord is in the cell and holds no middle.
   HWY_INLINE std::size_t keepShort(VI code, std::size_t rays, std::size_t found) {
     const D d;
     const DI di;
@@ -59,12 +59,10 @@ class CellChords {
     const CellPlaces::Span chord = p_.inVolume(w);
     const V middle = hn::Set(d, r_.middle);
     const V least = hn::Set(d, static_cast<float>(r_.first)), most = hn::Set(d, static_cast<float>(r_.end));
-    // The slabs with their middles in the chord, as CellRays finds them; in the zones on both sides as CellPlaces finds
-    // the ends.
-    const auto slab = [&](V at) { return hn::Min(hn::Max(hn::Ceil(hn::Add(at, middle)), least), most); };
     M kept = hn::And(lanesBefore(0, rays), hn::Gt(w.slabs, hn::Zero(d)));
     kept = hn::And(kept, hn::Lt(chord.enter, chord.leave));
-    kept = hn::And(kept, hn::Ge(slab(chord.enter), slab(chord.leave)));
+    // The chord has no middle of a slab of the zone, nor of the adjacent slabs in other zones.
+    kept = hn::And(kept, hn::Ge(p_.slabFrom(chord.enter), p_.slabFrom(chord.leave)));
     kept = hn::And(kept, hn::Gt(chord.enter, hn::Set(d, r_.before)));
     kept = hn::And(kept, hn::Le(chord.leave, hn::Set(d, r_.after)));
     const V own = hn::Floor(hn::Add(hn::Add(w.t, middle), hn::Set(d, 0.5f)));

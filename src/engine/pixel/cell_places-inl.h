@@ -44,6 +44,8 @@ class CellPlaces {
   static constexpr std::int32_t kPixel = (1 << kSlabBits) - 1, kPair = 1 << 30;
   static_assert((kMostRaySlabs << kSlabBits) <= kPair);
   static constexpr float kFar = 1e30f;
+  // Ends of pieces at the border of two slabs may be in either, as positions are rounded. unit: slabs.
+  static constexpr float kRounded = 1e-3f;
 
   CellPlaces(const RaySampling& rays, const SampleLattice& lattice, const CellInput& in, const TilePixels& tile)
       : r_(rays),
@@ -165,6 +167,13 @@ class CellPlaces {
         cut(place, step, r_.faceAt(a, in_.part->lo[a]), r_.faceAt(a, in_.part->hi[a]), enter, leave);
     }
   }
+  // The first slab of the zone whose middle is at a position or behind, if any; else its end. unit: slabs from the
+  // zone's begin; `at`: slabs from the middle slab.
+  HWY_INLINE V slabFrom(V at) const {
+    const D d;
+    const V least = hn::Set(d, static_cast<float>(r_.first)), most = hn::Set(d, static_cast<float>(r_.end));
+    return hn::Min(hn::Max(hn::Ceil(hn::Add(at, hn::Set(d, r_.middle))), least), most);
+  }
   // The rays' spans inside the volume, empty if enter >= leave. unit: slabs from the middle slab.
   struct Span {
     V enter, leave;
@@ -195,19 +204,17 @@ class CellPlaces {
         enter, leave);
   }
 
-  HWY_NOINLINE Where pieceOf(Where w) const {
-    const D d;
-    const V half = hn::Set(d, 0.5f), own = hn::Mul(half, w.slabs);
+  // The piece that stands in place of a sample's slabs. Not inline: few cells have pieces.
+  HWY_NOINLINE Where pieceOf(const Where& w) const {
+    const V half = hn::Set(D(), 0.5f), own = hn::Mul(half, w.slabs);
+    const auto middleOf = [&](const Span& of) { return hn::Mul(half, hn::Add(of.enter, of.leave)); };
     Span piece{hn::Sub(w.t, own), hn::Add(w.t, own)};
     if (chords_)
       piece = inVolume(w);
     else if (in_.at_end)
       extendToEnds(w, own, piece);
-    if (chords_) w.t = hn::Mul(half, hn::Add(piece.enter, piece.leave));
-    if (!in_.cuts.empty()) cutOff(w, piece);
-    w.t = hn::Mul(half, hn::Add(piece.enter, piece.leave));
-    w.slabs = hn::Sub(piece.leave, piece.enter);
-    return w;
+    if (!in_.cuts.empty()) cutOff(w, chords_ ? middleOf(piece) : w.t, piece);
+    return {w.x, w.y, middleOf(piece), hn::Sub(piece.leave, piece.enter)};
   }
 
   // The first and the last sample of a ray in the volume also stand for the remainder up to the volume's faces. The
@@ -235,7 +242,8 @@ class CellPlaces {
   // Cuts pieces at the faces of the clip region. Where points on the faces are samples, nothing may lie in front of
   // them: a sample whose middle is in front of a face is dropped. With several volumes, which have one sample in each
   // slab, a sample that a face cuts is dropped.
-  HWY_INLINE void cutOff(const Where& w, Span& piece) const {
+  // `middle`: middle of the uncut sample.
+  HWY_INLINE void cutOff(const Where& w, V middle, Span& piece) const {
     const D d;
     const V zero = hn::Zero(d);
     V enter = hn::Set(d, -kFar), leave = hn::Set(d, kFar);
@@ -252,9 +260,7 @@ class CellPlaces {
       const M outside = hn::AndNot(hn::Or(inwards, outwards), face.open ? hn::Le(at, zero) : hn::Lt(at, zero));
       leave = hn::IfThenElse(outside, hn::Set(d, -kFar), leave);
     }
-    // A face at the border of two slabs may be in either, as positions are rounded. unit: slabs.
-    constexpr float kRounded = 0.001f;
-    const V least = in_.sums != nullptr ? hn::Sub(piece.enter, hn::Set(d, kRounded)) : w.t;
+    const V least = in_.sums != nullptr ? hn::Sub(piece.enter, hn::Set(d, kRounded)) : middle;
     const V near = hn::Min(hn::Max(piece.enter, enter), piece.leave);
     V far = hn::Max(hn::Min(piece.leave, leave), near);
     if (l_.points_on_faces) far = hn::IfThenElse(hn::Gt(enter, least), near, far);

@@ -101,14 +101,12 @@ class CellRays {
              leave);
     }
     const V middle = hn::Set(d, r_.middle);
-    const V least = hn::Set(d, static_cast<float>(r_.first)), most = hn::Set(d, static_cast<float>(r_.end));
-    const auto slab = [&](V at) { return hn::Min(hn::Max(hn::Ceil(hn::Add(at, middle)), least), most); };
     if (pieces_) {
       // The first slab contains the entry, the last slab the exit; a slab begins half a slab before its middle.
       enter = hn::Sub(enter, hn::Set(d, 0.5f + kSlabMargin));
       leave = hn::Add(leave, hn::Set(d, 0.5f + kSlabMargin + r_.overlap));
     }
-    const V first = slab(enter), end = hn::Sub(slab(leave), middle);
+    const V first = p_.slabFrom(enter), end = hn::Sub(p_.slabFrom(leave), middle);
     const int count = std::min(static_cast<int>(hn::Lanes(d)), (in_.rect.x1 - x + stride - 1) / stride);
     M through = hn::And(hn::Lt(hn::Sub(first, middle), end), lanesBefore(0, static_cast<std::size_t>(count)));
     if (hn::AllFalse(d, through)) return;

@@ -39,7 +39,7 @@ class MaskSamples {
     return hn::Load(d, out);
   }
 
-  // The same for crossings of iso-surfaces, from the n-th on. Equation (13).
+  // As shownAt, for crossings of iso-surfaces. Equation (13).
   // Problem. A segmentation by a threshold ends at the surface of the threshold: half of the voxels around each
   // crossing are hidden, and the share of all of them tells nothing. Method. The voxels on either side of the surface
   // have a share of their own; the larger one counts. Voxels two steps away count as well, so that a mask that cuts the

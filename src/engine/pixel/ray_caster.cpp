@@ -135,17 +135,17 @@ class RayCaster {
 
   // Finds the faces at a cell. `beyond`: reach of samples beyond the cell. unit: voxels.
   void findFaces(const VoxelBox& box, double beyond, CellInput& in) {
+    const auto isWithin = [&](const SampleFace& face, double voxels) {
+      return leastInside(face, box, context_.dims()) < static_cast<float>(voxels) * face.voxel;
+    };
     cuts_.clear();
     for (const SampleFace& face : context_.faces()) {
-      if (face.cuts && leastInside(face, box, context_.dims()) < static_cast<float>(beyond) * face.voxel)
-        cuts_.push_back(face);
+      if (face.cuts && isWithin(face, beyond)) cuts_.push_back(face);
     }
     in.cuts = cuts_;
     // A ray may have entered through a distant face, which then lights no sample; hence all faces.
     const std::vector<SampleFace>& lights = context_.lightFaces();
-    if (std::any_of(lights.begin(), lights.end(), [&](const SampleFace& face) {
-          return leastInside(face, box, context_.dims()) < static_cast<float>(1 + beyond) * face.voxel;
-        }))
+    if (std::ranges::any_of(lights, [&](const SampleFace& face) { return isWithin(face, 1 + beyond); }))
       in.lit_by = lights;
   }
 

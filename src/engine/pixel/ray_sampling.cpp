@@ -31,7 +31,7 @@ RaySampling::RaySampling(const std::vector<SlabZone>& zones, std::size_t i, cons
     step.centre[axis] = static_cast<float>(row.z * zone.thickness);
     step.along_x[axis] = static_cast<float>(row.x * of_step * per_pixel);
     step.along_y[axis] = static_cast<float>(row.y * of_step * per_pixel);
-    volume_hi[axis] = volumeEnd(axis, dims, ends);
+    volume_hi[axis] = static_cast<double>(dims[axis]) - 1.5 + ends.part[axis];
     faces_from[axis] = projector.perspective() ? row.w : from;
   }
   eye = static_cast<float>(-depth / zone.thickness);

@@ -29,10 +29,6 @@ struct RaySampling {
 
   /// The voxel from which positions are counted.
   static VoxelCoord anchorOf(const Extent3& dims) { return {dims.x / 2, dims.y / 2, dims.z / 2}; }
-  /// Far end of a level's voxels along an axis; the near end is -1/2. unit: voxels.
-  static double volumeEnd(int axis, const Extent3& dims, const EndVoxels& ends) {
-    return static_cast<double>(dims[axis]) - 1.5 + ends.part[axis];
-  }
 
   /// First pixel from x on in row y that has a ray; rayStride() is the distance to the next (Sampling::quincunx).
   int firstRay(int x, int y) const { return quincunx ? x + ((x + y) & 1) : x; }

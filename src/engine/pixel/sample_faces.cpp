@@ -15,22 +15,13 @@ glm::dvec3 anchorOf(const Extent3& dims) {
 
 }  // namespace
 
-std::vector<SampleFace> sampleFaces(const ClipRegion& clip, const Extent3& dims, const EndVoxels& ends, float slope) {
+std::vector<SampleFace> sampleFaces(const ClipRegion& clip, const Extent3& dims, float slope) {
   std::vector<SampleFace> out;
-  const auto add = [&](const glm::dvec4& half_space, bool cuts, bool open) {
+  for (const auto& [half_space, cuts, open] : clip.faces()) {
     const double length = glm::length(glm::dvec3(half_space));
     const glm::dvec3 normal = glm::dvec3(half_space) / length, size = glm::abs(normal);
     out.push_back({glm::vec3(normal), static_cast<float>(half_space.w / length + glm::dot(normal, anchorOf(dims))),
                    static_cast<float>(size.x + size.y + size.z), slope * glm::vec3(normal), cuts, open});
-  };
-  const std::vector<glm::dvec4> cuts = clip.halfSpaces();
-  for (std::size_t i = 0; i < cuts.size(); ++i) add(cuts[i], true, clip.open(i));
-  for (int axis = 0; axis < 3; ++axis) {
-    glm::dvec4 border(0, 0, 0, 0.5);
-    border[axis] = 1;
-    add(border, false, false);
-    border[axis] = -1, border.w = RaySampling::volumeEnd(axis, dims, ends);
-    add(border, false, false);
   }
   return out;
 }

@@ -4,7 +4,6 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "engine/shared/end_voxels.h"
 #include "grid/coords.h"
 #include "scene/clip_region.h"
 
@@ -22,7 +21,7 @@ struct SampleFace {
 };
 
 /// Returns the faces of a level. `slope`: length of a gradient that has a direction.
-std::vector<SampleFace> sampleFaces(const ClipRegion& clip, const Extent3& dims, const EndVoxels& ends, float slope);
+std::vector<SampleFace> sampleFaces(const ClipRegion& clip, const Extent3& dims, float slope);
 
 /// Least distance from the face to the voxels' cubes inside the face, along its normal; below 0 if they reach across.
 /// unit: voxels.

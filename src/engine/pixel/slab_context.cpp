@@ -98,7 +98,7 @@ ValueRange supportsAround(const CellSupports& supports, int x, int y, int z) {
 
 }  // namespace
 
-SlabContext::SlabContext(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
+SlabContext::SlabContext(const SlabZone& zone, const Projector& projector, const Extent3& dims,
                          const SampleTable& table, const Appearance& look)
     : zone_(zone),
       projector_(projector),
@@ -107,7 +107,7 @@ SlabContext::SlabContext(const SlabZone& zone, const Projector& projector, const
       look_(look),
       clipped_(!look.clip->showsAll()),
       lattice_(sampleLattice(zone, projector, table, look_)),
-      faces_(sampleFaces(*look.clip, dims, ends, lattice_.light.gradient.directed)),
+      faces_(sampleFaces(*look.clip, dims, lattice_.light.gradient.directed)),
       voxel_length_(std::cbrt(projector.voxelVolume())),
       shortest_edge_(shortestEdge(projector)) {
   lattice_.label_smoothing = labelSmoothing(zone, projector);

@@ -8,7 +8,6 @@
 #include "engine/pixel/sample_faces.h"
 #include "engine/pixel/voxels/load_patch.h"
 #include "engine/pixel/voxels/sample_table.h"
-#include "engine/shared/end_voxels.h"
 #include "engine/shared/shade.h"
 #include "engine/shared/slab_grid.h"
 #include "scene/clip_region.h"
@@ -33,8 +32,8 @@ class SlabContext {
  public:
   /// requires: all arguments outlive the context; `projector` belongs to the zone's level, `dims` are the level's
   /// voxels.
-  SlabContext(const SlabZone& zone, const Projector& projector, const Extent3& dims, const EndVoxels& ends,
-              const SampleTable& table, const Appearance& look);
+  SlabContext(const SlabZone& zone, const Projector& projector, const Extent3& dims, const SampleTable& table,
+              const Appearance& look);
   SlabContext(const SlabContext&) = delete;
   SlabContext& operator=(const SlabContext&) = delete;
 
@@ -52,7 +51,7 @@ class SlabContext {
   bool coloursFace(const VoxelBox& voxels, const ValueRange& range) const;
   /// Faces that end or light samples.
   const std::vector<SampleFace>& faces() const { return faces_; }
-  /// Those of them that light samples. Surfaces have no cut faces; faces that show values are samples of their own.
+  /// Faces of faces() that light samples. Surfaces have no cut faces; faces that show values are samples of their own.
   const std::vector<SampleFace>& lightFaces() const { return light_faces_; }
   /// Returns true if a single sample may replace two in a cell with values in `range`.
   bool inPairs(const SampledRange& range) const;

@@ -24,8 +24,7 @@ std::unique_ptr<SlabContext> zoneContext(const SlabZone& zone, const FrameLevels
                              !look.transfer_function.surfaces.empty(),
                              tables.colors,
                              tables.faces};
-  return std::make_unique<SlabContext>(zone, projector, levels.dims(zone.level), levels.endVoxels(zone.level),
-                                       tables.own, of_sample);
+  return std::make_unique<SlabContext>(zone, projector, levels.dims(zone.level), tables.own, of_sample);
 }
 
 bool anyPartIn(const SlabContext& context, const VoxelBox& core, std::int64_t brick_size, const BrickEntry& entry,
