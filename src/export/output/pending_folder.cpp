@@ -1,15 +1,21 @@
 #include "export/output/pending_folder.h"
 
+#include <fmt/format.h>
+
 #include <system_error>
 
 #include "base/error.h"
 #include "base/file/folder.h"
 #include "base/file/path_name.h"
 #include "base/file/path_status.h"
+#include "base/file/temporary_file.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
 namespace {
+
+// The subfolder of the files that the export replaces.
+constexpr const char* kReplacedFiles = "replaced";
 
 // True if a process was killed before it wrote the mark.
 bool isBarelyBegun(const fs::path& folder) {
@@ -68,53 +74,61 @@ PendingFolder::~PendingFolder() {
   if (!kept_) fs::remove_all(path_, ignored);
 }
 
+void PendingFolder::requirePlaces(const std::vector<fs::path>& files) const {
+  FileNames places;
+  for (const fs::path& file : files) {
+    if (!places.add(file))
+      throw Error(
+          ErrorCode::kUsage, file, "",
+          fmt::format("leads to {}, as another file of this export does; remove the link", behindLinks(file).string()));
+    const fs::path place = behindLinks(file);
+    if (place != file) requireRename(file, place);
+  }
+}
+
+// Renames an empty file, because no number of a device or of a mount tells of every border between disks.
+void PendingFolder::requireRename(const fs::path& link, const fs::path& place) const {
+  const TemporaryFile beside(place);
+  const fs::path trial = path_ / (std::string(kUnfinishedMark) + ".trial");
+  std::error_code failed, ignored;
+  fs::rename(beside.path(), trial, failed);
+  fs::remove(trial, ignored);
+  if (failed == std::errc::cross_device_link)
+    throw Error(ErrorCode::kUsage, link, "",
+                fmt::format("leads to {}, which is on another disk than the folder of the link; remove the link, or "
+                            "name an output on that disk",
+                            place.string()));
+  if (failed) throw systemError(failed.value(), place, "renaming into place");
+}
+
 void PendingFolder::moveOut(const std::vector<fs::path>& files) {
   sync();
-  // Names are exchanged, so that a failure can exchange them back: the folder holds the replaced files until its end.
   struct Move {
-    fs::path own, place;
+    fs::path from, to;
   };
-  std::vector<Move> moved, replaced;
+  std::vector<Move> replaced, finished, done;
+  const fs::path old = path_ / kReplacedFiles;
+  for (const fs::path& file : files) {
+    const fs::path place = behindLinks(file);
+    if (isNameTaken(place)) replaced.push_back({place, old / file.filename()});
+    finished.push_back({path_ / file.filename(), place});
+  }
   try {
-    for (const fs::path& file : files) {
-      const Move move{path_ / file.filename(), behindLinks(file)};
-      if (!isNameTaken(move.place)) {
-        disk_.rename(move.own, move.place);
-        moved.push_back(move);
-      } else {
-        exchangeNames(move.own, move.place);
-        replaced.push_back(move);
+    if (!replaced.empty()) disk_.makeDirectories(old);
+    for (const std::vector<Move>& moves : {replaced, finished})
+      for (const Move& move : moves) {
+        disk_.rename(move.from, move.to);
+        done.push_back(move);
       }
-    }
   } catch (...) {
-    std::error_code ignored;
-    for (const auto& [own, place] : moved) fs::rename(place, own, ignored);
-    for (const auto& [own, place] : replaced) {
-      try {
-        exchangeNames(own, place);
-      } catch (const Error&) {
-        kept_ = true;  // the older file is in the folder
-      }
+    for (auto move = done.rbegin(); move != done.rend(); ++move) {
+      std::error_code failed;
+      fs::rename(move->to, move->from, failed);
+      if (failed) kept_ = true;  // an older file may be in the folder
     }
     throw;
   }
   kept_ = false;
-}
-
-// In steps where the disk cannot exchange two names.
-void PendingFolder::exchangeNames(const fs::path& own, const fs::path& file) {
-  if (disk_.exchange(own, file)) return;
-  const fs::path old = own.string() + ".old";
-  disk_.rename(file, old);
-  try {
-    disk_.rename(own, file);
-    disk_.rename(old, own);
-  } catch (...) {
-    std::error_code ignored;
-    if (!isThere(own)) fs::rename(file, own, ignored);
-    fs::rename(old, file, ignored);
-    throw;
-  }
 }
 
 // After an exchange the destructor removes the old folder.

@@ -45,7 +45,9 @@ class TiffSlicesWriter : public VolumeWriter {
         names_(target.out),
         pages_(volume, 1),
         disk_(target.disk),
-        folder_(target.out, "slices", Leftover::kRemove, target.disk) {}
+        folder_(target.out, "slices", Leftover::kRemove, target.disk) {
+    folder_.requirePlaces(slicePaths());
+  }
 
   const std::vector<ExportedVolume>& volumes() const override { return volumes_; }
   BoxRule boxes(const ExportedVolume&) const override { return {BoxRule::Kind::kSlices, {}}; }
@@ -60,13 +62,16 @@ class TiffSlicesWriter : public VolumeWriter {
     }
   }
   WrittenFiles finish() override {
-    std::vector<fs::path> slices;
-    for (std::int64_t z = 0; z < volumes_.front().geometry.dims.z; ++z) slices.push_back(names_.path(z));
-    folder_.moveOut(slices);
+    folder_.moveOut(slicePaths());
     return {bytes_, {}};
   }
 
  private:
+  std::vector<fs::path> slicePaths() const {
+    std::vector<fs::path> out;
+    for (std::int64_t z = 0; z < volumes_.front().geometry.dims.z; ++z) out.push_back(names_.path(z));
+    return out;
+  }
   std::uint64_t sliceBytes() const {
     const ExportedVolume& volume = volumes_.front();
     return static_cast<std::uint64_t>(volume.geometry.dims.x * volume.geometry.dims.y) * sizeOf(volume.type);

@@ -53,6 +53,7 @@ class TileFolder {
   TileFolder(const fs::path& out, const std::string& contents, Leftover leftover, FileSystem& disk)
       : disk_(disk), folder_(out, contents, leftover, disk) {}
 
+  void requirePlaces(const std::vector<fs::path>& tiles) const { folder_.requirePlaces(tiles); }
   fs::path pathOf(const fs::path& tile) const { return folder_.path() / tile.filename(); }
 
   /// Returns the report of a tile of an earlier export; nothing if the tile is not whole.
@@ -104,6 +105,7 @@ VdbReport exportTiles(const StoreReader& store, const ExportedVolume& whole, con
   const std::vector<ExportedVolume> tiles = tilesOf(whole, choices.tiles, request.out);
   TileFolder folder(request.out, contentsText(store, whole, request, choices.tiles),
                     leftoverFor(choices.resume, request.overwrite), disk);
+  folder.requirePlaces(names);
   VdbReport sum;
   std::size_t done = 0;
   try {
