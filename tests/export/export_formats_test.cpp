@@ -402,6 +402,28 @@ TEST_F(ExportStore, AFinishedZarrIsKeptByResumeOnlyIfItIsOfTheSameExport) {
   expectError([&] { exportStore(StoreReader(small), request, silent_); }, ErrorCode::kExists, "--overwrite");
 }
 
+// Window and colours are in the header alone: the voxels of both exports are equal.
+TEST_F(ExportStore, FinishedZarrOfAnotherLook_isNotKeptByResume) {
+  const fs::path small = store(placedAt(exactAffine(), PatientFrame::kRas, "mm", {9, 5, 3}));
+  const auto declare = [&](double end) {
+    Manifest manifest = readManifest(small);
+    manifest.format = kFormatVersion;
+    manifest.look.ramp = DeclaredLook::Ramp{0, end, {255, 128, 3}};
+    writeText(small / "manifest.json", manifestText(manifest));
+  };
+  ExportRequest request;
+  request.out = directory_ / "v.zarr";
+  request.resume = true;
+  declare(100);
+  exportStore(StoreReader(small), request, silent_);
+  exportStore(StoreReader(small), request, silent_);
+  declare(200);
+  expectError([&] { exportStore(StoreReader(small), request, silent_); }, ErrorCode::kExists, "--overwrite");
+  request.overwrite = true;
+  exportStore(StoreReader(small), request, silent_);
+  EXPECT_EQ(openSource(request.out, {})->info().look.ramp->end, 200);
+}
+
 // A kill before the mark of an export leaves an empty folder; other folders are kept.
 TEST_F(ExportStore, AFolderInTheWayIsReplacedOnlyIfItIsEmpty) {
   const fs::path small = store(placedAt(exactAffine(), PatientFrame::kUnknown, ""));

@@ -9,6 +9,7 @@
 
 #include "base/file/path_name.h"
 #include "base/file/path_status.h"
+#include "base/hash.h"
 #include "base/thread/parallel.h"
 #include "export/output/pending_folder.h"
 #include "export/source/export_formats.h"
@@ -18,6 +19,7 @@
 #include "export/zarr/ome_metadata.h"
 #include "export/zarr/zarr_shard.h"
 #include "grid/box_copy.h"
+#include "grid/declared_look.h"
 #include "store/brick_index.h"
 
 namespace kiln {
@@ -48,9 +50,23 @@ std::vector<ExportedVolume> exportedPyramid(const ExportTarget& target, const Ex
   return out;
 }
 
-// An unfinished export must have the voxels of the finished export.
+// An unfinished export must have the voxels of the finished export. The look is in the header, which is written last.
 std::string contentsText(const ExportTarget& target, const ExportedVolume& volume) {
   return "kiln export 3, OME-Zarr, " + identityOf(target.store, volume);
+}
+
+// Window and colours of the header; empty without both.
+std::string lookText(const DeclaredLook& look) {
+  if (look.empty()) return "";
+  std::string out;
+  if (look.ramp) out = fmt::format("{} to {} {}", look.ramp->begin, look.ramp->end, textOf(look.ramp->color));
+  for (const auto& [label, color] : look.labels) out += fmt::format(" {}={}", label, textOf(color));
+  return ", look " + toHex(hashOf(out));
+}
+
+// A finished export must have the header, too.
+std::string finishedText(const ExportTarget& target, const ExportedVolume& volume) {
+  return contentsText(target, volume) + lookText(target.store.manifest().look);
 }
 
 void requireReplaceable(const ExportTarget& target) {
@@ -66,7 +82,7 @@ class OmeZarrWriter : public VolumeWriter {
       : target_(target),
         volumes_(exportedPyramid(target, finest)),
         group_text_(omeGroupText(volumes_,
-                                 {nameOfImage(target.out), contentsText(target, finest), target.store.manifest().look,
+                                 {nameOfImage(target.out), finishedText(target, finest), target.store.manifest().look,
                                   target.store.manifest().range},
                                  notes)),
         folder_(target.out, contentsText(target, finest) + "\n", leftoverFor(target.resume, target.overwrite),
@@ -165,7 +181,7 @@ class OmeZarrWriter : public VolumeWriter {
 
 bool isWrittenOmeZarr(const ExportTarget& target, const ExportedVolume& volume) {
   const fs::path header = target.out / kZarrHeader;
-  return isThere(header) && exportedContents(readTextFile(header, kLargestOmeHeader)) == contentsText(target, volume);
+  return isThere(header) && exportedContents(readTextFile(header, kLargestOmeHeader)) == finishedText(target, volume);
 }
 
 std::unique_ptr<VolumeWriter> openOmeZarrWriter(const ExportTarget& target, const ExportedVolume& volume,
