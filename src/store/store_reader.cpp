@@ -97,10 +97,11 @@ void requireIndexWithin(const Manifest& manifest, std::uint64_t memory_bytes, st
   const std::string beside = held_bytes > 0 ? fmt::format(" beside {} of other stores", formatBytes(held_bytes)) : "";
   throw Error(
       ErrorCode::kBudget, store, "--memory",
-      fmt::format("reading the index of {} bricks takes {}{} (allowed: {}); give --memory {} or more, or convert "
-                  "the source again with a --brick-size larger than {}",
-                  bricks, formatBytes(needed), beside, formatBytes(memory_bytes), roundedUpBytes(held_bytes + needed),
-                  manifest.brick_size));
+      fmt::format(
+          "the index of {} bricks alone takes {}{} (allowed: {}), and bricks take more; give more than --memory {}, "
+          "or convert the source again with a --brick-size larger than {}",
+          bricks, formatBytes(needed), beside, formatBytes(memory_bytes), roundedUpBytes(held_bytes + needed),
+          manifest.brick_size));
 }
 
 // Returns the manifest's path. throws: Error kNotFound, kFormat if `directory` is no store.
