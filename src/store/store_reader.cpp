@@ -12,6 +12,7 @@
 #include "base/file/file.h"
 #include "base/file/path_name.h"
 #include "base/file/path_status.h"
+#include "base/file/renamed_error.h"
 #include "base/file/same_file.h"
 #include "base/memory/large_pages.h"
 #include "base/memory/memory.h"
@@ -45,6 +46,13 @@ bool holdsStore(const fs::path& folder) {
     return fs::exists(folder / a, unknown) && fs::exists(folder / b, unknown);
   };
   return holds_both(kManifestFile, kIndexFile) || holds_both("journal.bin", "bricks");
+}
+
+// The name itself if the working directory is gone.
+fs::path absoluteName(const fs::path& directory) {
+  std::error_code unknown;
+  const fs::path out = fs::absolute(directory, unknown);
+  return unknown ? directory : out;
 }
 
 // `store`: the folder of the store. A part made by kiln split lacks bricks that are not damaged.
@@ -126,7 +134,7 @@ Manifest readManifest(const fs::path& directory) {
 }
 
 StoreReader::StoreReader(const fs::path& directory, std::uint64_t memory_bytes, std::uint64_t held_bytes)
-    : BrickedVolume(directory) {
+    : BrickedVolume(directory), folder_(absoluteName(directory)) {
   // A store replaced between reading its two files is opened again. After so many tries the error is reported.
   constexpr int kTries = 5;
   for (int i = 1;; ++i) {
@@ -143,9 +151,8 @@ void StoreReader::open(std::uint64_t memory_bytes, std::uint64_t held_bytes) {
   opened_ = std::make_shared<const std::optional<FileIdentity>>(identityOf(manifestOf(path())));
   Manifest manifest = readManifest(path());
   requireIndexWithin(manifest, memory_bytes, held_bytes, path());
-  const fs::path index = path() / kIndexFile;
-  const auto data = checkedFile<UnsetBytes>(index, manifest.index_bytes, manifest.index_checksum);
-  BrickIndex entries = BrickIndex::decode(data, manifest.lattices(), index);
+  const auto data = checkedFile<UnsetBytes>(kIndexFile, manifest.index_bytes, manifest.index_checksum);
+  BrickIndex entries = BrickIndex::decode(data, manifest.lattices(), path() / kIndexFile);
   hold(std::move(manifest), std::move(entries));
 }
 
@@ -156,7 +163,7 @@ std::vector<std::byte> StoreReader::readFile(const BrickKey& key) const {
 }
 
 void StoreReader::requireUnchanged() const {
-  const std::optional<FileIdentity> now = identityOf(path() / kManifestFile);
+  const std::optional<FileIdentity> now = identityOf(folder_ / kManifestFile);
   if (now == *opened_) return;
   throw Error(ErrorCode::kReplaced, path(), "",
               fmt::format("the store was {} while it was read by this command; run the command again",
@@ -164,13 +171,14 @@ void StoreReader::requireUnchanged() const {
 }
 
 template <class Bytes>
-Bytes StoreReader::checkedFile(const fs::path& path, std::uint64_t bytes, const Hash128& checksum) const {
+Bytes StoreReader::checkedFile(const fs::path& name, std::uint64_t bytes, const Hash128& checksum) const {
+  const fs::path file = folder_ / name;
   try {
-    return readChecked<Bytes>(path, bytes, checksum, this->path());
+    return readChecked<Bytes>(file, bytes, checksum, folder_);
   } catch (const Error& error) {
     // Files of a replacement store are no damage.
     if (error.code() == ErrorCode::kDamaged || error.code() == ErrorCode::kNotFound) requireUnchanged();
-    throw;
+    throw renamed(error, file, path() / name);
   }
 }
 
@@ -182,7 +190,7 @@ Bytes StoreReader::bytesOfFile(const BrickKey& key) const {
     span.note("brick", brickPath(key).native());
     span.note("bytes", entry.file_bytes);
   }
-  return checkedFile<Bytes>(path() / brickPath(key), entry.file_bytes, entry.checksum);
+  return checkedFile<Bytes>(brickPath(key), entry.file_bytes, entry.checksum);
 }
 
 std::optional<double> StoreReader::constantOf(const BrickKey& key) const {

@@ -46,11 +46,13 @@ class StoreReader final : public BrickedVolume {
 
  private:
   void open(std::uint64_t memory_bytes, std::uint64_t held_bytes);
+  /// Returns a file of the store; errors name the file below `path()`.
   template <class Bytes>
-  Bytes checkedFile(const std::filesystem::path& path, std::uint64_t bytes, const Hash128& checksum) const;
+  Bytes checkedFile(const std::filesystem::path& name, std::uint64_t bytes, const Hash128& checksum) const;
   template <class Bytes>
   Bytes bytesOfFile(const BrickKey& key) const;
 
+  std::filesystem::path folder_;  // absolute: a program may change its working directory between reads
   std::shared_ptr<const std::optional<FileIdentity>> opened_;  // identity of the manifest; nothing if there was no file
 };
 

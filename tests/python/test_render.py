@@ -1,5 +1,6 @@
 """Pictures equal those of the program: known because both describe one job, and the program writes its files."""
 
+import os
 import subprocess
 import sys
 
@@ -179,6 +180,19 @@ def test_indices_are_those_of_sequences(head):
         s.read(0.5, ((0, 1), (0, 1), (0, 1)))
     with pytest.raises(IndexError):
         s[s.shape[0]]
+
+
+def test_a_volume_of_a_relative_name_outlives_its_folder_as_working_directory(head, monkeypatch):
+    """Known: voxels and pictures do not depend on the working directory, and names in messages are those given."""
+    monkeypatch.chdir(head.parent)
+    s, whole = kiln.open("head.kiln"), kiln.open(head)
+    os.mkdir(head.parent / "elsewhere")
+    monkeypatch.chdir(head.parent / "elsewhere")
+    assert s.path == "head.kiln"
+    assert (s[30] == whole[30]).all()
+    assert (numpy.asarray(s.render(**SIZE)) == numpy.asarray(whole.render(**SIZE))).all()
+    job = {"volume": s, "image": {"width": 32, "height": 32}}
+    assert numpy.asarray(next(kiln.render(job))).any()
 
 
 def test_facts(head):
