@@ -381,3 +381,12 @@ def test_damaged_words_are_refused():
         with pytest.raises(kiln.Error, match=r"shape: expected at least one voxel .*found 0 x 4 x 4") as failure:
             kiln.open(numpy.zeros((0, 4, 4), dtype))
         assert failure.value.code == "usage"
+
+    class Chunked:  # as Dask's arrays
+        shape, dtype, chunks = (0, 4, 4), numpy.dtype("uint8"), ((0,), (4,), (4,))
+
+        def __getitem__(self, _):
+            return numpy.zeros(self.shape, self.dtype)
+
+    with pytest.raises(kiln.Error, match=r"shape: expected at least one voxel .*found 0 x 4 x 4"):
+        kiln.open(Chunked())

@@ -173,7 +173,7 @@ def test_voxels(head):
 
 def test_indices_are_those_of_sequences(head):
     s = kiln.open(head)
-    for key in (None, 1.5, "a", (0, None)):
+    for key in (None, 1.5, "a", (0, None), True, (0, False), numpy.True_):
         with pytest.raises(TypeError, match="indices of a volume"):
             s[key]
     with pytest.raises(TypeError, match="integer"):
@@ -193,6 +193,20 @@ def test_a_volume_of_a_relative_name_outlives_its_folder_as_working_directory(he
     assert (numpy.asarray(s.render(**SIZE)) == numpy.asarray(whole.render(**SIZE))).all()
     job = {"volume": s, "image": {"width": 32, "height": 32}}
     assert numpy.asarray(next(kiln.render(job))).any()
+
+
+def test_a_value_that_names_no_file_is_refused_by_its_word(head):
+    calls = {
+        "source": [lambda: kiln.open(None), lambda: kiln.open(3), lambda: kiln.convert(None, "a.kiln")],
+        "out": [lambda: kiln.convert(head, None)],
+        "job": [lambda: kiln.render(None), lambda: kiln.view(head, job=3)],
+        "path": [lambda: kiln.open(head).render(size=(8, 8)).save(None)],
+    }
+    for word, refused in calls.items():
+        for call in refused:
+            with pytest.raises(kiln.Error, match=rf"^{word}: is a .+ \(found (NoneType|int)\); ") as failure:
+                call()
+            assert failure.value.code == "usage"
 
 
 def test_facts(head):

@@ -37,7 +37,8 @@ def _edges(array: Any, shape: Sequence[int], fixed: Sequence[bool], itemsize: in
     edges = []
     for axis, length in enumerate(shape):
         chunk = chunks[axis] if chunks is not None else 1
-        chunk = max(chunk) if isinstance(chunk, tuple) else int(chunk)
+        # An axis without voxels has chunks without voxels; its shape is refused later.
+        chunk = max(1, max(chunk) if isinstance(chunk, tuple) else int(chunk))
         least = 1 if fixed[axis] else _LEAST_EDGE if chunks is not None else 2 * _LEAST_EDGE
         edges.append(min(-(-least // chunk) * chunk, length))
     while itemsize * math.prod(edges) > _MOST_BYTES:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import os
 from typing import Any
 
 from kiln import _kiln
@@ -24,3 +25,10 @@ def whole_number(word: str, value: Any, low: int, high: int) -> int:
     if not low <= number <= high:
         raise wrong_word(word, f"expected a whole number from {low} to {high}", repr(value), "give such a number")
     return number
+
+
+def path_of(word: str, value: Any, constraint: str) -> Any:
+    """Returns the name of a file as text or bytes. throws: kiln.Error, by `constraint`, for other values."""
+    if not isinstance(value, (str, bytes, os.PathLike)):
+        raise wrong_word(word, constraint, type(value).__name__, "give the name of a file")
+    return os.fspath(value)

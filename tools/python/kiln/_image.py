@@ -7,6 +7,7 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from kiln import _kiln
+from kiln._errors import path_of
 from kiln._words import flag_texts
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ class Image:
 
         Of stereo="both", both eyes; `right.save` writes the right eye's.
         """
-        self._picture.save(self._view, os.fspath(path), flag_texts(words))
+        self._picture.save(self._view, path_of("path", path, "is a file"), flag_texts(words))
 
     @property
     def job(self) -> dict[str, Any]:

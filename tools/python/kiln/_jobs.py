@@ -6,6 +6,7 @@ import os
 from typing import Any, Iterator, NamedTuple
 
 from kiln import _kiln
+from kiln._errors import path_of
 from kiln._image import Image
 from kiln._volume import Progress, Volume, store_folder
 from kiln._words import json_text
@@ -61,7 +62,7 @@ def render(
     """
     folder = store_folder(store)
     if not isinstance(job, dict):
-        return Frames(_kiln.Frames.of_file(os.fspath(job), folder), progress)
+        return Frames(_kiln.Frames.of_file(path_of("job", job, "is a dict or a file"), folder), progress)
     volumes: list[Volume] = []
     text = json_text({"kiln": _kiln.job_format, **job}, volumes)
     return Frames(_kiln.Frames.of_text(text, folder, [volume._volume for volume in volumes]), progress)

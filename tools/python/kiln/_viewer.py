@@ -8,7 +8,7 @@ import weakref
 from typing import Any
 
 from kiln import _kiln
-from kiln._errors import whole_number
+from kiln._errors import path_of, whole_number
 from kiln._volume import Volume, more_volumes, open, range_of, shown_path
 from kiln._words import job_words
 
@@ -60,7 +60,7 @@ def view(
         volume = open(volume)
     title = os.path.basename(os.path.normpath(shown_path(volume)))
     # The working directory may change while the viewer runs.
-    name = os.path.abspath(job) if job is not None else ""
+    name = os.path.abspath(path_of("job", job, "is a file")) if job is not None else ""
     more, words = more_volumes(words)
     port = whole_number("port", port, 0, 65535)
     viewer = _kiln.Viewer(volume._volume, job_words(words, range_of(volume)), more, name, title, port)

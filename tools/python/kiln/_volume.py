@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, Sequence
 
 from kiln import _kiln
 from kiln._arrays import is_array, source_of
-from kiln._errors import whole_number, wrong_word
+from kiln._errors import path_of, whole_number, wrong_word
 from kiln._functions import TransferFunction
 from kiln._image import Image
 from kiln._words import job_words, json_text, points_text, source_texts, text_of
@@ -138,6 +138,9 @@ class Volume:
                 inside.append(slice(None, None, places.step))
             else:
                 try:
+                    # A mask in NumPy, not the number 0 or 1.
+                    if isinstance(one, bool) or getattr(getattr(one, "dtype", None), "kind", "") == "b":
+                        raise TypeError
                     place = operator.index(one)
                 except TypeError:
                     found = type(one).__name__
@@ -265,8 +268,8 @@ def open(
         return Volume(_kiln.Volume.open_array(described, edge, text_of(memory), progress))
     refuse_words_of_arrays(axes=axes, frame=frame, brick_size=brick_size)
     texts = file_texts(dict(words, unit=unit or None), spacing, affine)
-    memory_text = text_of(memory)
-    return Volume(_kiln.Volume.open_file(os.fspath(source), texts, store_folder(store), labels, memory_text, progress))
+    memory_text, path = text_of(memory), path_of("source", source, "is a file or an array")
+    return Volume(_kiln.Volume.open_file(path, texts, store_folder(store), labels, memory_text, progress))
 
 
 _REMEDIES = {
