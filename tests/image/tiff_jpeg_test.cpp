@@ -14,6 +14,7 @@
 #include "image/file/jpeg_file.h"
 #include "image/file/text_block.h"
 #include "image/srgb.h"
+#include "support/files/picture_files.h"
 #include "support/system/expect_error.h"
 #include "support/system/faulty_file_system.h"
 #include "support/system/text_of.h"
@@ -100,6 +101,20 @@ TEST_P(TiffAndJpeg, ReadingTakesTheGivenMemory) {
   expectError([&] { readImage(file(), {}, fs::file_size(file()) + 200 * 100 * 16 - 1); }, ErrorCode::kBudget,
               "--memory");
   EXPECT_EQ(readImage(file(), {}, fs::file_size(file()) + 200 * 100 * 16).width, 200);
+}
+
+// 64 blocks of luminance and 16 of each colour difference, of 64 coefficients of two bytes.
+TEST(JpegPictures, ProgressiveFile_countsItsCoefficients) {
+  const fs::path file = freshDirectory("progressive_jpeg") / "a.jpg";
+  constexpr std::uint64_t kPixels = 64 * 64 * 16, kCoefficients = (64 + 2 * 16) * 128;
+  for (const bool progressive : {false, true}) {
+    writeText(file, jpegFile(64, 64, 3, std::string(64 * 64 * 3, 'f'), progressive));
+    const std::uint64_t coefficients = progressive ? kCoefficients : 0, bytes = fs::file_size(file);
+    EXPECT_EQ(readImage(file, {}, bytes + kPixels + coefficients).width, 64);
+    expectError([&] { readImage(file, {}, bytes + kPixels + coefficients - 1); }, ErrorCode::kBudget, "--memory");
+    checkImage(file, bytes + coefficients);
+  }
+  expectError([&] { checkImage(file, fs::file_size(file) + kCoefficients - 1); }, ErrorCode::kBudget, "--memory");
 }
 
 TEST_P(TiffAndJpeg, AFullDisk_leavesNoFile) {

@@ -184,7 +184,7 @@ void checkImage(const std::filesystem::path& path, std::uint64_t memory_bytes) {
   if (looksLikeExr(data)) return checkExr(data, path, left);
   if (looksLikePng(data)) return checkPng(data, path, left);
   if (looksLikeTiff(data)) return checkTiff(data, path);
-  if (looksLikeJpeg(data)) return checkJpeg(data, path);
+  if (looksLikeJpeg(data)) return checkJpeg(data, path, left);
   throw notAPicture(path);
 }
 

@@ -188,6 +188,24 @@ bool readEnd(JpegInput& input) noexcept {
   return !input.warned;
 }
 
+// The coefficients of a file in several scans, such as a progressive one, which libjpeg holds until the last scan;
+// whole blocks of all components. unit: bytes.
+std::uint64_t coefficientBytes(JpegInput& input) {
+  jpeg_decompress_struct& jpeg = input.jpeg;
+  if (!jpeg_has_multiple_scans(&jpeg)) return 0;
+  const auto roundedUp = [](std::uint64_t blocks, int unit) {
+    const auto of = static_cast<std::uint64_t>(unit);
+    return (blocks + of - 1) / of * of;
+  };
+  std::uint64_t blocks = 0;
+  for (int i = 0; i < jpeg.num_components; ++i) {
+    const jpeg_component_info& component = jpeg.comp_info[i];
+    blocks += roundedUp(component.width_in_blocks, component.h_samp_factor) *
+              roundedUp(component.height_in_blocks, component.v_samp_factor);
+  }
+  return blocks * sizeof(JBLOCK);
+}
+
 void requireRead(bool done, const JpegInput& input, const std::filesystem::path& path) {
   if (!done)
     throw Error(ErrorCode::kFormat, path, "",
@@ -259,7 +277,7 @@ Image decodeJpeg(std::span<const std::byte> data, const std::filesystem::path& p
   JpegInput input;
   requireRead(readHead(input, data), input, path);
   const std::uint64_t pixels = std::uint64_t{input.jpeg.image_width} * input.jpeg.image_height;
-  requireMemory(pixels * 4 * sizeof(float), memory_bytes, path);
+  requireMemory(pixels * 4 * sizeof(float) + coefficientBytes(input), memory_bytes, path);
   std::array<float, 256> light;
   for (std::size_t i = 0; i < light.size(); ++i) light[i] = static_cast<float>(linearFromSrgb(double(i) / 255));
   Image out(static_cast<int>(input.jpeg.image_width), static_cast<int>(input.jpeg.image_height));
@@ -273,9 +291,10 @@ Image decodeJpeg(std::span<const std::byte> data, const std::filesystem::path& p
   return out;
 }
 
-void checkJpeg(std::span<const std::byte> data, const std::filesystem::path& path) {
+void checkJpeg(std::span<const std::byte> data, const std::filesystem::path& path, std::uint64_t memory_bytes) {
   JpegInput input;
   requireRead(readHead(input, data), input, path);
+  requireMemory(coefficientBytes(input), memory_bytes, path);
   readRows(input, path, [](int, const std::vector<std::uint8_t>&) {});
 }
 

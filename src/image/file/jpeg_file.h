@@ -27,11 +27,12 @@ std::vector<std::byte> encodeJpeg(ImageRows& rows, int quality, const std::map<s
 /// Returns the texts of encodeJpeg. throws: Error kFormat naming `path`.
 std::map<std::string, std::string> decodeJpegText(std::span<const std::byte> data, const std::filesystem::path& path);
 
-/// Decodes a JPEG with values taken as sRGB, in at most `memory_bytes` beside `data`. throws: Error kFormat, kBudget
-/// naming `path`.
+/// Decodes a JPEG with values taken as sRGB, in at most `memory_bytes` beside `data`: the pixels, and the coefficients
+/// of a progressive file. throws: Error kFormat, kBudget naming `path`.
 Image decodeJpeg(std::span<const std::byte> data, const std::filesystem::path& path,
                  std::uint64_t memory_bytes = UINT64_MAX);
 /// Decodes the file to its end and discards the pixels. throws: as decodeJpeg.
-void checkJpeg(std::span<const std::byte> data, const std::filesystem::path& path);
+void checkJpeg(std::span<const std::byte> data, const std::filesystem::path& path,
+               std::uint64_t memory_bytes = UINT64_MAX);
 
 }  // namespace kiln

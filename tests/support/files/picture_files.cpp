@@ -45,7 +45,7 @@ std::string pngSlice(const ForeignVolume& volume, std::int64_t z) {
                  static_cast<int>(8 * sizeOf(volume.type)), 0, slice.stored(true));
 }
 
-std::string jpegFile(int width, int height, int components, const std::string& pixels) {
+std::string jpegFile(int width, int height, int components, const std::string& pixels, bool progressive) {
   jpeg_compress_struct jpeg{};
   jpeg_error_mgr errors;
   jpeg.err = jpeg_std_error(&errors);
@@ -58,6 +58,7 @@ std::string jpegFile(int width, int height, int components, const std::string& p
   jpeg.in_color_space = components == 1 ? JCS_GRAYSCALE : JCS_RGB;
   jpeg_set_defaults(&jpeg);
   jpeg_set_quality(&jpeg, 100, TRUE);
+  if (progressive) jpeg_simple_progression(&jpeg);
   jpeg_start_compress(&jpeg, TRUE);
   for (int y = 0; y < height; ++y) {
     auto* row = reinterpret_cast<unsigned char*>(const_cast<char*>(pixels.data())) + y * width * components;

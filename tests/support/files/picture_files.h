@@ -15,8 +15,9 @@ std::string pngFile(int width, int height, int depth, int colour, const std::str
                     const std::string& more = "");
 /// Returns slice `z` as a grey PNG file.
 std::string pngSlice(const ForeignVolume& volume, std::int64_t z);
-/// Returns a JPEG file of quality 100, which keeps blocks of 8 x 8 equal pixels exactly.
-std::string jpegFile(int width, int height, int components, const std::string& pixels);
+/// Returns a JPEG file of quality 100, which keeps blocks of 8 x 8 equal pixels exactly; of 3 components, two have half
+/// the width and height.
+std::string jpegFile(int width, int height, int components, const std::string& pixels, bool progressive = false);
 
 struct Jpeg2000Layout {
   /// Of all values; 0 for all bits of the type.
