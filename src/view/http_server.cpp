@@ -162,7 +162,7 @@ class Client final : public ViewClient {
   }
   void sendHead(http::response<http::empty_body>& head) {
     begun_ = true;
-    stream_.within(seconds_);
+    stream_.withinOfProgress(seconds_);
     http::response_serializer<http::empty_body> serializer(head);
     error_code error;
     http::write_header(stream_, serializer, error);
@@ -170,7 +170,7 @@ class Client final : public ViewClient {
   }
   template <class Buffers>
   void send(const Buffers& buffers) {
-    stream_.within(seconds_);
+    stream_.withinOfProgress(seconds_);
     error_code error;
     net::write(stream_, buffers, error);
     require(error);

@@ -47,7 +47,14 @@ class HttpStream {
   explicit HttpStream(int file) : file_(file) {}
   /// Sets the deadline. unit: seconds from now.
   void within(double seconds) {
-    deadline_ = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+    deadline_ = Clock::now() + lengthOf(seconds);
+    renewed_by_ = {};
+  }
+  /// Sets the deadline, and anew whenever bytes are written: a slow line takes a large answer, a reader that has
+  /// stopped ends it. unit: seconds.
+  void withinOfProgress(double seconds) {
+    within(seconds);
+    renewed_by_ = lengthOf(seconds);
   }
   bool late() const { return late_; }
   /// Ends reading with an error after so many bytes.
@@ -77,8 +84,10 @@ class HttpStream {
          ++part) {
       const boost::asio::const_buffer buffer = *part;
       if (buffer.size() == 0) continue;
-      return moved(POLLOUT, error,
-                   [&] { return ::send(file_, buffer.data(), buffer.size(), MSG_DONTWAIT | MSG_NOSIGNAL); });
+      const std::size_t count = moved(
+          POLLOUT, error, [&] { return ::send(file_, buffer.data(), buffer.size(), MSG_DONTWAIT | MSG_NOSIGNAL); });
+      if (count > 0 && renewed_by_ > Clock::duration::zero()) deadline_ = Clock::now() + renewed_by_;
+      return count;
     }
     error = {};
     return 0;
@@ -126,6 +135,9 @@ class HttpStream {
   }
 
  private:
+  static Clock::duration lengthOf(double seconds) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  }
   // Calls `move` until it moves bytes, fails, or the deadline has passed.
   template <class Move>
   std::size_t moved(short event, boost::system::error_code& error, const Move& move) {
@@ -157,6 +169,7 @@ class HttpStream {
 
   const int file_;
   Clock::time_point deadline_{};
+  Clock::duration renewed_by_{};  // by each write; zero: never
   bool late_ = false;
   std::uint64_t allowed_ = std::numeric_limits<std::uint64_t>::max();
 };

@@ -21,9 +21,10 @@ struct ViewServerOptions {
   std::filesystem::path socket{};  // if not empty, a UNIX socket instead of a port
   /// Further names of this server, behind a proxy.
   std::vector<std::string> hosts{};
-  bool framed = false;                   // pages of this machine, such as notebooks, may show the page in a frame
-  double header_s = 10, request_s = 30;  // most time for a request's header, and for a whole request. unit: seconds
-  int connections = 8;                   // at a time; further ones are refused at once
+  bool framed = false;  // pages of this machine, such as notebooks, may show the page in a frame
+  /// Most time for a request's header, for a whole request, and without progress of an answer. unit: seconds.
+  double header_s = 10, request_s = 30;
+  int connections = 8;  // at a time; further ones are refused at once
 };
 
 class ViewServer {

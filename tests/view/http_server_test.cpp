@@ -165,6 +165,27 @@ TEST_F(HttpServerTest, HalfARequest_endsInTime) {
   EXPECT_LT(seconds, 1.5);
 }
 
+// The reader pauses for shorter times than the limit of 0.6 s, and takes several such limits in all.
+TEST_F(HttpServerTest, SlowReader_getsTheWholeAnswer) {
+  HttpClient client(server_.port());
+  client.send(server_.request("GET /api/large", server_.token()));
+  std::size_t bytes = 0;
+  for (int i = 0; i < 8; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    bytes += client.receiveBytes(TestService::kLargeBytes / 8).size();
+  }
+  bytes += client.receive().size();
+  EXPECT_GT(bytes, TestService::kLargeBytes);
+}
+
+TEST_F(HttpServerTest, ReaderThatStops_losesTheAnswer) {
+  HttpClient client(server_.port());
+  client.send(server_.request("GET /api/large", server_.token()));
+  client.receiveBytes(1000);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  EXPECT_LT(client.receive().size(), TestService::kLargeBytes - 1000);
+}
+
 TEST_F(HttpServerTest, TwentyConnections_eightAreServed) {
   std::vector<std::unique_ptr<HttpClient>> clients;
   for (int i = 0; i < 20; ++i) {

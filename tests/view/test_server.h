@@ -5,6 +5,7 @@
 #include <chrono>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "base/error.h"
 #include "support/system/http_client.h"
@@ -12,22 +13,26 @@
 
 namespace kiln::test {
 
-/// "session" is read; "echo" answers its body; "stream" sends records until the client leaves.
+/// "session" and "large" are read; "echo" answers its body; "stream" sends records until the client leaves.
 class TestService : public ViewService {
  public:
   Request kindOf(std::string_view name) const override {
-    return name == "session"                    ? Request::kReads
+    return name == "session" || name == "large" ? Request::kReads
            : name == "echo" || name == "stream" ? Request::kPosts
                                                 : Request::kUnknown;
   }
   void answer(std::string_view name, const std::string& body, ViewClient& client) override {
     ++answers;
     if (name == "stream") return stream(client);
+    if (name == "large") return client.document("application/octet-stream", std::vector<std::byte>(kLargeBytes));
     if (body == "fail") throw Error(ErrorCode::kUsage, "a \"wrong\" request");
     const std::string text = name == "echo" ? body : R"({"title": "test"})";
     client.document("application/json", std::as_bytes(std::span(text)));
   }
   void stop() override { stopped = true; }
+
+  /// More than the system's buffers of a connection hold.
+  static constexpr std::size_t kLargeBytes = 32 << 20;
 
   std::atomic<int> answers = 0, streams_ended = 0;
   std::atomic<bool> stopped = false;

@@ -58,15 +58,25 @@ void HttpClient::send(std::string_view bytes) {
 std::string HttpClient::receive(double seconds) { return receiveUntil({}, seconds); }
 
 std::string HttpClient::receiveUntil(std::string_view mark, double seconds) {
+  return received(seconds, [&](const std::string& out) {
+    return mark.empty() || out.find(mark) == std::string::npos ? SIZE_MAX : 0;
+  });
+}
+
+std::string HttpClient::receiveBytes(std::size_t count, double seconds) {
+  return received(seconds, [&](const std::string& out) { return count - out.size(); });
+}
+
+std::string HttpClient::received(double seconds, const std::function<std::size_t(const std::string&)>& wanted) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   std::string out;
   std::array<char, 65536> some;
-  while (mark.empty() || out.find(mark) == std::string::npos) {
+  while (const std::size_t most = std::min(some.size(), wanted(out))) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()).count();
     pollfd one{file_, POLLIN, 0};
     if (left <= 0 || ::poll(&one, 1, static_cast<int>(left)) <= 0) break;
-    const ssize_t count = ::recv(file_, some.data(), some.size(), 0);
+    const ssize_t count = ::recv(file_, some.data(), most, 0);
     if (count <= 0) break;
     out.append(some.data(), static_cast<std::size_t>(count));
   }

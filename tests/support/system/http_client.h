@@ -1,7 +1,9 @@
 // A client of raw sockets, which may break every rule of HTTP.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -22,9 +24,13 @@ class HttpClient {
   std::string receive(double seconds = 5);
   /// Returns bytes until they contain `mark`, the server closes, or `seconds` have passed.
   std::string receiveUntil(std::string_view mark, double seconds = 5);
+  /// Returns so many bytes; fewer where the server closes, or `seconds` have passed.
+  std::string receiveBytes(std::size_t count, double seconds = 5);
   void close();
 
  private:
+  /// Takes bytes while wanted(bytes so far) is their most number.
+  std::string received(double seconds, const std::function<std::size_t(const std::string&)>& wanted);
   int file_ = -1;
 };
 
