@@ -90,8 +90,14 @@ TEST_F(GalleryCli, TheStoresName_isOneWordOfTheCommand) {
   EXPECT_TRUE(std::filesystem::exists(in("fire.png")));
 }
 
+TEST_F(GalleryCli, StoreWithATrailingSlash_hasItsNameInTheTitle) {
+  done({"gallery", in("h.kiln"), "-o", in("plain.exr"), "--tf", "fire", "--thumbnail", "32"});
+  done({"gallery", in("h.kiln/"), "-o", in("slash.exr"), "--tf", "fire", "--thumbnail", "32"});
+  EXPECT_EQ(readImage(in("plain.exr")).rgba, readImage(in("slash.exr")).rgba);
+}
+
 TEST_F(GalleryCli, WrongRequests_areOneLine) {
-  refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--tf", "ct-bones"}, 2, "ct-bones");
+  refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--tf", "ct-bones"}, 2, "--tf: 'ct-bones' is no preset");
   refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--look", "grand"}, 2, "--look");
   refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--look", "studoi"}, 2,
           "--look: expected one of plain, studio, found 'studoi'; did you mean 'studio'?\n");

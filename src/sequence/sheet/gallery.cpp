@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/file/path_name.h"
 #include "base/thread/parallel.h"
 #include "frame/empty_frame.h"
 #include "image/display.h"
@@ -112,7 +113,8 @@ class GalleryPainter {
 
 Image sheetOf(const std::vector<Thumbnails>& rows, const GalleryRequest& request) {
   ThumbnailSheet sheet(layoutOf(rows.size(), request.thumbnail_px),
-                       "kiln render " + request.store.filename().string() + optionOf(request.look) + " -o PICTURE.png");
+                       "kiln render " + withoutTrailingSlash(request.store).filename().string() +
+                           optionOf(request.look) + " -o PICTURE.png");
   for (std::size_t row = 0; row < rows.size(); ++row) {
     for (std::size_t column = 0; column < galleryViews().size(); ++column) {
       const bool first = column == 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/error.h"
 #include "base/file/file.h"
 #include "base/memory/memory.h"
 #include "base/process.h"
@@ -27,11 +28,19 @@ struct GalleryArguments {
   ForeignArguments source;
 };
 
+void requirePreset(const std::string& name) {
+  if (!isPreset(name))
+    throw Error(ErrorCode::kUsage,
+                fmt::format("--tf: '{}' is no preset; there are {}{}", name, presetList(), presetHint(name)));
+}
+
 void run(const GalleryArguments& a, Context& context) {
+  for (const std::string& preset : a.request.presets) requirePreset(preset);
   requireImagePath(a.output);
   FileSystem::real().requirePlaceFor(a.output);
   OutputFiles outputs;
   outputs.add(a.output);
+  if (isForStoreReader(a.store)) a.source.requireNoneForStore(a.store);
   GalleryRequest request = a.request;
   request.look = static_cast<Look>(std::find(kLookNames.begin(), kLookNames.end(), a.look) - kLookNames.begin());
   request.speed.memory_bytes = parseBytes(a.memory, "--memory");
