@@ -356,7 +356,7 @@ TEST_F(AnnotationsCli, EmptyTexts_clearThoseOfAJob) {
             more + "}}");
   };
   job(R"(, "text": "take 3", "legendTitle": "HU")");
-  done({"render", in("job.json"), "-o", in("cleared.png"), "--text", "", "--legend-title", ""});
+  done({"render", in("job.json"), "-o", in("cleared.png"), "--text", "", "--legend-title="});
   done({"render", in("job.json"), "-o", in("texts.png")});
   job("");
   done({"render", in("job.json"), "-o", in("none.png")});

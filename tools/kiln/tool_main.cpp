@@ -63,13 +63,29 @@ int refuseCommandLine(const CLI::App& app, const CLI::ParseError& error, const k
   return 2;
 }
 
+// Replaces "--option=" by "--option" and "", for options that take a value: CLI11 would take a value for missing.
+void splitEmptyValues(const CLI::App& app, std::vector<std::string>& arguments) {
+  const auto named = app.get_subcommands(
+      [&](const CLI::App* command) { return !arguments.empty() && command->get_name() == arguments.front(); });
+  if (named.empty()) return;
+  for (std::size_t i = 1; i < arguments.size() && arguments[i] != "--"; ++i) {
+    if (!arguments[i].starts_with("--") || arguments[i].find('=') != arguments[i].size() - 1) continue;
+    const std::string name = arguments[i].substr(0, arguments[i].size() - 1);
+    const CLI::Option* const option = named.front()->get_option_no_throw(name);
+    if (option == nullptr || option->get_items_expected_max() == 0) continue;
+    arguments[i] = name;
+    arguments.insert(arguments.begin() + static_cast<std::ptrdiff_t>(++i), "");
+  }
+}
+
 // Returns the arguments from the last to the first, as CLI11 takes them. "help COMMAND" becomes "COMMAND --help".
-std::vector<std::string> reversedArguments(int argc, char** argv) {
+std::vector<std::string> reversedArguments(const CLI::App& app, int argc, char** argv) {
   std::vector<std::string> out(argv + 1, argv + argc);
   if (!out.empty() && out.front() == "help") {
     out.erase(out.begin());
     out.push_back("--help");
   }
+  splitEmptyValues(app, out);
   std::reverse(out.begin(), out.end());
   return out;
 }
@@ -239,7 +255,7 @@ int run(int argc, char** argv) {
   std::optional<CLI::Success> answered;
   std::optional<CLI::ParseError> refused;
   try {
-    app.parse(reversedArguments(argc, argv));
+    app.parse(reversedArguments(app, argc, argv));
     if (const std::string empty = emptyArgument(app, context.facts); !empty.empty())
       refused = CLI::ValidationError(empty, "is empty; write its value");
   } catch (const CLI::Success& asked) {
