@@ -1,9 +1,38 @@
 #include "foreign_store.h"
 
+#include <fmt/format.h>
+
+#include <cstdlib>
+
 #include "base/duration_text.h"
+#include "base/error.h"
+#include "ingest/open_source.h"
 #include "job_arguments.h"
 
 namespace kiln::tool {
+namespace {
+constexpr const char* kStoreVariable = "KILN_STORE_DIR";
+
+// `kind` names the input: "a store".
+void requireNoDirectory(const ForeignArguments& arguments, const std::filesystem::path& input, const char* kind) {
+  const char* const by_variable = std::getenv(kStoreVariable);
+  if (arguments.store_directory.empty() || (by_variable != nullptr && arguments.store_directory == by_variable)) return;
+  throw Error(ErrorCode::kUsage, input, "",
+              fmt::format("--store applies to volume files only, and this is {}; leave it out", kind));
+}
+
+}  // namespace
+
+void ForeignArguments::requireNoneForStore(const std::filesystem::path& store) const {
+  requireNoDirectory(*this, store, "a store");
+  requireNoOptions(store, resolve());
+}
+
+void ForeignArguments::requireNoneForPicture(const std::filesystem::path& picture) const {
+  requireNoDirectory(*this, picture, "a picture");
+  if (any())
+    throw Error(ErrorCode::kUsage, picture, "", "is a picture, and options of volume files are given; leave them out");
+}
 
 void addForeignArguments(CLI::App& command, OptionFacts& facts, ForeignArguments& arguments) {
   addSourceArguments(command, facts, arguments);
@@ -11,7 +40,7 @@ void addForeignArguments(CLI::App& command, OptionFacts& facts, ForeignArguments
       .add_option("--store", arguments.store_directory,
                   "Folder for the store that is made of a volume file; the file's own folder by default.")
       ->type_name("DIR")
-      ->envname("KILN_STORE_DIR")
+      ->envname(kStoreVariable)
       ->group(nameOf(OptionGroup::kForeign));
 }
 

@@ -17,6 +17,10 @@ struct ForeignArguments : SourceWords {
   std::string store_directory;
   /// throws: as SourceWords::resolve.
   ForeignVolume volume(const std::filesystem::path& input) const { return {input, resolve(), store_directory}; }
+  /// Check that no option is given beside a store or a picture. The variable for --store may be set. throws: Error
+  /// kUsage.
+  void requireNoneForStore(const std::filesystem::path& store) const;
+  void requireNoneForPicture(const std::filesystem::path& picture) const;
 };
 
 /// Adds the options of SourceWords, and --store, which the variable KILN_STORE_DIR replaces.

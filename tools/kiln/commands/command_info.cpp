@@ -264,12 +264,14 @@ void addInfo(CLI::App& app, Context& context) {
       std::error_code ignored;
       if (fs::is_regular_file(*path, ignored)) {
         if (!isPicture(*path)) openSource(*path, {});  // throws: the file is no volume either
+        source->requireNoneForPicture(*path);
         if (*json)
           sayJson(jobForPrograms(*path, memory_bytes));
         else
           printPicture(*path, memory_bytes);
         return;
       }
+      source->requireNoneForStore(*path);
       const StoreReader store(*path, memory_bytes);  // checks before anything is printed
       if (*json) {
         sayJson(textForPrograms(store));

@@ -75,7 +75,7 @@ Subject subjectOf(const TfArguments& a, const OutputFiles& outputs, Context& con
   }
   std::error_code ignored;
   if (fs::is_directory(a.input, ignored)) {
-    requireNoOptions(a.input, a.source.resolve());
+    a.source.requireNoneForStore(a.input);
     return {{readManifest(a.input), "", 0}, choice(), true};
   }
   if (!a.tf.empty())
