@@ -1,6 +1,7 @@
 #include "composite/composite_parts.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -32,6 +33,7 @@ struct Part {
   ordered_json look;  // the job without the keys that differ between parts
   ordered_json volume;
   std::uint64_t damaged_bricks = 0;
+  std::map<std::string, std::string> text;  // of the header
 };
 
 VolumeGeometry geometryOf(const ordered_json& volume) {
@@ -43,14 +45,14 @@ VolumeGeometry geometryOf(const ordered_json& volume) {
 }
 
 Part partFrom(const fs::path& path, std::uint64_t memory_bytes) {
-  const std::map<std::string, std::string> text = readImageText(path, memory_bytes);
+  std::map<std::string, std::string> text = readImageText(path, memory_bytes);
   const auto of = [&](const char* name) -> const std::string& {
     const auto found = text.find(name);
     if (found != text.end()) return found->second;
     throw Error(ErrorCode::kUnsupported, path, name,
                 "is not in the header; expected an image that kiln render --part drew");
   };
-  Part out{path, {}, {}, {}, {}, 0};
+  Part out{path, {}, {}, {}, {}, 0, {}};
   try {
     out.look = ordered_json::parse(of(ImageMetadata::kJob));
     out.volume = ordered_json::parse(of("kiln:volume"));
@@ -76,6 +78,7 @@ Part partFrom(const fs::path& path, std::uint64_t memory_bytes) {
   for (const char* key : {"part", "volume", "skipDamaged"}) out.look.erase(key);
   if (const auto damaged = text.find(ImageMetadata::kDamagedBricks); damaged != text.end())
     std::from_chars(damaged->second.data(), damaged->second.data() + damaged->second.size(), out.damaged_bricks);
+  out.text = std::move(text);
   return out;
 }
 
@@ -110,10 +113,27 @@ void requireDisjoint(const std::vector<Part>& parts) {
   }
 }
 
-ImageMetadata metadataOf(RenderJob job, const Camera& camera, const View& view, std::uint64_t damaged_bricks) {
+// Returns the text of that name of all parts, each wording once; empty where no part has one.
+std::string joinedText(const std::vector<Part>& parts, const char* name) {
+  std::vector<std::string> wordings;
+  for (const Part& part : parts) {
+    const auto text = part.text.find(name);
+    if (text == part.text.end() || std::ranges::find(wordings, text->second) != wordings.end()) continue;
+    wordings.push_back(text->second);
+  }
+  return fmt::format("{}", fmt::join(wordings, "; "));
+}
+
+ImageMetadata metadataOf(const std::vector<Part>& parts, const Camera& camera, const View& view) {
+  RenderJob job = parts.front().job;
+  std::uint64_t damaged_bricks = 0;
+  for (const Part& part : parts) damaged_bricks += part.damaged_bricks;
   job.picture.clipping.part.reset();
   job.picture.skip_damaged = damaged_bricks > 0;
   ImageMetadata out;
+  for (const char* const name : {"owner", "comments"}) {
+    if (const std::string text = joinedText(parts, name); !text.empty()) out.text[name] = text;
+  }
   if (damaged_bricks > 0) out.text[ImageMetadata::kDamagedBricks] = std::to_string(damaged_bricks);
   if (const auto& crop = job.picture.crop) out.whole = {crop->x0, crop->y0, view.size.width, view.size.height};
   out.world_to_camera = exrWorldToCamera(view);
@@ -161,9 +181,8 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   std::vector<std::string> planes;
   for (const Plane& plane : made.planes) planes.push_back(plane.name);
   const auto opacity_threshold = static_cast<float>(picture.opacity_threshold);
-  std::uint64_t done = 0, damaged_bricks = 0;
-  for (const Part& part : parts) damaged_bricks += part.damaged_bricks;
-  out.metadata = metadataOf(parts.front().job, camera, view, damaged_bricks);
+  std::uint64_t done = 0;
+  out.metadata = metadataOf(parts, camera, view);
   std::int64_t voxels = 0;
   for (const Part& part : inOrder(std::move(parts), view, volume)) {
     progress.throwIfCancelled("compositing");

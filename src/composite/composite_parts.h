@@ -18,7 +18,7 @@ std::string partOriginText(const Manifest& volume);
 
 struct CompositedParts {
   Image image;
-  ImageMetadata metadata;   // metadata of the whole picture
+  ImageMetadata metadata;   // of the whole picture; owner and comments of parts that differ are joined by "; "
   double volume_share = 0;  // share of the volume that the parts hold, from 0 to 1
 };
 

@@ -768,11 +768,15 @@ TEST_F(Cli, DamagedBricksAreSkippedWhereAskedFor) {
     "image": {"width": 40, "height": 40}, "visibility": {"method": "none"}, "camera": {"fit": "box"}})");
   EXPECT_EQ(expectDone({"render", in("job.json")}).errorLines().size(), 2u);
   EXPECT_EQ(readFile(in("p.exr")), readFile(in("part.exr")));
-  // A composited picture reports damage found in any of its parts.
-  for (const char* part : {"1", "2", "3"})
-    draw(std::string("p") + part + ".exr", {"--skip-damaged", "--lattice", "ray", "--part", std::string(part) + "/3"});
+  // A composited picture reports damage found in any of its parts, and their owners and comments.
+  for (const std::string part : {"1", "2", "3"})
+    draw("p" + part + ".exr", {"--skip-damaged", "--lattice", "ray", "--part", part + "/3", "--owner", "we",
+                               "--comments", "take " + std::string(part == "1" ? "1" : "2")});
   expectDone({"composite", in("p1.exr"), in("p2.exr"), in("p3.exr"), "-o", in("made.exr")});
-  EXPECT_GE(std::stoi(readImageText(in("made.exr")).at("kiln:damagedBricks")), 1);
+  const std::map<std::string, std::string> made = readImageText(in("made.exr"));
+  EXPECT_GE(std::stoi(made.at("kiln:damagedBricks")), 1);
+  EXPECT_EQ(made.at("owner"), "we");
+  EXPECT_EQ(made.at("comments"), "take 1; take 2");
   // A damaged index cannot be skipped.
   fs::remove(in("v.kiln") + "/index.bin");
   expectRefused({"render", in("job.json")}, 1, {"index.bin", "is missing"});
