@@ -139,6 +139,7 @@ class BrickSequence : public RankedSequence {
     report.frame = i;
     DrawnFrame drawn;
     attempt(report, [&] {
+      if (ranks_.first()) requirePlaces(job_, toDraw()[i]);
       drawn = frames_.openedFor(toDraw()[i]).draw(toDraw()[i], progress_);
       report.statistics = std::move(drawn.statistics);
     });

@@ -54,7 +54,8 @@ SequenceResult RankedSequence::run() {
   requireAgreement(ranks_, frameFacts(job_, frames_.stores()));
   if (ranks_.first()) listener_.started(job_, frames_.numbers());
   findKept();
-  if (ranks_.first() && !to_draw_.empty()) requirePlaces(job_, to_draw_.front());
+  // The files of one of several frames are tested when the frame is drawn.
+  if (ranks_.first() && single() && !to_draw_.empty()) requirePlaces(job_, to_draw_.front());
   try {
     if (!to_draw_.empty()) shareAndRead();
   } catch (const Error& error) {

@@ -98,6 +98,7 @@ class SharedSequence : public RankedSequence {
       FrameReport report;
       report.frame = i;
       attempt(report, [&] {
+        requirePlaces(job_, toDraw()[i]);
         OpenedJob& opened = frames_.openedFor(toDraw()[i]);
         started(i);
         DrawnFrame drawn = opened.draw(toDraw()[i], progress_);
@@ -129,7 +130,10 @@ class SharedSequence : public RankedSequence {
                     TilePlan::kSpared);
     FrameReport report;
     report.frame = i;
-    attempt(report, [&] { drawTiles(i, work, report.statistics); });
+    attempt(report, [&] {
+      if (ownerOf(i) == ranks_.rank()) requirePlaces(job_, toDraw()[i]);
+      drawTiles(i, work, report.statistics);
+    });
     if (report.failure) work.drop();
     own_.add(report.statistics);
     ranks_.send(ownerOf(i), kShareTag, packed(report));

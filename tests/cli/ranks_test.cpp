@@ -325,6 +325,22 @@ TEST_F(RanksRender, AFrameThatFailsCostsNoOther) {
   EXPECT_FALSE(fs::exists(directory_ / "f.png"));
 }
 
+// The name of the first frame is a folder's. Known because a single process draws all further frames, too.
+TEST_F(RanksRender, AFrameWithoutAPlaceCostsNoOther) {
+  for (const char* shared_by : {"tiles", "frames", "bricks"}) {
+    const fs::path folder = directory_ / shared_by;
+    fs::create_directories(folder / "f_1.png");
+    const ToolResult result =
+        run(2, {"render", volume_, "-o", (folder / "f_#.png").string(), "--size", "70x60", "--turntable", "3",
+                "--samples", "1", "--lattice", "ray", "--distribute", shared_by, "--threads", "1"});
+    EXPECT_EQ(result.exit_code, 1) << shared_by;
+    EXPECT_NE(result.err.find("1 frame (1) failed; the first: rank "), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("f_1.png: is a directory; name a file"), std::string::npos) << result.err;
+    EXPECT_TRUE(fs::exists(folder / "f_2.png")) << result.err;
+    EXPECT_TRUE(fs::exists(folder / "f_3.png")) << result.err;
+  }
+}
+
 // The sentence about the rank is mpirun's own.
 TEST_F(RanksRender, ARankThatIsKilledEndsTheJobAndResumeCompletesIt) {
   const std::vector<std::string> look = {"-o",          "OUT/t_##.exr", "--size", "240x240",
