@@ -20,11 +20,6 @@ namespace kiln {
 
 namespace {
 
-// The companions of a volume that the job draws: its `volumes` in order, or the only one.
-const Companions& companionsOf(const RenderJob& job, std::size_t volume) {
-  return job.volumes.empty() ? job.companions : job.volumes[volume].companions;
-}
-
 // Without a function, labels and files that declare a look have their own colours. The automatic function of other
 // files shows surfaces by opacity, in colours that are alike; a map distinguishes values.
 TransferFunction colorsOf(const ColorByChoice& chosen, const Manifest& manifest) {
@@ -37,6 +32,16 @@ TransferFunction colorsOf(const ColorByChoice& chosen, const Manifest& manifest)
 
 }  // namespace
 
+const Companions& companionsOfVolume(const RenderJob& job, std::size_t volume) {
+  return job.volumes.empty() ? job.companions : job.volumes[volume].companions;
+}
+
+ShownFunction colorFunctionOf(const ColorByChoice& chosen, const Manifest& manifest) {
+  ShownFunction out = shownFunction(chosen.volume, colorsOf(chosen, manifest), manifest);
+  out.colors_only = true;
+  return out;
+}
+
 OpenedVolumes::OpenedVolumes(const RenderJob& job) {
   requireCompanions(job);
   requireChannels(job);
@@ -47,8 +52,8 @@ OpenedVolumes::OpenedVolumes(const RenderJob& job) {
     auto store = std::make_unique<StoreReader>(path, job.speed.memory_bytes, held_bytes_);
     held_bytes_ += store->heldBytes();
     stores_.push_back(store.get());
-    all_stores = all_stores && !companionsOf(job, i).any();
-    add(std::move(store), companionsOf(job, i), job);
+    all_stores = all_stores && !companionsOfVolume(job, i).any();
+    add(std::move(store), companionsOfVolume(job, i), job);
   }
   if (!all_stores) stores_.clear();
   placeTogether(job);
@@ -61,7 +66,7 @@ OpenedVolumes::OpenedVolumes(const RenderJob& job, std::span<const BrickedVolume
   if (volumes.size() != expected)
     throw Error(ErrorCode::kUsage,
                 fmt::format("volumes: the job has {} (found {} open); give as many", expected, volumes.size()));
-  for (std::size_t i = 0; i < expected; ++i) add(volumes[i]->share(), companionsOf(job, i), job);
+  for (std::size_t i = 0; i < expected; ++i) add(volumes[i]->share(), companionsOfVolume(job, i), job);
   placeTogether(job);
 }
 
@@ -88,10 +93,8 @@ void OpenedVolumes::add(std::unique_ptr<BrickedVolume> volume, const Companions&
   if (chosen.color_by) {
     std::unique_ptr<BrickedVolume> values = opened(chosen.color_by->volume, drawn, job);
     const Manifest& manifest = values->manifest();
-    colors = std::make_shared<const CompanionColors>(
-        CompanionColors{colorsOf(*chosen.color_by, manifest), manifest.type, manifest.range});
-    shown = shownFunction(chosen.color_by->volume, colors->function, manifest);
-    shown->colors_only = true;
+    shown = colorFunctionOf(*chosen.color_by, manifest);
+    colors = std::make_shared<const CompanionColors>(CompanionColors{shown->function, manifest.type, manifest.range});
     companions.push_back(std::make_unique<ColorValues>(std::move(values), drawn));
   }
   if (!companions.empty()) volume = std::make_unique<AccompaniedVolume>(std::move(volume), std::move(companions));

@@ -57,6 +57,11 @@ class OpenedVolumes {
   std::uint64_t held_bytes_ = 0;
 };
 
+/// Returns the companions of a volume that the job draws: one of its `volumes`, in order, or the only one.
+const Companions& companionsOfVolume(const RenderJob& job, std::size_t volume);
+/// Returns the function by which a file colours a volume. Reads the file of a function. throws: as resolve.
+ShownFunction colorFunctionOf(const ColorByChoice& chosen, const Manifest& manifest);
+
 /// Returns the geometry whose frame of reference and unit the picture has: the series', else the first known of the
 /// volumes.
 VolumeGeometry worldOf(const RenderJob& job, const std::vector<const Manifest*>& manifests);

@@ -12,6 +12,7 @@
 #include "job/job_facts.h"
 #include "job/job_names.h"
 #include "sequence/frame_files.h"
+#include "sequence/opened_volumes.h"
 #include "store/manifest/read_manifest.h"
 
 namespace kiln {
@@ -68,19 +69,26 @@ class FrameFacts {
     forEachVolume(job, stores_);
     opened_ = std::move(job);
     std::vector<RankFact> out;
-    for (const fs::path& store : volumesOf(opened_)) {
-      manifests_.push_back(readManifest(store));
-      out.push_back(factOf(store, manifests_.back()));
-    }
-    std::vector<Hash128> companions;
-    for (const fs::path& store : companionsOf(opened_)) {
-      const Manifest manifest = readManifest(store);
+    SceneInputs inputs;
+    const auto companionAt = [&](const fs::path& store) {
+      Manifest manifest = readManifest(store);
       out.push_back(factOf(store, manifest));
-      companions.push_back(manifest.index_checksum);
+      inputs.companions.push_back(manifest.index_checksum);
+      return manifest;
+    };
+    const std::vector<fs::path> volumes = volumesOf(opened_);
+    for (std::size_t i = 0; i < volumes.size(); ++i) {
+      manifests_.push_back(readManifest(volumes[i]));
+      out.push_back(factOf(volumes[i], manifests_.back()));
+      const Companions& companions = companionsOfVolume(opened_, i);
+      if (companions.mask) companionAt(companions.mask->volume);
+      inputs.colors.emplace_back();
+      if (const auto& colors = companions.color_by)
+        inputs.colors.back() = colorFunctionOf(*colors, companionAt(colors->volume));
     }
     std::vector<const Manifest*> manifests;
     for (const Manifest& manifest : manifests_) manifests.push_back(&manifest);
-    scenes_.emplace(opened_, manifests, SceneInputs{.companions = std::move(companions)});
+    scenes_.emplace(opened_, manifests, inputs);
     return out;
   }
 

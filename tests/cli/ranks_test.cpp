@@ -424,6 +424,17 @@ TEST_F(RanksRender, ARankWithAnotherCommandOrJobIsRefused) {
                                        R"(", "image": {"width": 40, "height": 40}, "shading": {"ambient": )" + ambient +
                                        "}}");
   }
+  // A single name of a function of colours with two contents.
+  for (const auto& [folder, color] : {std::pair{"zero", "0, 0, 1"}, std::pair{"other", "0, 1, 0"}})
+    writeText(directory_ / folder / "colors.json", std::string(R"({"points": [{"value": 0, "opacity": 0, "color": [)") +
+                                                       color +
+                                                       R"(]}, {"value": 200, "opacity": 1, "color": [1, 1, 1]}]})");
+  const std::vector<std::string> colored = {"render", volume_, "-o",         picture,
+                                            "--size", "40x40", "--color-by", volume_ + ":colors.json"};
+  const ToolResult colors = inFolders("zero", colored, "other", colored);
+  EXPECT_EQ(colors.exit_code, 1);
+  EXPECT_NE(colors.err.find("colorBy"), std::string::npos) << colors.err;
+  EXPECT_FALSE(fs::exists(picture));
   const ToolResult result = inFolders("zero", {"render", "job.json"}, "other", {"render", "job.json"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_NE(result.err.find("shading.ambient is 0.4 there and 0.2 here"), std::string::npos) << result.err;
