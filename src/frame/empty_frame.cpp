@@ -171,7 +171,7 @@ EmptyFrame emptinessOf(const FrameStatistics& drawn, const FrameScene& scene, co
                        const std::vector<const Manifest*>& manifests) {
   const bool composites = request.engine().capabilities().composites, is_part = scene.picture.clipping.part.has_value();
   const EmptyFrame out =
-      emptinessOf(composites ? drawn.voxels_splats > 0 : drawn.bricks_contributing > 0, scene, request, manifests);
+      emptinessOf(composites ? drawn.draws() : drawn.bricks_contributing > 0, scene, request, manifests);
   const bool is_guess = out == EmptyFrame::kCombined || out == EmptyFrame::kMasked;
   if (is_guess && drawn.bricks_damaged > 0) return EmptyFrame::kDamaged;
   if (out != EmptyFrame::kShows || !composites || is_part || drawn.visible) return out;

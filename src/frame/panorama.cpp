@@ -303,7 +303,7 @@ Image renderPanorama(BrickCache& cache, FrameRequest request, Progress& progress
   Panorama panorama(request.view, pixels, request.aovs);
   const std::array<View, kPanoramaFaces> faces = panoramaFaces(request.view);
   const std::array<PixelRect, kPanoramaFaces> drawn_pixels = facePixels(request.view, pixels);
-  statistics = std::move(of_lights);
+  statistics = {};
   for (std::size_t i = 0; i < faces.size(); ++i) {
     if (drawn_pixels[i].empty()) continue;
     FrameRequest of_face = faceOf(request, faces[i]);
@@ -313,6 +313,7 @@ Image renderPanorama(BrickCache& cache, FrameRequest request, Progress& progress
     panorama.add(i, DrawnFace(image, *of_face.crop));
     statistics.addView(drawn);
   }
+  statistics.addLights(of_lights);
   panorama.finish();
   layOverBackground(panorama.image, pixels.y0, request.view.size.height, request.background);
   return std::move(panorama.image);

@@ -264,7 +264,7 @@ FrameStatistics FramePainter::finish() {
   const BusyTimes before = BusyTimes::now();
   if (drawing_) endView();
   FrameStatistics out = drawn_;
-  out.addView(lights_);
+  out.addLights(lights_);
   count(begin, before);
   out.visible = cost_.visible;
   out.wall_s = cost_.wall_s;

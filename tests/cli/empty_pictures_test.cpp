@@ -92,6 +92,9 @@ TEST_F(EmptyPicturesCli, EachReason_isNamed) {
   expectEmpty({"--clip", "0,0,1,-100000"}, "leave nothing of the volume");
   expectEmpty({"--eye", "0,-1000,0", "--target", "0,-2000,0"}, "looks away from it");
   expectEmpty({"--eye", "0,-1000,0", "--target", "-1000,-1000,0", "--fov", "20"}, "looks past it");
+  // Shadow maps show the volume where the picture does not.
+  expectEmpty({"--eye", "0,-1000,0", "--target", "0,-2000,0", "--shadows", "--light", "cam:-1,1,1"},
+              "looks away from it");
   expectEmpty({"--projection", "orthographic", "--eye", "5000,-1000,0", "--target", "5000,0,0", "--height", "10"},
               "looks past it");
   expectEmpty({"--clip", "0,0,1,-100000", "--background", "1,1,1"}, "leave nothing of the volume");

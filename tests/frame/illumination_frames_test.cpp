@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/thread/parallel.h"
 #include "frame/frame_memory.h"
 #include "frame/light/illuminate.h"
 #include "frame/light/light_plan.h"
@@ -88,6 +89,27 @@ TEST_F(IlluminationFrames, MovedLight_losesItsMapBeforeAnotherIsDrawn) {
   EXPECT_FALSE(both);
   EXPECT_EQ(mapOf(1), standing);
   EXPECT_EQ(last_->ambient, ambient);
+}
+
+// Known because a picture of the same view without shadows draws the same bricks.
+TEST_F(IlluminationFrames, Statistics_countTheBricksOfThePictureAlone) {
+  const ThreadLimit one(1);  // the number of hidden bricks repeats
+  request_.last_illumination = nullptr;
+  FrameRequest plain = request_;
+  plain.shading.shadows = false;
+  plain.shading.occlusion.strength = 0;
+  FrameStatistics lit, unlit;
+  renderFrame(cache_, request_, silent_, lit);
+  renderFrame(cache_, plain, silent_, unlit);
+  ASSERT_EQ(lit.levels.size(), unlit.levels.size());
+  for (std::size_t level = 0; level < lit.levels.size(); ++level) {
+    EXPECT_EQ(lit.levels[level].bricks, unlit.levels[level].bricks) << level;
+    EXPECT_EQ(lit.levels[level].voxels_splats, unlit.levels[level].voxels_splats) << level;
+  }
+  EXPECT_EQ(lit.bricks_total, unlit.bricks_total);
+  EXPECT_EQ(lit.bricks_interesting, unlit.bricks_interesting);
+  EXPECT_EQ(lit.bricks_hidden, unlit.bricks_hidden);
+  EXPECT_GT(lit.voxels_visited, unlit.voxels_visited);
 }
 
 TEST_F(IlluminationFrames, CancelledFrame_leavesItsFinishedParts) {

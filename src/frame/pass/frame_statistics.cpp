@@ -9,6 +9,17 @@ void FrameStatistics::addView(const FrameStatistics& view) {
   wall_s += view.wall_s, output_s += view.output_s;
 }
 
+void FrameStatistics::addLights(const FrameStatistics& lights) {
+  FrameStatistics cost = lights;
+  cost.bricks_total = cost.bricks_interesting = cost.bricks_masked = cost.bricks_hidden = 0;
+  cost.levels.clear();
+  addView(cost);
+}
+
+bool FrameStatistics::draws() const {
+  return std::ranges::any_of(levels, [](const LevelStatistics& level) { return level.voxels_splats > 0; });
+}
+
 void FrameStatistics::addContributing(const StoredBrick& brick, std::uint64_t file_bytes) {
   if (!contributing.emplace(brick, file_bytes).second) return;
   ++bricks_contributing;

@@ -51,8 +51,10 @@ enum class EmptyFrame : std::uint8_t {
 
 /// Counts of one frame. Bricks belong to the levels that the view selects (BrickWalkCounts). With several samples a
 /// pixel, the counts refer to the picture of sub-pixels, drawn in bands of rows. Voxels, nodes, hidden bricks and
-/// levels are sums over bands, so a brick in two bands counts twice. Bricks read count twice if the cache could not
-/// keep a brick between bands. Total, interesting, contributing and damaged bricks count once.
+/// levels are sums over bands, so a brick in two bands counts twice. Voxels, nodes and bricks read include what shadow
+/// maps and ambient occlusion need; total, interesting, masked and hidden bricks and the levels are the picture's.
+/// Bricks read count twice if the cache could not keep a brick between bands. Total, interesting, contributing and
+/// damaged bricks count once.
 struct FrameStatistics {
   int frame = 1;         // number of the frame
   unsigned samples = 1;  // per pixel
@@ -85,6 +87,10 @@ struct FrameStatistics {
   void merge(const FrameStatistics& other);
   /// Adds another view of the frame, drawn later.
   void addView(const FrameStatistics& view);
+  /// Adds the cost of shadow maps and ambient occlusion: all but the numbers of bricks and levels in the picture.
+  void addLights(const FrameStatistics& lights);
+  /// True if a voxel or a sample was drawn into the picture.
+  bool draws() const;
 };
 
 }  // namespace kiln
