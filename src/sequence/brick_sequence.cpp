@@ -168,7 +168,10 @@ class BrickSequence : public RankedSequence {
     if (ranks_.first()) {
       for (std::size_t rank = 1; rank < reports.size(); ++rank) {
         const FrameReport other = reportFrom(reports[rank]);
+        // Each rank has the bricks of its box alone; a brick across two boxes counts twice.
+        const std::uint64_t interesting = report.statistics.bricks_interesting + other.statistics.bricks_interesting;
         report.statistics.merge(other.statistics);
+        report.statistics.bricks_interesting = std::min(interesting, report.statistics.bricks_total);
         if (other.failure && !report.failure) report.failure = other.failure;
       }
     }

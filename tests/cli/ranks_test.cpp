@@ -239,10 +239,13 @@ TEST_F(RanksRender, BricksOfEachRankMakeTheWhole) {
     for (std::vector<std::string> look : looks) {
       if (ranks == 2 && look != looks[1]) continue;
       look.insert(look.end(), {"--size", "150x120", "--exr-type", "float", "--lattice", "ray"});
-      drawn(0, "one", look);
+      const auto whole = drawn(0, "one", look);
       look.insert(look.end(), {"--distribute", "bricks"});
       const auto stats = drawn(ranks, "many", look);
       EXPECT_EQ(stats["shared_by"], "bricks");
+      EXPECT_EQ(stats["bricks"]["total"], whole["bricks"]["total"]);
+      EXPECT_GE(stats["bricks"]["interesting"], whole["bricks"]["interesting"]);
+      EXPECT_LE(stats["bricks"]["interesting"], whole["bricks"]["total"]);
       const std::string name = look[1].substr(4);
       expectClose(name);
       EXPECT_EQ(readImageText(directory_ / "many" / name), readImageText(directory_ / "one" / name));
