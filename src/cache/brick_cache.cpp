@@ -16,9 +16,12 @@
 namespace kiln {
 namespace {
 
-// Most memory of evicted bricks that stays in the heap where bricks differ in size: no large brick fits into a gap
-// between small bricks. unit: bytes.
+// Most freed memory that stays in the heap as gaps between bricks. unit: bytes.
 constexpr std::uint64_t kMostFreed = std::uint64_t{8} << 20;
+
+// Largest voxels of a brick whose file leaves a gap between bricks: decoding frees a file that is larger than the next
+// brick, which fills a part of the gap. unit: bytes.
+constexpr std::uint64_t kSmallBrick = std::uint64_t{128} << 10;
 
 bool differInSize(const std::vector<const BrickedVolume*>& stores) {
   const auto voxels = [](const BrickedVolume* store) {
@@ -26,6 +29,12 @@ bool differInSize(const std::vector<const BrickedVolume*>& stores) {
   };
   return std::any_of(stores.begin(), stores.end(),
                      [&](const BrickedVolume* store) { return voxels(store) != voxels(stores.front()); });
+}
+
+bool areSmall(const BrickedVolume& store) {
+  const Manifest& manifest = store.manifest();
+  const auto edge = static_cast<std::uint64_t>(manifest.brick_size + 2 * manifest.apron);
+  return edge * edge * edge * sizeOf(manifest.type) <= kSmallBrick;
 }
 
 // Returns whether a brick stays unreadable, because its file is damaged or missing. A lack of memory, or a failed read
@@ -47,6 +56,7 @@ BrickCache::BrickCache(std::vector<const BrickedVolume*> stores, std::uint64_t b
     : stores_(std::move(stores)),
       budget_bytes_(budget_bytes),
       mixed_sizes_(differInSize(stores_)),
+      small_bricks_(std::ranges::any_of(stores_, [](const BrickedVolume* store) { return areSmall(*store); })),
       skip_(std::move(skip)),
       supplier_(supplier) {
   for (const BrickedVolume* const store : stores_) {
@@ -82,12 +92,12 @@ void BrickCache::erase(Slots::iterator slot) {
   held_bytes_ -= bytes;
   recency_.erase(slot->second.recency);
   slots_.erase(slot);
-  noteFreed(bytes);
+  // No large brick fits into a gap between small bricks.
+  if (mixed_sizes_) noteFreed(bytes);
 }
 
 void BrickCache::noteFreed(std::uint64_t bytes) {
-  freed_bytes_ += bytes;
-  if (!mixed_sizes_ || freed_bytes_ < kMostFreed) return;
+  if ((freed_bytes_ += bytes) < kMostFreed) return;
   freed_bytes_ = 0;
   returnFreedMemory();
 }
@@ -173,6 +183,7 @@ void BrickCache::read(Slots::iterator slot, Lock& lock) {
   } catch (...) {
     failure = std::current_exception();
   }
+  if (small_bricks_) noteFreed(entry.file_bytes);
   lock.lock();
   --reading_;
   Slot& done = slot->second;

@@ -6,6 +6,7 @@
 // unreadable bricks are skipped and the file is damaged or missing.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -137,13 +138,13 @@ class BrickCache {
 
   const std::vector<const BrickedVolume*> stores_;
   const std::uint64_t budget_bytes_;
-  const bool mixed_sizes_;  // of bricks
+  const bool mixed_sizes_, small_bricks_;
   const SkipHandler skip_;
   BrickSupplier* const supplier_;
-  mutable std::mutex mutex_;  // guards the members below
+  std::atomic<std::uint64_t> freed_bytes_ = 0;  // since the heap last returned freed memory
+  mutable std::mutex mutex_;                    // guards the members below
   std::condition_variable changed_;
   std::uint64_t held_bytes_ = 0, aside_bytes_ = 0, peak_bytes_ = 0;
-  std::uint64_t freed_bytes_ = 0;  // since the heap last returned freed memory
   int reading_ = 0;
   bool closing_ = false;
   bool starved_ = false;  // `get` waits for room
