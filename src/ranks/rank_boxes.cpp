@@ -41,6 +41,7 @@ class VolumeCutter {
     }
   }
 
+  // requires: at least as many voxels as ranks.
   void cut(const VoxelBox& box, int ranks, std::vector<VoxelBox>& out) const {
     if (ranks == 1) {
       out.push_back(box);
@@ -48,12 +49,17 @@ class VolumeCutter {
     }
     const Extent3 n = box.extent();
     const int axis = n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
-    if (n[axis] < 2)
-      throw Error(ErrorCode::kUsage,
-                  "the volume has fewer voxels along an axis than a part needs; use fewer ranks or parts");
-    const int before = ranks / 2;
+    const std::int64_t layer = box.count() / n[axis];
+    // Each side needs a voxel for each of its ranks.
+    int before = ranks / 2;
+    std::int64_t least = box.lo[axis] + (before + layer - 1) / layer;
+    std::int64_t most = box.hi[axis] - (ranks - before + layer - 1) / layer;
+    if (least > most) {
+      least = most = box.lo[axis] + n[axis] / 2;
+      before = static_cast<int>(std::min<std::int64_t>(ranks - 1, layer * (n[axis] / 2)));
+    }
     VoxelBox first = box, second = box;
-    first.hi[axis] = second.lo[axis] = cutAt(box, axis, static_cast<double>(before) / ranks);
+    first.hi[axis] = second.lo[axis] = std::clamp(cutAt(box, axis, static_cast<double>(before) / ranks), least, most);
     cut(first, before, out);
     cut(second, ranks - before, out);
   }
@@ -101,8 +107,12 @@ class VolumeCutter {
 std::vector<VoxelBox> boxesForRanks(const StoreReader& store, const TransferFunction& function, int ranks) {
   const Manifest& volume = store.manifest();
   const Classifier classifier(function, function.unitIn(volume.geometry().meanSpacing()), volume.type, volume.range);
+  const VoxelBox whole = boxOf(volume.geometry().dims);
+  if (whole.count() < ranks)
+    throw Error(ErrorCode::kUsage, store.path(), "",
+                fmt::format("has {} voxels, too few for {} parts; use fewer ranks or parts", whole.count(), ranks));
   std::vector<VoxelBox> out;
-  VolumeCutter(store, classifier).cut(boxOf(volume.geometry().dims), ranks, out);
+  VolumeCutter(store, classifier).cut(whole, ranks, out);
   return out;
 }
 

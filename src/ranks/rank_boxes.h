@@ -11,8 +11,8 @@
 namespace kiln {
 
 /// Returns one box per rank, cut between bricks of level 0 along axes with two bricks or more. A brick weighs as much
-/// as its sub-bricks that may be visible. cost: bricks times log(ranks). throws: Error kUsage for a volume with too few
-/// voxels.
+/// as its sub-bricks that may be visible. cost: bricks times log(ranks). throws: Error kUsage for a volume with fewer
+/// voxels than ranks.
 std::vector<VoxelBox> boxesForRanks(const StoreReader& store, const TransferFunction& function, int ranks);
 
 }  // namespace kiln
