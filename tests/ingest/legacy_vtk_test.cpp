@@ -119,6 +119,46 @@ TEST(IngestLegacyVtk, FieldOfTheWholeImage_IsPassedOver) {
   }
 }
 
+// Known: the bytes are those of VTK 9.1's writer. A string begins with its length, and eight bits share a byte.
+TEST(IngestLegacyVtk, StringsBitsAndEmptyArraysArePassedOver) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::i16, 529);
+  const std::string long_text(300, '\n');
+  const std::vector<std::string> of_binary = {
+      "FIELD FieldData 0\n", "FIELD FieldData 1\nnone 1 0 float\n\n", "FIELD FieldData 1\nflags 1 9 bit\n\xff\x80\n",
+      "FIELD FieldData 2\nnames 1 2 string\n\xc5hello\x81\x2c" + long_text + "\nTIME 1 1 double\n12345678\n"};
+  const std::vector<std::string> of_text = {"FIELD FieldData 0\n", "FIELD FieldData 1\nnone 1 0 float\n\n",
+                                            "FIELD FieldData 1\nflags 1 9 bit\n1 1 1 1 1 1 1 1 1 \n"};
+  for (const bool binary : {false, true}) {
+    for (const std::string& field : binary ? of_binary : of_text) {
+      SCOPED_TRACE(testing::Message() << field.substr(0, 40) << " binary " << binary);
+      std::string whole = legacyStart(volume.dims, binary) + legacyScalars(volume, binary);
+      whole.insert(whole.find("DIMENSIONS"), field);
+      expectReadsBack(volume, files.write("a.vtk", whole), 530);
+    }
+  }
+  std::string cut = legacyStart(volume.dims, true) + legacyScalars(volume, true);
+  cut.insert(cut.find("DIMENSIONS"),
+             std::string("FIELD FieldData 1\nnames 1 1 string\n\x3f\xff\xff\xff\xff\xff\xff\xff", 43));
+  expectRefused(files.write("a.vtk", cut), ErrorCode::kUnsupported, "holds no array of one number");
+}
+
+// VTK writes vtkIdType as 32 bits.
+TEST(IngestLegacyVtk, OtherNamesOfTypes_AreRead) {
+  const ForeignFiles files;
+  for (const auto& [name, type] : {std::pair{"signed_char", VoxelType::i8}, {"vtkIdType", VoxelType::i32}}) {
+    for (const bool binary : {false, true}) {
+      SCOPED_TRACE(testing::Message() << name << " binary " << binary);
+      const ForeignVolume volume = randomVolume(kFewVoxels, type, 533);
+      expectReadsBack(volume,
+                      files.write("a.vtk", legacyStart(volume.dims, binary) +
+                                               fmt::format("SCALARS v {}\nLOOKUP_TABLE default\n", name) +
+                                               legacyData(volume, binary)),
+                      534);
+    }
+  }
+}
+
 TEST(IngestLegacyVtk, OtherDataAreRefused) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 531);
@@ -133,7 +173,7 @@ TEST(IngestLegacyVtk, OtherDataAreRefused) {
   refused("LOOKUP_TABLE", "TABLE", ErrorCode::kFormat, "'LOOKUP_TABLE' is expected");
   refused("POINT_DATA 60", "POINT_DATA 61", ErrorCode::kFormat, "says 61 values, but the dimensions have 60");
   refused("DIMENSIONS 5 4 3", "DIMENSIONS 5 4", ErrorCode::kFormat, "'DIMENSIONS' needs a whole number");
-  refused("DIMENSIONS 5", "DIMENSIONS 0", ErrorCode::kFormat, "above 0 (found '0')");
+  refused("DIMENSIONS 5", "DIMENSIONS 0", ErrorCode::kFormat, "from 1 on (found '0')");
   refused("DIMENSIONS 5 4 3\n", "", ErrorCode::kFormat, "'DIMENSIONS' is missing");
   refused("SPACING", "PLACING", ErrorCode::kFormat, "'PLACING' is not expected");
   refused("SPACING 1", "SPACING x", ErrorCode::kFormat, "needs three numbers");

@@ -21,17 +21,18 @@ namespace {
 
 constexpr VtkTypeName kLegacyTypes[] = {{"unsigned_char", VoxelType::u8},
                                         {"char", VoxelType::i8},
+                                        {"signed_char", VoxelType::i8},
                                         {"unsigned_short", VoxelType::u16},
                                         {"short", VoxelType::i16},
                                         {"unsigned_int", VoxelType::u32},
                                         {"int", VoxelType::i32},
+                                        {"vtkidtype", VoxelType::i32},
                                         {"float", VoxelType::f32},
                                         {"double", VoxelType::f64},
                                         {"vtktypeint64", StoredType::wide(true)},
                                         {"vtktypeuint64", StoredType::wide(false)}};
 // Types that are passed over only: programs disagree on the sizes of long numbers. unit: bytes.
-constexpr std::pair<std::string_view, std::size_t> kPassedTypes[] = {
-    {"long", 8}, {"unsigned_long", 8}, {"vtkidtype", 4}};
+constexpr std::pair<std::string_view, std::size_t> kPassedTypes[] = {{"long", 8}, {"unsigned_long", 8}};
 
 // VTK writes blanks, quotation marks, percent signs and bytes beyond ASCII as %20.
 std::string decodedName(std::string_view written) {
@@ -92,10 +93,12 @@ class LegacyReader {
   bool takeFields(const Words& line);
   bool addArray(const LegacyArray& array, std::int64_t tuples);
   bool passOverText(const LegacyArray& array, std::int64_t tuples);
+  std::optional<std::uint64_t> behindBytes(const LegacyArray& array, std::uint64_t tuples) const;
+  std::optional<std::uint64_t> behindStrings(std::uint64_t at, std::uint64_t count) const;
   void takeCount(const Words& line, bool of_cells);
   void passOverMetadata();
   std::optional<Words> nextWords();
-  std::int64_t whole(const Words& line, std::size_t at) const;
+  std::int64_t whole(const Words& line, std::size_t at, std::int64_t least = 1) const;
   glm::dvec3 three(const Words& line) const;
   [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::kFormat) const {
     throw Error(code, file_.path(), fmt::format("byte {}", line_begin_), what);
@@ -118,10 +121,10 @@ std::optional<LegacyReader::Words> LegacyReader::nextWords() {
   }
 }
 
-std::int64_t LegacyReader::whole(const Words& line, std::size_t at) const {
+std::int64_t LegacyReader::whole(const Words& line, std::size_t at, std::int64_t least) const {
   const auto value = at < line.size() ? integerOf(line[at]) : std::nullopt;
-  if (!value || *value < 1 || *value > INT64_MAX / 8)
-    fail(fmt::format("{} needs a whole number above 0 (found {})", inQuotes(line[0]),
+  if (!value || *value < least || *value > INT64_MAX / 8)
+    fail(fmt::format("{} needs a whole number from {} on (found {})", inQuotes(line[0]), least,
                      at < line.size() ? inQuotes(line[at]) : "none"));
   return *value;
 }
@@ -185,14 +188,40 @@ bool LegacyReader::addArray(const LegacyArray& array, std::int64_t tuples) {
   added.begin = lines_->endOffset();
   if (tuples_ > 0 && tuples == tuples_) header_.arrays.push_back(added);
   if (!header_.binary) return tuples_ == 0 && passOverText(array, tuples);
-  const std::uint64_t size = array.numberBytes();
-  if (size == 0) return false;
-  const auto values = static_cast<std::uint64_t>(array.components);
-  const std::uint64_t room = file_.size() - added.begin;
   // A cut array is the last one; opening it names the length.
-  if (static_cast<std::uint64_t>(tuples) > room / size / values) return false;
-  lines_.emplace(file_, added.begin + static_cast<std::uint64_t>(tuples) * values * size);
+  const std::optional<std::uint64_t> end = behindBytes(added, static_cast<std::uint64_t>(tuples));
+  if (!end) return false;
+  lines_.emplace(file_, *end);
   return true;
+}
+
+// Returns the end of an array in a binary file; nothing for an unknown type, and for an array beyond the file's end.
+std::optional<std::uint64_t> LegacyReader::behindBytes(const LegacyArray& array, std::uint64_t tuples) const {
+  const std::uint64_t room = file_.size() - array.begin, size = array.numberBytes();
+  const auto values = static_cast<std::uint64_t>(array.components);
+  // A string has one byte or more; eight bits share a byte.
+  const bool strings = array.type_text == "string", bits = array.type_text == "bit";
+  if (!strings && !bits && size == 0) return std::nullopt;
+  if (tuples > (bits ? 8 * room : strings ? room : room / size) / values) return std::nullopt;
+  const std::uint64_t count = tuples * values;
+  if (strings) return behindStrings(array.begin, count);
+  return array.begin + (bits ? (count + 7) / 8 : count * size);
+}
+
+// The upper two bits of a string's first byte state the bytes of its length, big-endian: 3 one, 2 two, 1 four, 0 eight.
+std::optional<std::uint64_t> LegacyReader::behindStrings(std::uint64_t at, std::uint64_t count) const {
+  constexpr std::size_t kLengthBytes[] = {8, 4, 2, 1};
+  for (; count > 0; --count) {
+    std::array<std::byte, 8> head{};
+    const std::size_t got = file_.readSomeAt(at, head), bytes = kLengthBytes[std::to_integer<unsigned>(head[0]) >> 6];
+    if (got < bytes) return std::nullopt;
+    std::uint64_t length = std::to_integer<std::uint64_t>(head[0] & std::byte{0x3f});
+    for (std::size_t i = 1; i < bytes; ++i) length = length << 8 | std::to_integer<std::uint64_t>(head[i]);
+    at += bytes;
+    if (length > file_.size() - at) return std::nullopt;
+    at += length;
+  }
+  return at;
 }
 
 // Passes over the numbers of an array in a text file; a text has a line of its own. Returns false if the file ends.
@@ -222,7 +251,7 @@ bool LegacyReader::takeScalars(const Words& line) {
 
 bool LegacyReader::takeFields(const Words& line) {
   constexpr std::int64_t kMostFields = 4096;
-  const std::int64_t count = whole(line, 2);
+  const std::int64_t count = whole(line, 2, 0);
   if (count > kMostFields) fail(fmt::format("holds more than {} arrays", kMostFields));
   for (std::int64_t i = 0; i < count; ++i) {
     std::optional<Words> field = nextWords();
@@ -232,7 +261,7 @@ bool LegacyReader::takeFields(const Words& line) {
     }
     if (!field || field->size() < 4) fail("an array of a FIELD needs a name, components, a length and a type");
     const LegacyArray array((*field)[0], (*field)[3], whole(*field, 1));
-    if (!addArray(array, whole(*field, 2))) return false;
+    if (!addArray(array, whole(*field, 2, 0))) return false;
   }
   return true;
 }
