@@ -73,6 +73,9 @@ TEST(IngestAmira, OtherFilesAreRefusedByName) {
           "holds 2 fields on its lattice");
   refused("{ byte Data }", "{ byte }", ErrorCode::kFormat, "a field has a type and a name");
   refused("\n@1\n", "\n", ErrorCode::kFormat, "the header ends before its data");
+  // Points of another kind stand in front of the voxels.
+  refused("Lattice { byte Data } @1\n", "Markers { float[3] Coordinates } @1\nLattice { byte Data } @2\n",
+          ErrorCode::kUnsupported, "the field's data, '@2', lie behind other data (found '@1' first)");
 }
 
 TEST(IngestAmira, EveryCutIsNoticedAndFlipsAreHarmless) {

@@ -30,6 +30,8 @@ struct AmiraHeader {
   std::optional<std::vector<double>> box;
   std::string coordinates = "uniform", unit;
   std::vector<AmiraField> fields;
+  /// The mark of the first data.
+  std::string data_mark;
   std::uint64_t data_offset_bytes = 0;
 };
 
@@ -42,7 +44,10 @@ class AmiraParser {
     takeFirst(next("its first line"));
     for (;;) {
       const std::string line = next("its data");
-      if (line.starts_with("@")) break;
+      if (line.starts_with("@")) {
+        out_.data_mark = line;
+        break;
+      }
       take(line);
     }
     out_.data_offset_bytes = lines_.endOffset();
@@ -178,6 +183,10 @@ std::unique_ptr<VolumeSource> openAmira(const std::filesystem::path& input, cons
   if (header.fields.size() > 1)
     refuseField(input, header.fields[1],
                 fmt::format("holds {} fields on its lattice; save one of them", header.fields.size()));
+  if (field.mark != header.data_mark)
+    refuseField(input, field,
+                fmt::format("the field's data, {}, lie behind other data (found {} first); save the field alone",
+                            inQuotes(field.mark), inQuotes(header.data_mark)));
   if (header.coordinates != "uniform")
     throw Error(ErrorCode::kUnsupported, input, "CoordType",
                 fmt::format("{} coordinates are not read; resample to uniform ones", inQuotes(header.coordinates)));
