@@ -128,13 +128,14 @@ std::string choosePlanes(Stack& stack, std::size_t first, const std::optional<St
   return partOf("channel", channel, notes.channels) + partOf("time", time, notes.frames);
 }
 
-// Returns the number of images behind the first directory: beyond 4 GB ImageJ writes a single directory.
+// Returns the number of images behind the first directory: beyond 4 GB ImageJ writes a single directory, and tifffile
+// does on request.
 std::int64_t imagesBehind(const TiffFile& file, const StackNotes& notes) {
   const TiffPage& page = file.page();
   if (notes.counts_all_files || notes.images == 1 || page.packed || page.tiled || page.blocksDown() != 1) return 0;
   const std::uint64_t room = file.file().size() - file.blockOffset(0);
   if (static_cast<std::uint64_t>(notes.images) > room / page.bytes()) {
-    file.fail(fmt::format("ImageJ's description says {} images, but the file ends after {}", notes.images,
+    file.fail(fmt::format("{}'s description says {} images, but the file ends after {}", notes.writer, notes.images,
                           room / page.bytes()));
   }
   return notes.images - 1;

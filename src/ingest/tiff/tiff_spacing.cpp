@@ -252,6 +252,9 @@ StackNotes notesOfTifffile(const JsonNode& description, int samples) {
     order += kind;
   }
   useOrder(out, order);
+  // The images then follow the only directory, as ImageJ's do.
+  if (const std::optional<JsonNode> truncated = description.find("truncated"); truncated && truncated->truth())
+    out.images = std::min(out.slices * out.channels * out.frames, kMostImages);
   useTifffileLengths(out, description);
   return out;
 }
