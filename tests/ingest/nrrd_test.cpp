@@ -20,7 +20,8 @@ std::string nrrdHeader(const ForeignVolume& volume, bool big_endian, const std::
   const Extent3& n = volume.dims;
   return "NRRD0005\n# comment: with a colon\ntype: " + std::string(kNrrdTypes[static_cast<int>(volume.type)]) +
          "\ndimension: 3\nsizes: " + std::to_string(n.x) + " " + std::to_string(n.y) + " " + std::to_string(n.z) +
-         "\nkey:=a value: of the user's\nendian: " + (big_endian ? "big" : "little") + "\n" + more;
+         "\nkey:=a value: of the user's\ntype:=short\nitk: a:b:=c\nendian: " + (big_endian ? "big" : "little") + "\n" +
+         more;
 }
 
 std::string withCrLf(const std::string& text) {

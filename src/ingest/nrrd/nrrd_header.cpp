@@ -80,9 +80,11 @@ NrrdHeader readNrrdHeader(const File& file) {
     if (line->front() == '#') continue;
     const std::size_t colon = line->find(':');
     if (colon == std::string::npos) failAt(file, lines.number(), inQuotes(*line) + " is not 'field: value'");
-    if (line->substr(colon, 2) == ":=") continue;  // a key-value pair of the user
     const std::string written = trimmed(line->substr(0, colon));
     const auto name = fieldNames().find(lowered(written));
+    // A key-value pair of the user, whose key may have colons.
+    const bool is_pair = line->find(":=", colon) != std::string::npos;
+    if (line->substr(colon, 2) == ":=" || (is_pair && name == fieldNames().end())) continue;
     if (name == fieldNames().end()) failAt(file, lines.number(), inQuotes(written) + " is not a field of NRRD");
     header.fields.add({name->second, written, trimmed(line->substr(colon + 1)), lines.number()});
     // The lines behind "data file: LIST" are names of files and no fields.
