@@ -230,6 +230,25 @@ TEST(IngestNrrd, CutTextAndPackedData_areNoticed) {
   expectRefused(files.write("c.nrrd", header + "1 " + std::string(5000, '1')), ErrorCode::kFormat, "too long");
 }
 
+// Known from scanf, by which teem reads text.
+TEST(IngestNrrd, TextBelowTheSmallestFloat_IsZero) {
+  const ForeignFiles files;
+  for (const VoxelType type : {VoxelType::f32, VoxelType::f64}) {
+    const ForeignVolume pair = {{2, 1, 1}, type, {}};
+    const std::string header = nrrdHeader(pair, false, "encoding: ascii\n\n");
+    const auto path = files.write("a.nrrd", header + "1e-999 -1e-999\n");
+    withVoxelType(type, [&]<class T>(std::type_identity<T>) {
+      T found[2];
+      const std::vector<std::byte> voxels = readWhole(*openSource(path));
+      ASSERT_EQ(voxels.size(), sizeof found);
+      std::memcpy(found, voxels.data(), sizeof found);
+      EXPECT_EQ(found[0], T{0});
+      EXPECT_EQ(found[1], T{0});
+    });
+    expectRefused(files.write("b.nrrd", header + "1 1e999\n"), ErrorCode::kFormat, "'1e999' is not a value of type");
+  }
+}
+
 TEST(IngestNrrd, WhatIsNotReadIsRefusedByName) {
   // Known: each header is legal, or wrong in exactly the field that the message must name.
   const ForeignFiles files;

@@ -22,7 +22,10 @@ bool isBlank(int c) { return c == ' ' || (c >= '\t' && c <= '\r') || c == ','; }
 template <class T>
 std::optional<T> valueOf(std::string_view text) {
   if constexpr (std::is_floating_point_v<T>) {
-    return signedNumberOf<T>(text);
+    if (const auto value = signedNumberOf<T>(text)) return value;
+    // A number too small for the type is 0, as for scanf.
+    const std::optional<long double> small = signedNumberOf<long double>(text);
+    return small && std::abs(*small) < 1 ? std::optional(static_cast<T>(*small)) : std::nullopt;
   } else {
     const auto whole = signedNumberOf<std::int64_t>(text);
     if (!whole || *whole < std::numeric_limits<T>::min() || *whole > std::numeric_limits<T>::max()) return std::nullopt;
