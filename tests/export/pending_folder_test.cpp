@@ -72,6 +72,14 @@ TEST_F(PendingFolderReplaces, InSteps_refusesATakenNameForTheOldFolder) {
   EXPECT_TRUE(fs::exists(out_ / "old.txt"));
 }
 
+// No folder is made above the output, as for outputs of one file.
+TEST_F(PendingFolderReplaces, AMissingFolderAbove_isRefused) {
+  const fs::path above = out_ / "none";
+  expectError([&] { PendingFolder(above / "b", "a test", Leftover::kRefuse, FileSystem::real()); },
+              ErrorCode::kNotFound, "cannot be made: there is no directory " + above.string());
+  EXPECT_FALSE(fs::exists(above));
+}
+
 // Files that leave the folder together: b.txt replaces an older file.
 class PendingFolderMovesOut : public ::testing::Test {
  protected:

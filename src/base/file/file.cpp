@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/file/path_status.h"
 #include "base/file/renamed_error.h"
 #include "base/file/same_file.h"
 #include "base/file/temporary_file.h"
@@ -328,8 +329,7 @@ void FileSystem::requirePlaceFor(const fs::path& path) {
                                                                          : "a disk"));
   const fs::path place = behindLinks(path);
   const fs::path directory = place.has_parent_path() ? place.parent_path() : ".";
-  if (!fs::is_directory(directory, unknown))
-    throw Error(ErrorCode::kNotFound, path, "", "cannot be made: there is no directory " + directory.string());
+  requireFolderOf(place, path);
   try {
     makeScratch(directory);
   } catch (const Error& error) {

@@ -26,6 +26,13 @@ bool isFolder(const fs::path& path) {
   return isFound(status, error, path) && fs::is_directory(status);
 }
 
+void requireFolderOf(const fs::path& place, const fs::path& path) {
+  const fs::path directory = place.has_parent_path() ? place.parent_path() : ".";
+  std::error_code unknown;
+  if (!fs::is_directory(directory, unknown))
+    throw Error(ErrorCode::kNotFound, path, "", "cannot be made: there is no directory " + directory.string());
+}
+
 bool isNameTaken(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::symlink_status(path, error);

@@ -13,5 +13,7 @@ bool isNameTaken(const std::filesystem::path& path);
 
 /// True if `path` names a directory or a link to a directory. throws: as isThere.
 bool isFolder(const std::filesystem::path& path);
+/// Throws Error kNotFound if the directory of `place`, which is to be made, does not exist; the error names `path`.
+void requireFolderOf(const std::filesystem::path& place, const std::filesystem::path& path);
 
 }  // namespace kiln

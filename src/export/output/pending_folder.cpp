@@ -39,6 +39,7 @@ PendingFolder::PendingFolder(const fs::path& out, const std::string& contents, L
       path_(out_.string() + ".partial"),
       disk_(disk),
       lock_(lockOf(out_), refusalOf(out_)) {
+  requireFolderOf(out_, out);
   begin(contents, leftover);
 }
 

@@ -23,7 +23,7 @@ class PendingFolder {
  public:
   /// Makes the folder, or continues one of equal `contents`, a text of one line that describes what is written. Holds
   /// the lock of `out` from here on. throws: Error kExists if another process holds the lock, or if the folder
-  /// is no export, is refused, or has other contents; kIo, kNoSpace.
+  /// is no export, is refused, or has other contents; kNotFound if the folder of `out` does not exist; kIo, kNoSpace.
   PendingFolder(const std::filesystem::path& out, const std::string& contents, Leftover leftover, FileSystem& disk);
   /// Removes the folder, unless it was kept, continued or moved away.
   ~PendingFolder();
