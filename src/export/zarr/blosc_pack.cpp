@@ -1,5 +1,5 @@
 // A frame of one block that is not split: all byte planes are one Zstandard frame, so that equal upper bytes of numbers
-// become long matches. Source: README_CHUNK_FORMAT of c-blosc 1.21. The reader is ingest/codec/blosc_frame.cpp.
+// become long matches. The reader is ingest/codec/blosc_frame.cpp.
 #include "export/zarr/blosc_pack.h"
 
 #include <zstd.h>
@@ -7,15 +7,15 @@
 #include <memory>
 #include <new>
 
+#include "base/blosc_head.h"
 #include "base/byte_record.h"
 #include "ingest/codec/byte_shuffle.h"
 
 namespace kiln {
 namespace {
 
-constexpr std::uint8_t kFormatVersion2 = 2, kZstdVersion = 1;
-constexpr std::uint8_t kPlanesFlag = 1, kStoredFlag = 1 << 1, kNotSplitFlag = 1 << 4, kZstdFlag = 4 << 5;
-constexpr std::size_t kHeadBytes = 16, kBlockHeadBytes = 2 * sizeof(std::uint32_t);
+constexpr std::uint8_t kFlags = BloscHead::kNotSplit | BloscHead::flagOf(BloscHead::Codec::kZstd);
+constexpr std::size_t kHeadBytes = sizeof(BloscHead), kBlockHeadBytes = 2 * sizeof(std::uint32_t);
 
 struct FreeCompression {
   void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
@@ -28,19 +28,18 @@ ZSTD_CCtx* compressionOfThread() {
   return context.get();
 }
 
-std::vector<std::byte> frameHead(std::uint8_t flags, std::size_t number_bytes, std::size_t bytes, std::size_t frame) {
+std::vector<std::byte> frameHead(unsigned flags, std::size_t number_bytes, std::size_t bytes, std::size_t frame) {
   std::vector<std::byte> out;
   out.reserve(frame);
-  for (const std::uint8_t one : {kFormatVersion2, kZstdVersion, flags, static_cast<std::uint8_t>(number_bytes)})
-    appendValue(out, one);
-  for (const std::size_t count : {bytes, bytes, frame}) appendValue(out, static_cast<std::uint32_t>(count));
+  appendValue(out, BloscHead{BloscHead::kVersion, BloscHead::kCodecVersion, static_cast<std::uint8_t>(kFlags | flags),
+                             static_cast<std::uint8_t>(number_bytes), static_cast<std::uint32_t>(bytes),
+                             static_cast<std::uint32_t>(bytes), static_cast<std::uint32_t>(frame)});
   return out;
 }
 
 // Incompressible numbers stay as they are.
 std::vector<std::byte> storedFrame(std::span<const std::byte> numbers, std::size_t number_bytes) {
-  std::vector<std::byte> out =
-      frameHead(kStoredFlag | kNotSplitFlag | kZstdFlag, number_bytes, numbers.size(), kHeadBytes + numbers.size());
+  std::vector<std::byte> out = frameHead(BloscHead::kKept, number_bytes, numbers.size(), kHeadBytes + numbers.size());
   out.insert(out.end(), numbers.begin(), numbers.end());
   return out;
 }
@@ -65,8 +64,8 @@ std::vector<std::byte> packBlosc(std::span<const std::byte> numbers, std::size_t
   if (ZSTD_isError(bytes)) throw std::bad_alloc();  // the only failure: the room is sufficient
   const std::size_t frame = kHeadBytes + kBlockHeadBytes + bytes;
   if (bytes >= block.size() || frame >= packedBloscBytes(numbers.size())) return storedFrame(numbers, number_bytes);
-  const std::uint8_t planes_flag = number_bytes > 1 ? kPlanesFlag : 0;
-  std::vector<std::byte> out = frameHead(planes_flag | kNotSplitFlag | kZstdFlag, number_bytes, numbers.size(), frame);
+  std::vector<std::byte> out =
+      frameHead(number_bytes > 1 ? unsigned{BloscHead::kBytePlanes} : 0, number_bytes, numbers.size(), frame);
   appendValue(out, static_cast<std::uint32_t>(kHeadBytes + sizeof(std::uint32_t)));  // the place of the block
   appendValue(out, static_cast<std::uint32_t>(bytes));
   out.insert(out.end(), packed.begin(), packed.begin() + static_cast<std::ptrdiff_t>(bytes));

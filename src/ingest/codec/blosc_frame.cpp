@@ -1,7 +1,7 @@
 // Problem. Frames come from strangers, and Blosc's own reader trusts lengths inside its blocks.
 // Method. Walks the frame here, tests each length, and gives every piece to the decompressor of its codec, which has
 // its own bounds. Invariant: no byte is read beyond the frame or written beyond its stated size, which fits into the
-// output. Source: README_CHUNK_FORMAT of c-blosc 1.21, and the order of pieces ("splits") of its blosc.c.
+// output. Source: README_CHUNK_FORMAT of c-blosc 1.21.
 #include "ingest/codec/blosc_frame.h"
 
 #include <fmt/format.h>
@@ -11,6 +11,7 @@
 #include <cstring>
 #include <vector>
 
+#include "base/blosc_head.h"
 #include "base/byte_record.h"
 #include "ingest/codec/block_codecs.h"
 #include "ingest/codec/byte_shuffle.h"
@@ -18,18 +19,7 @@
 namespace kiln {
 namespace {
 
-// Little-endian.
-struct BloscHead {
-  std::uint8_t version, codec_version, flags, number_bytes;
-  std::uint32_t bytes, block_bytes, frame_bytes;
-};
-static_assert(sizeof(BloscHead) == 16);
-
-constexpr unsigned kBytePlanes = 1, kKept = 1 << 1, kBitPlanes = 1 << 2, kNotSplit = 1 << 4;
-// Numbers beyond this size, and blocks of fewer numbers, are not split into byte planes.
-constexpr std::size_t kMostSplits = 16, kLeastPlaneBytes = 128;
-
-enum class Codec { kBloscLz, kLz4, kSnappy, kZlib, kZstd };
+using Codec = BloscHead::Codec;
 
 std::optional<std::size_t> unpackPiece(Codec codec, std::span<const std::byte> packed, std::span<std::byte> out) {
   switch (codec) {
@@ -50,7 +40,7 @@ std::optional<std::size_t> unpackPiece(Codec codec, std::span<const std::byte> p
 // Restores the order of the bytes of one block.
 void joinPlanes(const BloscHead& head, std::span<const std::byte> block, std::byte* out) noexcept {
   const std::size_t size = head.number_bytes;
-  if ((head.flags & kBytePlanes) != 0 && size > 1) return joinBytePlanes(block, size, out);
+  if (head.has(BloscHead::kBytePlanes) && size > 1) return joinBytePlanes(block, size, out);
   // A block whose numbers are no multiple of eight stays as it is; bytes behind the last number always do.
   const std::size_t count = block.size() / size, shuffled = count % 8 == 0 ? count * size : 0;
   joinBitPlanes(block.first(shuffled), size, out);
@@ -60,9 +50,9 @@ void joinPlanes(const BloscHead& head, std::span<const std::byte> block, std::by
 class FrameReader {
  public:
   FrameReader(const BloscHead& head, std::span<const std::byte> frame)
-      : head_(head), frame_(frame), codec_(static_cast<Codec>(head.flags >> 5)) {
-    const bool shuffles = (head.flags & kBytePlanes) != 0 && head.number_bytes > 1;
-    planes_ = shuffles || ((head.flags & kBitPlanes) != 0 && head.block_bytes >= head.number_bytes);
+      : head_(head), frame_(frame), codec_(head.codec()) {
+    const bool shuffles = head.has(BloscHead::kBytePlanes) && head.number_bytes > 1;
+    planes_ = shuffles || (head.has(BloscHead::kBitPlanes) && head.block_bytes >= head.number_bytes);
   }
 
   std::string unpack(std::span<std::byte> out) {
@@ -77,20 +67,13 @@ class FrameReader {
   }
 
  private:
-  std::size_t splits(std::size_t block_bytes) const {
-    const std::size_t size = head_.number_bytes;
-    const bool splits = (head_.flags & kNotSplit) == 0 && size <= kMostSplits &&
-                        head_.block_bytes / size >= kLeastPlaneBytes && block_bytes == head_.block_bytes;
-    return splits ? size : 1;
-  }
-
   bool unpackBlock(std::size_t block, std::span<std::byte> out) {
     ByteTaker offset{frame_.subspan(sizeof(BloscHead) + block * sizeof(std::uint32_t))};
     const auto begin = offset.take<std::uint32_t>();
     if (!offset.ok || begin > frame_.size()) return false;
     const std::span<std::byte> raw = planes_ ? std::span(shuffled_).first(out.size()) : out;
     ByteTaker pieces{frame_.subspan(begin)};
-    const std::size_t count = splits(out.size()), piece_bytes = out.size() / count;
+    const std::size_t count = head_.pieces(out.size()), piece_bytes = out.size() / count;
     if (piece_bytes * count != out.size()) return false;
     for (std::size_t i = 0; i < count; ++i) {
       const std::span<const std::byte> packed = pieces.takeBytes(pieces.take<std::uint32_t>());
@@ -126,14 +109,13 @@ std::string unpackBlosc(std::span<const std::byte> frame, std::span<std::byte> o
   if (head.number_bytes == 0) return "the Blosc frame has numbers of 0 bytes";
   written = head.bytes;
   if (head.bytes == 0) return {};
-  if ((head.flags & kKept) != 0) {
+  if (head.has(BloscHead::kKept)) {
     if (frame.size() != sizeof head + head.bytes) return "the Blosc frame has a wrong length";
     std::memcpy(out.data(), frame.data() + sizeof head, head.bytes);
     return {};
   }
   if (head.block_bytes == 0) return "the Blosc frame has blocks of 0 bytes";
-  const std::uint64_t blocks = (std::uint64_t{head.bytes} + head.block_bytes - 1) / head.block_bytes;
-  if (frame.size() - sizeof head < blocks * sizeof(std::uint32_t))
+  if (frame.size() - sizeof head < head.blocks() * sizeof(std::uint32_t))
     return "the Blosc frame is shorter than its table of blocks";
   return FrameReader(head, frame).unpack(out.first(head.bytes));
 }

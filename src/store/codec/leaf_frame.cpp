@@ -4,31 +4,25 @@
 
 #include <algorithm>
 
+#include "base/blosc_head.h"
+
 namespace kiln {
 namespace {
 
-// Blosc's header, little-endian. The offsets of the blocks follow.
-struct FrameHead {
-  std::uint8_t version, of_codec, flags, type_bytes;
-  std::uint32_t bytes, block_bytes, frame_bytes;
-
-  std::size_t blocks() const { return (std::size_t{bytes} + block_bytes - 1) / block_bytes; }
-};
-static_assert(sizeof(FrameHead) == kFrameOverhead_bytes);
+static_assert(sizeof(BloscHead) == kFrameOverhead_bytes);
 using BlockOffset = std::uint32_t;
 using PackedLength = std::uint32_t;  // before each compressed piece
-constexpr std::size_t kOneBlockAt = sizeof(FrameHead) + sizeof(BlockOffset) + sizeof(PackedLength);
+constexpr std::size_t kOneBlockAt = sizeof(BloscHead) + sizeof(BlockOffset) + sizeof(PackedLength);
 
-constexpr std::uint8_t kVersion = 2, kOfLz4 = 1;
-constexpr std::uint8_t kShuffled = 1, kKept = 1 << 1, kOtherOrders = 3 << 2, kNotSplit = 1 << 4, kLz4 = 1 << 5,
-                       kCodecs = 7 << 5;
-// Blosc compresses no fewer bytes, and splits a block into no shorter or more pieces.
-constexpr std::size_t kFewestBytes = 128, kMostPieces = 16;
+constexpr std::uint8_t kOtherOrders = 3 << 2;
+// Of the brick writer.
+constexpr std::uint8_t kWritten =
+    BloscHead::kBytePlanes | BloscHead::kNotSplit | BloscHead::flagOf(BloscHead::Codec::kLz4);
 // Blosc's acceleration at level 9, OpenVDB's.
 constexpr int kAcceleration = 1;
 
-FrameHead headOf(std::span<const std::byte> frame) {
-  FrameHead head;
+BloscHead headOf(std::span<const std::byte> frame) {
+  BloscHead head;
   std::memcpy(&head, frame.data(), sizeof head);
   return head;
 }
@@ -69,7 +63,7 @@ void joinBytes(const std::uint8_t* planes, std::size_t bytes, std::size_t type_b
 
 // Compresses all blocks into `out`, which has room for the overhead. Returns the length of the frame; 0 if it would be
 // longer than uncompressed.
-std::size_t packBlocks(const FrameHead& head, const std::byte* values, std::byte* out) {
+std::size_t packBlocks(const BloscHead& head, const std::byte* values, std::byte* out) {
   alignas(64) std::uint8_t planes[kMostLeafBytes];
   const std::size_t room = head.bytes + kFrameOverhead_bytes;
   std::size_t at = sizeof head + head.blocks() * sizeof(BlockOffset);
@@ -124,16 +118,16 @@ std::size_t packLeaf(const void* values, std::size_t bytes, std::byte* out) noex
   const auto* const from = static_cast<const std::byte*>(values);
   // A block is a multiple of a number; the bytes of no whole number are a block of their own.
   const std::size_t whole = bytes / kBloscTypeBytes * kBloscTypeBytes;
-  FrameHead head{kVersion,
-                 kOfLz4,
-                 kShuffled | kNotSplit | kLz4,
+  BloscHead head{BloscHead::kVersion,
+                 BloscHead::kCodecVersion,
+                 kWritten,
                  kBloscTypeBytes,
                  static_cast<std::uint32_t>(bytes),
                  static_cast<std::uint32_t>(std::max<std::size_t>(whole, 1)),
                  0};
-  std::size_t length = bytes < kFewestBytes ? 0 : packBlocks(head, from, out);
+  std::size_t length = bytes < BloscHead::kFewestBytes ? 0 : packBlocks(head, from, out);
   if (length == 0) {
-    head.flags |= kKept;
+    head.flags |= BloscHead::kKept;
     std::memcpy(out + sizeof head, from, bytes);
     length = sizeof head + bytes;
   }
@@ -143,28 +137,28 @@ std::size_t packLeaf(const void* values, std::size_t bytes, std::byte* out) noex
 }
 
 bool isLeafFrame(std::span<const std::byte> frame, std::size_t bytes) noexcept {
-  if (frame.size() < sizeof(FrameHead)) return false;
-  const FrameHead head = headOf(frame);
-  if (head.version != kVersion || head.bytes != bytes || head.frame_bytes != frame.size()) return false;
-  if ((head.flags & kKept) != 0) return frame.size() == sizeof head + bytes;
-  return head.of_codec == kOfLz4 && (head.flags & kCodecs) == kLz4 && (head.flags & kOtherOrders) == 0 &&
-         head.type_bytes > 0 && head.block_bytes > 0 && head.block_bytes <= bytes &&
-         head.blocks() <= (frame.size() - sizeof head) / sizeof(BlockOffset);
+  if (frame.size() < sizeof(BloscHead)) return false;
+  const BloscHead head = headOf(frame);
+  if (head.version != BloscHead::kVersion || head.bytes != bytes || head.frame_bytes != frame.size()) return false;
+  if (head.has(BloscHead::kKept)) return frame.size() == sizeof head + bytes;
+  return head.codec_version == BloscHead::kCodecVersion && head.codec() == BloscHead::Codec::kLz4 &&
+         (head.flags & kOtherOrders) == 0 && head.number_bytes > 0 && head.block_bytes > 0 &&
+         head.block_bytes <= bytes && head.blocks() <= (frame.size() - sizeof head) / sizeof(BlockOffset);
 }
 
 bool isPlainFrame(std::span<const std::byte> frame, std::size_t bytes) noexcept {
-  const FrameHead head = headOf(frame);
-  if ((head.flags & kKept) != 0) return true;
-  return head.flags == (kShuffled | kNotSplit | kLz4) && head.type_bytes == kBloscTypeBytes &&
-         head.block_bytes == bytes && bytes % kBloscTypeBytes == 0 && frame.size() >= kOneBlockAt &&
+  const BloscHead head = headOf(frame);
+  if (head.has(BloscHead::kKept)) return true;
+  return head.flags == kWritten && head.number_bytes == kBloscTypeBytes && head.block_bytes == bytes &&
+         bytes % kBloscTypeBytes == 0 && frame.size() >= kOneBlockAt &&
          numberAt<BlockOffset>(frame, sizeof head) == sizeof head + sizeof(BlockOffset) &&
          numberAt<PackedLength>(frame, sizeof head + sizeof(BlockOffset)) == frame.size() - kOneBlockAt &&
          frame.size() - kOneBlockAt < bytes;
 }
 
 const std::byte* keptValues(std::span<const std::byte> frame) noexcept {
-  const auto flags = std::to_integer<unsigned>(frame[offsetof(FrameHead, flags)]);
-  return (flags & kKept) != 0 ? frame.data() + sizeof(FrameHead) : nullptr;
+  const auto flags = std::to_integer<unsigned>(frame[offsetof(BloscHead, flags)]);
+  return (flags & BloscHead::kKept) != 0 ? frame.data() + sizeof(BloscHead) : nullptr;
 }
 
 bool unpackPlanes(std::span<const std::byte> frame, std::size_t bytes, std::size_t wanted,
@@ -181,17 +175,15 @@ bool unpackPlanes(std::span<const std::byte> frame, std::size_t bytes, std::size
 }
 
 bool unpackBlocks(std::span<const std::byte> frame, std::size_t bytes, std::byte* values) noexcept {
-  const FrameHead head = headOf(frame);
+  const BloscHead head = headOf(frame);
   alignas(64) std::uint8_t planes[kMostLeafBytes];
   for (std::size_t block = 0; block < head.blocks(); ++block) {
     const std::size_t first = block * head.block_bytes;
     const std::size_t of_block = std::min<std::size_t>(head.block_bytes, bytes - first);
-    const bool split = (head.flags & kNotSplit) == 0 && head.type_bytes <= kMostPieces &&
-                       of_block == head.block_bytes && of_block / head.type_bytes >= kFewestBytes;
-    const std::size_t pieces = split ? head.type_bytes : 1;
+    const std::size_t pieces = head.pieces(of_block);
     const auto at = numberAt<BlockOffset>(frame, sizeof head + block * sizeof(BlockOffset));
     if (of_block % pieces != 0 || !unpackPieces(frame, at, pieces, of_block, planes)) return false;
-    joinBytes(planes, of_block, (head.flags & kShuffled) != 0 ? head.type_bytes : 1, values + first);
+    joinBytes(planes, of_block, head.has(BloscHead::kBytePlanes) ? head.number_bytes : 1, values + first);
   }
   return true;
 }
