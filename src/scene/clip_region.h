@@ -7,6 +7,7 @@
 // noise. Beside two faces, the face through which the ray entered lights the sample, so that an edge between faces is
 // as sharp as the picture; by the shortest distance, samples would alternate along the edge with the period of the
 // slabs. A face that looks away from the eye lights nothing: a ray that leaves through the face would show a dark line.
+// Samples that stand for a piece of a ray are lit by the face in part (engine/pixel/decisions/pieces.md).
 #pragma once
 
 #include <glm/vec3.hpp>

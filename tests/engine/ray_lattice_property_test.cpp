@@ -61,35 +61,43 @@ class SamplesAlone {
   std::array<double, 4> composited(int x, int y) const;
 
  private:
-  // Returns the world normal of the volume's nearest face towards the eye if it is less than a voxel away, else the
-  // gradient.
-  // `ray`: from the eye, in index space.
-  glm::dvec3 normalAt(const glm::dvec3& index, const glm::dvec3& ray) const {
-    const glm::dmat3 world_from_gradient = glm::transpose(glm::inverse(glm::dmat3(volume_.geometry.world_from_index)));
-    const glm::dvec3 of_field = world_from_gradient * field_.gradient(index);
-    glm::dvec3 out = of_field;
+  // The volume's nearest face towards the eye.
+  struct Face {
+    glm::dvec3 normal{0};  // in world space
+    double share = 0;      // part of a sample's piece within a voxel of the face
+  };
+  // `ray`: from the eye, in index space; `length`: of the piece. unit: length: rays.
+  Face faceAt(const glm::dvec3& index, const glm::dvec3& ray, double length) const {
+    Face out;
     double nearest = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
       if (ray[axis] == 0) continue;
       const auto edge = static_cast<double>(volume_.geometry.dims[axis]);
       const double inside = ray[axis] > 0 ? index[axis] + 0.5 : edge - 0.5 - index[axis];
-      const double distance = inside / std::abs(ray[axis]);
+      const double distance = inside / std::abs(ray[axis]), depth = length * std::abs(ray[axis]);
       if (!(distance < nearest)) continue;
       nearest = distance;
-      out = inside < 1 ? world_from_gradient[axis] : of_field;
+      out.normal = worldFromGradient()[axis];
+      out.share = std::clamp((1 - inside) / depth + 0.5, 0.0, 1.0);
     }
     return out;
   }
+  glm::dmat3 worldFromGradient() const {
+    return glm::transpose(glm::inverse(glm::dmat3(volume_.geometry.world_from_index)));
+  }
 
-  // Returns a sample's colour lit by a headlight, from the sample's normal and the direction to the eye.
-  glm::dvec3 lit(const glm::dvec3& color, const glm::dvec3& index, const glm::dvec3& ray) const {
-    if (!request_.shading.phong) return color;
-    const glm::dvec3 normal = normalAt(index, ray);
-    if (!(glm::length(normal) > 0)) return color;
+  // Returns a colour lit by a headlight, from a normal in world space and the direction to the eye.
+  glm::dvec3 lit(const glm::dvec3& color, const glm::dvec3& normal, const glm::dvec3& ray) const {
+    if (!request_.shading.phong || !(glm::length(normal) > 0)) return color;
     const glm::dvec3 along = glm::dmat3(volume_.geometry.world_from_index) * ray;
     const double cosine = std::abs(glm::dot(glm::normalize(normal), glm::normalize(along)));
     const Shading& s = request_.shading;
     return color * (s.ambient + s.diffuse * cosine) + s.specular * std::pow(cosine, s.power);
+  }
+  glm::dvec3 lit(const glm::dvec3& color, const glm::dvec3& index, const glm::dvec3& ray, double length) const {
+    const Face face = faceAt(index, ray, length);
+    const glm::dvec3 own = lit(color, worldFromGradient() * field_.gradient(index), ray);
+    return glm::mix(own, lit(color, face.normal, ray), face.share);
   }
 
   const DenseVolume& volume_;
@@ -123,7 +131,7 @@ std::array<double, 4> SamplesAlone::composited(int x, int y) const {
     const Classified c = request_.transfer_function.at(value);
     const double tau = extinctionOf(c.opacity, request_.transfer_function.unitIn(volume_.geometry.meanSpacing()));
     const double weight = (1 - out[3]) * -std::expm1(-tau * (far - near) * oblique);
-    const glm::dvec3 color = lit(c.color, index, ray.slope());
+    const glm::dvec3 color = lit(c.color, index, ray.slope(), far - near);
     for (std::size_t channel = 0; channel < 3; ++channel) out[channel] += weight * color[static_cast<int>(channel)];
     out[3] += weight;
   }

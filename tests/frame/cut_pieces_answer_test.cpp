@@ -156,6 +156,35 @@ TEST_P(PiecesOfARamp, HaveTheLightOfTheClosedForm) {
   EXPECT_LT(worst, 0.001);
 }
 
+// A headlight on a solid of one colour: the face's normal within a voxel of the face, the ramp's behind.
+TEST_P(PiecesOfARamp, AreLitByTheFaceForAVoxel) {
+  constexpr double kOpacity = 0.3;
+  const double tau = -std::log1p(-kOpacity);
+  FrameRequest lit = request(kOpacity);
+  lit.shading.specular = 0;
+  const Image image = draw(store_, lit);
+  double squares = 0, worst = 0;
+  int pixels = 0;
+  forEachPixel(lit, [&](int x, int y, const Ray& ray, const Way& way) {
+    const double exit = ray.origin.x + way.leave * ray.direction.x;
+    // Beyond the voxels' centres the ramp has no direction.
+    if (way.length() < 0.1 || exit < 0 || exit > 19) return;
+    const auto lightOf = [&](const glm::dvec3& normal) {
+      return lit.shading.ambient + lit.shading.diffuse * std::abs(glm::dot(normal, ray.direction));
+    };
+    const glm::dvec3& face = way.out_of_face;
+    const double voxel = std::abs(face.x) + std::abs(face.y) + std::abs(face.z);
+    const double near = std::min(voxel / std::abs(glm::dot(face, ray.direction)), way.length());
+    const double of_face = -std::expm1(-tau * near), all = -std::expm1(-tau * way.length());
+    const double light = of_face * lightOf(face) + (all - of_face) * lightOf({1, 0, 0});
+    const double error = static_cast<double>(image.pixel(x, y)[0]) - light;
+    squares += error * error, worst = std::max(worst, std::abs(error)), ++pixels;
+  });
+  std::printf("rms %.6f, worst %.6f of %d pixels\n", std::sqrt(squares / pixels), worst, pixels);
+  EXPECT_GT(pixels, 4000);
+  EXPECT_LT(worst, 0.002);
+}
+
 const Cut kCuts[] = {{"nothing", {}},
                      {"corner", {{{-0.7, 0.5, -0.3}, 1.1}}},
                      {"wedge", {{{-0.7, 0.5, -0.3}, 1.3}, {{0.4, 0.8, 0.1}, -0.6}}}};

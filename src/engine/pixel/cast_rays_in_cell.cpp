@@ -371,11 +371,17 @@ class CellCaster {
     return {hn::LoadU(d, s_.slope[0] + n), hn::LoadU(d, s_.slope[1] + n), hn::LoadU(d, s_.slope[2] + n)};
   }
 
-  // Stores the positions of samples, and the slabs that the samples cover.
+  // Stores the positions of samples, the slabs that the samples cover, and the faces that light the samples.
   HWY_INLINE void keepPlaces(std::size_t n, const CellPlaces::Where& w) {
     const D d;
     for (int a = 0; a < 3; ++a) hn::StoreU(p_.indexOf(a, w, 0), d, s_.index_place[a] + n);
     hn::StoreU(w.slabs, d, s_.slabs + n);
+    if (in_.lit_by.empty()) return;
+    const FaceSlopes::Face face = faces_.at(w);
+    hn::StoreU(face.slope.x, d, s_.face_slope[0] + n);
+    hn::StoreU(face.slope.y, d, s_.face_slope[1] + n);
+    hn::StoreU(face.slope.z, d, s_.face_slope[2] + n);
+    hn::StoreU(face.share, d, s_.face_share + n);
   }
 
   SampleSite siteOf(std::size_t n) const {
@@ -386,6 +392,9 @@ class CellCaster {
     if (!std::isfinite(out.gradient.x + out.gradient.y + out.gradient.z)) out.gradient = glm::vec3(0);
     out.view = context_.projector().viewOfIndex(out.index);
     out.to_eye = context_.projector().towardsEye(out.view);
+    if (on_face_ || in_.lit_by.empty()) return out;
+    out.face_slope = {s_.face_slope[0][n], s_.face_slope[1][n], s_.face_slope[2][n]};
+    out.face_share = s_.face_share[n];
     return out;
   }
 
@@ -551,8 +560,8 @@ class CellCaster {
       if (lights && l_.light.phong) {
         V matte = hn::Set(d, 1.0f), gloss = hn::Zero(d);
         const Sight sight = p_.sightOf(p_.slabOf(hn::LoadU(DI(), s_.kept_code + n + i)));
-        const Vector slope = in_.lit_by.empty() ? slopeOf(n, i) : slopeAtFace(n, i);
-        lightOn(d, l_.light, l_.perspective, slope, sight, matte, gloss);
+        lightOn(d, l_.light, l_.perspective, slopeOf(n, i), sight, matte, gloss);
+        if (!in_.lit_by.empty()) lightFace(n + i, sight, matte, gloss);
         const auto lit = [&](V color) { return fused(color, matte, gloss); };
         red = lit(red), green = lit(green), blue = lit(blue);
       } else if (lights) {
@@ -576,14 +585,43 @@ class CellCaster {
     CellPlaces::Where w = p_.sampleOf(hn::LoadU(DI(), s_.kept_code + n));
     if (l_.surfaces > 0) w.t = hn::LoadU(d, s_.at + n);
     const Sight sight = p_.sightOf(w);
-    const Vector inside = l_.surfaces > 0 && !derives_ ? outOfSurface(n, slopeOf(n - i, i)) : slopeOf(n - i, i);
-    const FaceSlopes::Slopes found =
-        !in_.lit_by.empty() ? faces_.replaced(w, inside) : FaceSlopes::Slopes{inside, hn::FirstN(d, 0)};
+    const Vector slope = l_.surfaces > 0 && !derives_ ? outOfSurface(n, slopeOf(n - i, i)) : slopeOf(n - i, i);
+    const SampleLight light(*l_.lights, l_.perspective);
+    const M alive = hn::FirstN(d, std::min(count, hn::Lanes(d)));
     Colors colors{red, green, blue};
-    SampleLight(*l_.lights, l_.perspective)
-        .on(found.slope, found.on_face, sight, p_.viewOf(w, sight), hn::FirstN(d, std::min(count, hn::Lanes(d))),
-            colors);
+    if (in_.lit_by.empty()) {
+      light.on(slope, hn::FirstN(d, 0), sight, p_.viewOf(w, sight), alive, colors);
+    } else {
+      const FaceSlopes::Face face = faces_.at(w);
+      const M none = hn::Eq(face.share, hn::Zero(d)), all = hn::Eq(face.share, hn::Set(d, 1.0f));
+      const M on_face = hn::Not(none), in_part = hn::And(alive, hn::AndNot(all, on_face));
+      const auto either = [&](V of_face, V own) { return hn::IfThenElse(on_face, of_face, own); };
+      const Vector normal{either(face.slope.x, slope.x), either(face.slope.y, slope.y), either(face.slope.z, slope.z)};
+      light.on(normal, on_face, sight, p_.viewOf(w, sight), alive, colors);
+      if (!hn::AllFalse(d, in_part)) {
+        Colors own{red, green, blue};
+        light.on(slope, hn::FirstN(d, 0), sight, p_.viewOf(w, sight), in_part, own);
+        const auto mixed = [&](V of_face, V inner) {
+          return hn::IfThenElse(in_part, fused(face.share, hn::Sub(of_face, inner), inner), of_face);
+        };
+        colors = {mixed(colors.red, own.red), mixed(colors.green, own.green), mixed(colors.blue, own.blue)};
+      }
+    }
     red = colors.red, green = colors.green, blue = colors.blue;
+  }
+
+  // Mixes the plain light of a vector of samples, the n-th on, with the light of the face in front of the samples.
+  HWY_NOINLINE void lightFace(std::size_t n, const Sight& sight, V& matte, V& gloss) const {
+    const D d;
+    const FaceSlopes::Face face = faces_.at(p_.sampleOf(hn::LoadU(DI(), s_.kept_code + n)));
+    if (hn::AllTrue(d, hn::Eq(face.share, hn::Zero(d)))) return;
+    V matte_of_face = matte, gloss_of_face = gloss;
+    lightOn(d, l_.light, l_.perspective, face.slope, sight, matte_of_face, gloss_of_face);
+    const M whole = hn::Eq(face.share, hn::Set(d, 1.0f));
+    const auto mixed = [&](V of_face, V own) {
+      return hn::IfThenElse(whole, of_face, fused(face.share, hn::Sub(of_face, own), own));
+    };
+    matte = mixed(matte_of_face, matte), gloss = mixed(gloss_of_face, gloss);
   }
 
   // The gradients of a batch of samples that begins at the n-th, from its i-th on.
@@ -591,10 +629,6 @@ class CellCaster {
     if (derives_) return slopesFrom(n + i);
     const D d;
     return slopes_ ? slopesAt(i) : Vector{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  }
-
-  HWY_NOINLINE Vector slopeAtFace(std::size_t n, std::size_t i) const {
-    return faces_.replaced(p_.sampleOf(hn::LoadU(DI(), s_.kept_code + n + i)), slopeOf(n, i)).slope;
   }
 
   // Adds light as `light` does, and stores each sample as a deep sample. A sample that closes its pixel includes the

@@ -81,6 +81,8 @@ struct CellSamples {
   alignas(64) float row[kRoom];
   // Per visible sample, if something needs them: gradient, position in index space, and slabs that it covers.
   alignas(64) float slope[3][kRoom], index_place[3][kRoom], slabs[kRoom];
+  // Per visible sample that a face may light, if something needs normals: FaceSlopes::Face.
+  alignas(64) float face_slope[3][kRoom], face_share[kRoom];
   // Alpha of a vector of pixels.
   alignas(64) float alpha[kLanes];
   // Per sample that is lit: position along x; rows of interpolated values.
