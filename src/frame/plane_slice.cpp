@@ -9,10 +9,14 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vector_relational.hpp>
+#include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "base/error.h"
 #include "base/thread/parallel.h"
+#include "engine/shared/brick_extremum.h"
+#include "engine/shared/draw_counts.h"
 #include "frame/slice_palette.h"
 #include "frame/slice_statistic.h"
 #include "grid/value_range.h"
@@ -54,8 +58,11 @@ glm::dvec3 downOf(const glm::dvec3& normal, PatientFrame frame) {
 // Samples of a plane's pixels in the index space of a level.
 class PlaneSampler {
  public:
-  PlaneSampler(const VolumeGeometry& level, const PlanePixels& pixels, bool labels)
-      : pixels_(pixels), labels_(labels), last_(glm::dvec3(level.dims.x - 1, level.dims.y - 1, level.dims.z - 1)) {
+  PlaneSampler(const VolumeGeometry& level, const PlanePixels& pixels, bool labels, bool exact)
+      : pixels_(pixels),
+        labels_(labels),
+        exact_(exact),
+        last_(glm::dvec3(level.dims.x - 1, level.dims.y - 1, level.dims.z - 1)) {
     const glm::dmat4 index_from_world = glm::inverse(level.world_from_index);
     const glm::dmat3 turn(index_from_world);
     first_ = glm::dvec3(index_from_world * glm::dvec4(pixels.first, 1.0));
@@ -64,10 +71,43 @@ class PlaneSampler {
     along_ = turn * pixels.along;
   }
 
-  // Gathers the samples whose cell belongs to the brick, of a row of pixels from `begin` to `end`.
+  // Gathers what the brick adds to a row of pixels from `begin` to `end`.
   template <class T>
   void addRow(const BrickBlock& block, const SliceStatistic& statistic, std::int64_t y, std::int64_t begin,
               std::int64_t end, GatheredValue* row) const {
+    if (!exact_)
+      addSamples<T>(block, statistic, y, begin, end, row);
+    else if (statistic.sign() > 0)
+      addExtrema<T, false>(block, y, begin, end, row);
+    else
+      addExtrema<T, true>(block, y, begin, end, row);
+  }
+
+ private:
+  // Raises pixels to the extremum on the line across the slice, in the brick.
+  template <class T, bool kLeast>
+  void addExtrema(const BrickBlock& block, std::int64_t y, std::int64_t begin, std::int64_t end,
+                  GatheredValue* row) const {
+    constexpr double kSign = kLeast ? -1 : 1;
+    DrawCounts counts;
+    BrickExtremum<T, kLeast> extremum(block, false, counts);
+    const glm::dvec3 first(block.core.lo.x, block.core.lo.y, block.core.lo.z);
+    const glm::dvec3 after(block.core.hi.x, block.core.hi.y, block.core.hi.z);
+    for (std::int64_t x = begin; x < end; ++x) {
+      const IndexRay line{first_ + static_cast<double>(x) * right_ + static_cast<double>(y) * down_, along_};
+      const auto [near, far] = line.between(glm::dvec3(-0.5), last_ + 0.5, -pixels_.reach, pixels_.reach);
+      const auto [here, there] = line.between(first - 0.5, after - 0.5, near, far);
+      if (!(here < there)) continue;
+      double held = row[x].samples > 0 ? kSign * row[x].value : -std::numeric_limits<double>::infinity();
+      extremum.take(line, {here, there, here == near, there == far}, held);
+      if (std::isfinite(held) || row[x].samples > 0) row[x] = {kSign * held, 1};
+    }
+  }
+
+  // Gathers the samples whose cell belongs to the brick.
+  template <class T>
+  void addSamples(const BrickBlock& block, const SliceStatistic& statistic, std::int64_t y, std::int64_t begin,
+                  std::int64_t end, GatheredValue* row) const {
     const T* const voxels = block.data<T>();
     for (std::int64_t x = begin; x < end; ++x) {
       for (int k = 0; k < pixels_.samples; ++k) {
@@ -86,7 +126,6 @@ class PlaneSampler {
     }
   }
 
- private:
   template <class T>
   static double trilinear(const T* corner, const BrickBlock& block, const glm::dvec3& part) {
     double out = 0;
@@ -101,7 +140,7 @@ class PlaneSampler {
   }
 
   const PlanePixels& pixels_;
-  bool labels_;
+  bool labels_, exact_;
   glm::dvec3 last_, first_, right_, down_, along_;
 };
 
@@ -125,7 +164,7 @@ PixelBox pixelsOver(const VoxelBox& core, const VolumeGeometry& level, const Pla
     along_x.include(glm::dot(from_first, pixels.right) / edge2);
     along_y.include(glm::dot(from_first, pixels.down) / edge2);
   }
-  const double half = 0.5 * glm::dot(pixels.along, pixels.along) / edge2 * (pixels.samples - 1);
+  const double half = pixels.reach * glm::dot(pixels.along, pixels.along) / edge2;
   if (across.lo > half + kSideRounding || across.hi < -half - kSideRounding) return {};
   const auto bounded = [](double pixel, std::int64_t count) {
     return static_cast<std::int64_t>(std::clamp(pixel, 0.0, static_cast<double>(count)));
@@ -205,8 +244,15 @@ PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& 
     throw Error(ErrorCode::kUsage, fmt::format("--thickness: expected at most {} voxels of {:g} (found {:g})",
                                                kLargestSliceSide, voxel, request.thickness));
   out.samples = static_cast<int>(samples);
-  out.along = (out.samples > 1 ? request.thickness / samples : voxel) * normal;
+  const double apart = out.samples > 1 ? request.thickness / samples : voxel;
+  out.along = apart * normal;
+  out.reach = 0.5 * request.thickness / apart;
   return out;
+}
+
+bool isExactAcross(const BrickedVolume& store, const PlaneSliceRequest& request) {
+  return request.thickness > 0 && store.manifest().volume_class != VolumeClass::kLabels &&
+         sliceStatistic(request.statistic).sign() != 0;
 }
 
 Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& request, Progress& progress) {
@@ -220,7 +266,7 @@ Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& requ
                            request.window.value_or(defaultWindow(store.manifest().histogram)));
   const PlanePixels pixels = pixelsOfPlane(level, request);
   requireSliceFits(store, pixels.width, pixels.height, 4 * sizeof(float) + sizeof(GatheredValue), request.memory_bytes);
-  const PlaneSampler sampler(level, pixels, labels);
+  const PlaneSampler sampler(level, pixels, labels, isExactAcross(store, request));
   std::vector<GatheredValue> gathered(static_cast<std::size_t>(pixels.width * pixels.height));
   const Extent3& lattice = store.index().lattice(request.level);
   for (std::int64_t i = 0; i < lattice.count(); ++i) {

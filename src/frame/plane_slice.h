@@ -1,6 +1,7 @@
 // Draws the slice of a volume along any plane, thin or thick, from the bricks that the slice meets.
-// Method. Multiplanar reformatting: values between voxels are trilinear, labels are of the nearest voxel; the samples
-// across a thick slice are at most a voxel's shortest edge apart.
+// Method. Multiplanar reformatting: values between voxels are trilinear, labels are of the nearest voxel. The greatest
+// and the least value across a thick slice are exact; samples of means and labels are at most a voxel's shortest edge
+// apart.
 #pragma once
 
 #include <cstdint>
@@ -35,14 +36,18 @@ struct PlanePixels {
   glm::dvec3 first;               // centre of the upper left pixel
   glm::dvec3 right, down, along;  // from a pixel, or a sample, to the next
   std::int64_t width, height;
-  int samples;  // across the slice; sample k is at `first` + (k - (samples - 1) / 2) · `along`
-  double edge;  // of a pixel. unit: world
+  int samples;   // across the slice; sample k is at `first` + (k - (samples - 1) / 2) · `along`
+  double reach;  // of the slice to either side of the plane. unit: `along`
+  double edge;   // of a pixel. unit: world
   glm::dvec3 at(double x, double y) const { return first + x * right + y * down; }
 };
 
 /// Returns the pixels that cover the slice of the volume's box. z is up; where the normal is nearer to z than to x and
 /// y, y is down, or up in RAS. throws: Error kUsage: no normal, a plane beside the volume, too many pixels.
 PlanePixels pixelsOfPlane(const VolumeGeometry& level, const PlaneSliceRequest& request);
+
+/// True if pixels hold the exact greatest or least value across a thick slice, not that of samples.
+bool isExactAcross(const BrickedVolume& store, const PlaneSliceRequest& request);
 
 /// Draws a slice. Pixels of NaN, of labels without opacity or style, and outside the volume are transparent. Equal bits
 /// for all numbers of threads; sizes of bricks change the order of sums. memory: 32 bytes a pixel and one brick.

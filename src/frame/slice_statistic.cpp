@@ -20,10 +20,18 @@ class Mean final : public SliceStatistic {
 };
 
 class Greatest final : public SliceStatistic {
+ public:
+  int sign() const override { return 1; }
+
+ private:
   double combined(double held, double value) const override { return std::max(held, value); }
 };
 
 class Least final : public SliceStatistic {
+ public:
+  int sign() const override { return -1; }
+
+ private:
   double combined(double held, double value) const override { return std::min(held, value); }
 };
 

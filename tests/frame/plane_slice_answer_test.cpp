@@ -88,11 +88,29 @@ TEST_F(PlaneSlice, Oblique_hasTheValuesOfItsPlaces) {
 
 TEST_F(PlaneSlice, ThickSlice_hasItsMeanAndItsEnds) {
   const glm::dvec3 normal(2, 1, 2);
-  // From the middle of the slice to the outermost of 8 samples: 3.5 of 8 steps.
-  const double end = 3.5 * 8 / 8 * glm::dot(kSlope, normal) / 3;
+  const double end = 4 * glm::dot(kSlope, normal) / 3;
   EXPECT_GT(expectValues(requestOf(normal, -60, 8)), 100);
   EXPECT_GT(expectValues(requestOf(normal, -60, 8, "mip"), end), 100);
   EXPECT_GT(expectValues(requestOf(normal, -60, 8, "minip"), -end), 100);
+}
+
+// A sheet of 200 in a volume of 0, in the middle of slices of any thickness.
+TEST_F(PlaneSlice, ThickSlice_hasThePeakBetweenItsSamples) {
+  const DenseVolume sheet = fill({{32, 32, 32}, VoxelType::u8}, [](auto, auto j, auto) { return j == 16 ? 200 : 0; });
+  const StoreReader store(makeStore(sheet, "sheet_slice", 8));
+  Progress progress;
+  for (const double thickness : {0.3, 1.0, 2.0, 3.0, 4.0}) {
+    PlaneSliceRequest request = requestOf({0, 1, 0}, -16.1, thickness, "mip");
+    request.window = Window{100, 200};
+    const Image greatest = renderPlaneSlice(store, request, progress);
+    request.statistic = "minip";
+    const Image least = renderPlaneSlice(store, request, progress);
+    const double from_sheet = 0.5 * thickness + 0.1;
+    for (int i = 0; i < 32; ++i) {
+      EXPECT_NEAR(srgbFromLinear(greatest.pixel(i, 31 - i)[0]), 1, 1e-3) << thickness;
+      EXPECT_NEAR(srgbFromLinear(least.pixel(i, 31 - i)[0]), std::max(1 - from_sheet, 0.0), 1e-3) << thickness;
+    }
+  }
 }
 
 TEST_F(PlaneSlice, PixelsOfAnySize_haveTheValuesOfTheirPlaces) {

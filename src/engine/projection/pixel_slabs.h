@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/shared/brick_extremum.h"
 #include "engine/shared/projector.h"
 #include "engine/shared/slab_grid.h"
 
@@ -19,20 +20,26 @@ class PixelRay {
     for (int axis = 0; axis < 3; ++axis) {
       const glm::dvec4& row = projector.indexRow(axis);
       const double lateral = row.x * across.x + row.y * across.y;
-      base_[axis] = projector.perspective() ? row.w : row.w + lateral;
-      slope_[axis] = projector.perspective() ? row.z + lateral : row.z;
+      ray_.base[axis] = projector.perspective() ? row.w : row.w + lateral;
+      ray_.slope[axis] = projector.perspective() ? row.z + lateral : row.z;
     }
     if (projector.perspective()) oblique_ = std::sqrt(1 + across.x * across.x + across.y * across.y);
   }
   /// The ray's point at a depth is base + slope · depth, in the level's index space.
-  const glm::dvec3& base() const { return base_; }
-  const glm::dvec3& slope() const { return slope_; }
+  const IndexRay& inIndexSpace() const { return ray_; }
+  const glm::dvec3& base() const { return ray_.base; }
+  const glm::dvec3& slope() const { return ray_.slope; }
   /// Length of the ray per depth.
   double oblique() const { return oblique_; }
 
  private:
-  glm::dvec3 base_, slope_;
+  IndexRay ray_;
   double oblique_ = 1;
+};
+
+/// Depths [near, far).
+struct DepthSpan {
+  double near, far;
 };
 
 /// Slabs [first, end).

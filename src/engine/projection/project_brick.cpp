@@ -5,6 +5,9 @@
 #include <limits>
 #include <optional>
 
+#include "engine/shared/brick_extremum.h"
+#include "engine/shared/interpolated_brick.h"
+
 namespace kiln {
 namespace {
 
@@ -19,20 +22,15 @@ struct RayPart {
 // Clips the ray. A box and its neighbour compute their common plane with equal operations, so that no sample is in both
 // boxes.
 RayPart partIn(const RayFrame& frame, const PixelRay& ray, const VoxelBox& box) {
-  RayPart out{frame.projector->perspective() ? frame.projector->nearDepth() : -kInfinity, kInfinity};
+  glm::dvec3 lo, hi;
   for (int axis = 0; axis < 3; ++axis) {
-    const double base = ray.base()[axis], slope = ray.slope()[axis];
-    const double lo = static_cast<double>(box.lo[axis]) - 0.5;
+    lo[axis] = static_cast<double>(box.lo[axis]) - 0.5;
     // The last voxel of a coarser level may reach beyond the end of level 0.
-    const double hi = box.hi[axis] == frame.dims[axis] ? frame.end[axis] : static_cast<double>(box.hi[axis]) - 0.5;
-    if (slope == 0) {
-      if (base < lo || base >= hi) return {0, 0};
-      continue;
-    }
-    const double a = (lo - base) / slope, b = (hi - base) / slope;
-    out.near = std::max(out.near, slope > 0 ? a : b);
-    out.far = std::min(out.far, slope > 0 ? b : a);
+    hi[axis] = box.hi[axis] == frame.dims[axis] ? frame.end[axis] : static_cast<double>(box.hi[axis]) - 0.5;
   }
+  const double nearest = frame.projector->perspective() ? frame.projector->nearDepth() : -kInfinity;
+  const auto [near, far] = ray.inIndexSpace().between(lo, hi, nearest, kInfinity);
+  RayPart out{near, far};
   if (!frame.clip->showsAll()) frame.clip->cutLine(ray.base(), ray.slope(), out.near, out.far);
   return out;
 }
@@ -67,17 +65,7 @@ double lengthOf(const SlabZone& zone, int slab, const RayPart& whole) {
   return (last ? whole.far : end) - (first ? whole.near : begin);
 }
 
-// Interpolates from a to b. A voxel of weight 0 may be NaN and is ignored. Fractions have float precision, so that
-// rounding does not leave [a, b] unless the values have more bits than a float.
-template <class T>
-double between(double a, double b, double fraction) {
-  if constexpr (std::is_floating_point_v<T>) {
-    if (fraction == 0) return a;
-  }
-  return a + fraction * (b - a);
-}
-
-enum class Rule { kExtremum, kMean, kAttenuated };
+enum class Rule { kMean, kAttenuated };
 
 // Takes a sample of a mean or of an attenuated maximum. `length`: of the sample, along the ray. Equations (5), (7).
 template <Rule kRule>
@@ -102,26 +90,24 @@ double sampleLength(const PixelRay& ray, double depth) {
   return kRule == Rule::kAttenuated ? depth * ray.oblique() : depth;
 }
 
+// Takes the samples of a brick along rays, front to back.
 template <class T, Rule kRule>
-class BrickRays {
+class BrickSamples {
  public:
-  BrickRays(const BrickBlock& block, bool all, double sign, const Attenuation& attenuation, DrawCounts& counts)
+  BrickSamples(const BrickBlock& block, bool all, const Attenuation& attenuation, DrawCounts& counts)
       : attenuation_(attenuation),
         block_(block),
-        voxels_(block.data<T>()),
-        stride_y_(block.strideY()),
-        stride_z_(block.strideZ()),
+        field_(block),
         first_(block.core.lo.x, block.core.lo.y, block.core.lo.z),
         all_(all),
-        sign_(sign),
         counts_(counts) {
     for (int axis = 0; axis < 3; ++axis)
       last_cell_[axis] = static_cast<int>((block.core.hi[axis] - block.core.lo[axis] - 1) / kCellSize);
   }
 
-  // Takes the samples of `span`. For means `whole` is the ray's whole interval; otherwise `length` is null.
+  // Takes the samples of `span`. `whole`: the ray's interval in the whole volume.
   void take(const PixelRay& ray, const RayPart& whole, const SlabZone& zone, const SlabSpan& span, double& held,
-            double* length) noexcept {
+            double& length) noexcept {
     counts_.visited += static_cast<std::uint64_t>(span.end - span.first);
     const glm::dvec3 base = ray.base() - first_, inverse = 1.0 / ray.slope();
     const double slabs_per_depth = 1 / zone.thickness;
@@ -138,25 +124,19 @@ class BrickRays {
       }
       const double beyond = std::clamp((leaves_at - zone.near) * slabs_per_depth + 0.5, slab + 1.0, span.end + 0.0);
       const int leaves = static_cast<int>(beyond);
-      const ValueRange& range = block_.supports.at(cell[0] + 1, cell[1] + 1, cell[2] + 1);
       ++counts_.nodes_tested;
-      if (kRule == Rule::kAttenuated && !all_ && !(std::exp(-*length) > held)) return;
-      if (range.empty() || (kRule == Rule::kExtremum && !all_ && !((sign_ > 0 ? range.hi : -range.lo) > held))) {
+      if (kRule == Rule::kAttenuated && !all_ && !(std::exp(-length) > held)) return;
+      if (block_.supports.at(cell[0] + 1, cell[1] + 1, cell[2] + 1).empty()) {
         ++counts_.nodes_hidden;
         slab = leaves;
         continue;
       }
       counts_.splats += static_cast<std::uint64_t>(leaves - slab);
       for (; slab < leaves; ++slab) {
-        const double value = valueAt(ray.base() + depthOf(zone, slab) * ray.slope());
-        if constexpr (kRule != Rule::kExtremum) {
-          if (std::isnan(value)) continue;
-          const double part = sampleLength<kRule>(ray, lengthOf(zone, slab, whole));
-          if (takeSample<kRule>(attenuation_, value, part, held, *length)) counts_.changed = true;
-        } else if (sign_ * value > held) {
-          held = sign_ * value;
-          counts_.changed = true;
-        }
+        const double value = field_.valueAt(ray.base() + depthOf(zone, slab) * ray.slope());
+        if (std::isnan(value)) continue;
+        const double part = sampleLength<kRule>(ray, lengthOf(zone, slab, whole));
+        if (takeSample<kRule>(attenuation_, value, part, held, length)) counts_.changed = true;
       }
     }
   }
@@ -164,114 +144,138 @@ class BrickRays {
  private:
   static double depthOf(const SlabZone& zone, int slab) { return zone.near + (slab + 0.5) * zone.thickness; }
 
-  // Interpolates linearly with equal arithmetic in every brick. requires: place >= -1/2, up to rounding.
-  double valueAt(const glm::dvec3& place) const {
-    VoxelCoord voxel;
-    double part[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      voxel[axis] = static_cast<std::int64_t>(place[axis] + 1) - 1;
-      part[axis] = static_cast<float>(std::max(place[axis] - static_cast<double>(voxel[axis]), 0.0));
-    }
-    const T* const v = voxels_ + block_.offsetOf(voxel);
-    const auto along_x = [&](std::int64_t i) {
-      return between<T>(static_cast<double>(v[i]), static_cast<double>(v[i + 1]), part[0]);
-    };
-    const double front = between<T>(along_x(0), along_x(stride_y_), part[1]);
-    const double back = between<T>(along_x(stride_z_), along_x(stride_z_ + stride_y_), part[1]);
-    return between<T>(front, back, part[2]);
-  }
-
   const Attenuation& attenuation_;
   const BrickBlock& block_;
-  const T* const voxels_;
-  const std::int64_t stride_y_, stride_z_;
+  const InterpolatedBrick<T> field_;
   const glm::dvec3 first_;
   const bool all_;
-  const double sign_;
   DrawCounts& counts_;
   int last_cell_[3];
 };
 
-// Calls take(ray, whole, zone, span, held, length) for each pixel of `rect` that may change and each zone with samples
-// in `core`. Where the order of samples counts, `whole` is the ray's interval in the whole volume; otherwise `length`
-// is null.
-template <class Take>
-void forEachRay(const RayFrame& frame, const VoxelBox& core, double bound, bool all, const PixelRect& rect,
-                ProjectedValues& values, Take take) noexcept {
+// Calls visit(ray, part, held, place in the row) for each pixel of `rect` whose ray has a part in `core`, unless the
+// pixel is left out, or full(held).
+template <class Full, class Visit>
+void forEachRay(const RayFrame& frame, const VoxelBox& core, const PixelRect& rect, ProjectedValues& values, Full full,
+                Visit visit) noexcept {
   for (int y = rect.y0; y < rect.y1; ++y) {
     double* const held = values.held(rect.x0, y);
-    double* const length = values.accumulates() ? values.length(rect.x0, y) : nullptr;
     const Silhouette::Row outline = frame.outline->row(y);
     for (int i = 0; i < rect.width(); ++i) {
-      if (std::isnan(held[i]) || (length == nullptr && !all && !(bound > held[i]))) continue;
+      if (std::isnan(held[i]) || full(held[i])) continue;
       const Silhouette::Part covered = outline.at(rect.x0 + i);
       if (covered.share == 0) continue;
       const PixelRay ray(*frame.projector, covered.middle);
       const RayPart part = partIn(frame, ray, core);
-      if (part.empty()) continue;
-      double* const length_here = length == nullptr ? nullptr : length + i;
-      RayPart whole = length != nullptr ? partIn(frame, ray, boxOf(frame.dims)) : part;
-      bool taken = false;
-      for (const SlabZone& zone : frame.zones) {
-        const SlabSpan span = slabsOf(zone, part);
-        if (span.empty()) continue;
-        take(ray, whole, zone, span, held[i], length_here);
-        taken = true;
-      }
-      if (taken) continue;
-      if (length == nullptr) whole = partIn(frame, ray, boxOf(frame.dims));
-      const std::optional<SlabZone> slab = shortRay(frame, whole);
-      if (slab && !slabsOf(*slab, part).empty()) take(ray, whole, *slab, {0, 1}, held[i], length_here);
+      if (!part.empty()) visit(ray, part, held[i], rect.x0 + i, y);
     }
   }
 }
 
+// Calls take(ray, whole, zone, span, held, length) for each pixel of `rect` and each zone with samples in `core`.
+// `whole` is the ray's interval in the whole volume.
+template <class Take>
+void forEachSpan(const RayFrame& frame, const VoxelBox& core, const PixelRect& rect, ProjectedValues& values,
+                 Take take) noexcept {
+  const auto visit = [&](const PixelRay& ray, const RayPart& part, double& held, int x, int y) {
+    const RayPart whole = partIn(frame, ray, boxOf(frame.dims));
+    double& length = *values.length(x, y);
+    bool taken = false;
+    for (const SlabZone& zone : frame.zones) {
+      const SlabSpan span = slabsOf(zone, part);
+      if (span.empty()) continue;
+      take(ray, whole, zone, span, held, length);
+      taken = true;
+    }
+    if (taken) return;
+    const std::optional<SlabZone> slab = shortRay(frame, whole);
+    if (slab && !slabsOf(*slab, part).empty()) take(ray, whole, *slab, {0, 1}, held, length);
+  };
+  forEachRay(
+      frame, core, rect, values, [](double) { return false; }, visit);
+}
+
+// Calls take(ray, stretch, held) for each pixel of `rect` that a value of `bound` may change, and each part of the ray
+// in `core` and in a zone.
+template <class Take>
+void forEachStretch(const RayFrame& frame, const VoxelBox& core, double bound, bool all, const PixelRect& rect,
+                    ProjectedValues& values, Take take) noexcept {
+  const auto visit = [&](const PixelRay& ray, const RayPart& part, double& held, int, int) {
+    const RayPart whole = partIn(frame, ray, boxOf(frame.dims));
+    for (const DepthSpan& depths : frame.depths) {
+      // The ends of a ray and of a level's depths belong to the brick that reaches there.
+      const RayStretch stretch{std::max(part.near, depths.near), std::min(part.far, depths.far),
+                               part.near == whole.near || depths.near > part.near,
+                               part.far == whole.far || depths.far < part.far};
+      if (stretch.near < stretch.far) take(ray.inIndexSpace(), stretch, held);
+    }
+  };
+  forEachRay(
+      frame, core, rect, values, [&](double held) { return !all && !(bound > held); }, visit);
+}
+
 }  // namespace
 
-bool hasSample(const RayFrame& frame, const glm::dvec2& place) {
+bool hasValue(const RayFrame& frame, PixelValue held, const glm::dvec2& place) {
   const RayPart part = partIn(frame, PixelRay(*frame.projector, place), boxOf(frame.dims));
-  return !part.empty() && (hasMiddle(frame, part) || shortRay(frame, part));
+  if (part.empty()) return false;
+  if (takesInOrder(held)) return hasMiddle(frame, part) || shortRay(frame, part);
+  return std::any_of(frame.depths.begin(), frame.depths.end(),
+                     [&](const DepthSpan& depths) { return depths.near < part.far && part.near < depths.far; });
 }
 
 void projectBrick(const RayFrame& frame, const BrickBlock& block, double bound, bool all, const PixelRect& rect,
                   ProjectedValues& values, DrawCounts& counts) noexcept {
   withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
-    const auto run = [&](auto rays) {
-      forEachRay(frame, block.core, bound, all, rect, values,
-                 [&](const PixelRay& ray, const RayPart& whole, const SlabZone& zone, const SlabSpan& span,
-                     double& held, double* length) { rays.take(ray, whole, zone, span, held, length); });
+    const auto sample = [&](auto rays) {
+      forEachSpan(frame, block.core, rect, values,
+                  [&](const PixelRay& ray, const RayPart& whole, const SlabZone& zone, const SlabSpan& span,
+                      double& held, double& length) { rays.take(ray, whole, zone, span, held, length); });
     };
-    if (values.mean())
-      run(BrickRays<T, Rule::kMean>(block, all, values.sign(), values.attenuation(), counts));
-    else if (values.attenuated())
-      run(BrickRays<T, Rule::kAttenuated>(block, all, values.sign(), values.attenuation(), counts));
-    else
-      run(BrickRays<T, Rule::kExtremum>(block, all, values.sign(), values.attenuation(), counts));
+    const auto raise = [&](auto extremum) {
+      forEachStretch(
+          frame, block.core, bound, all, rect, values,
+          [&](const IndexRay& ray, const RayStretch& part, double& held) { extremum.take(ray, part, held); });
+    };
+    switch (values.rule()) {
+      case PixelValue::kMean:
+        return sample(BrickSamples<T, Rule::kMean>(block, all, values.attenuation(), counts));
+      case PixelValue::kAttenuated:
+        return sample(BrickSamples<T, Rule::kAttenuated>(block, all, values.attenuation(), counts));
+      case PixelValue::kGreatest:
+        return raise(BrickExtremum<T, false>(block, all, counts));
+      case PixelValue::kLeast:
+        return raise(BrickExtremum<T, true>(block, all, counts));
+    }
   });
 }
 
 void projectConstant(const RayFrame& frame, const VoxelBox& core, double value, const PixelRect& rect,
                      ProjectedValues& values, DrawCounts& counts) noexcept {
-  const double bound = values.sign() * value;
-  forEachRay(frame, core, bound, false, rect, values,
-             [&](const PixelRay& ray, const RayPart& whole, const SlabZone& zone, const SlabSpan& span, double& held,
-                 double* length) {
-               counts.visited += static_cast<std::uint64_t>(span.end - span.first);
-               counts.changed = true;
-               if (length == nullptr) {
-                 held = bound;
-                 return;
-               }
-               // Add sample by sample as projectBrick would, for equal bits.
-               for (int slab = span.first; slab < span.end; ++slab) {
-                 const double part = lengthOf(zone, slab, whole);
-                 if (values.mean())
-                   takeSample<Rule::kMean>(values.attenuation(), value, part, held, *length);
-                 else
-                   takeSample<Rule::kAttenuated>(values.attenuation(), value,
-                                                 sampleLength<Rule::kAttenuated>(ray, part), held, *length);
-               }
-             });
+  if (!values.accumulates()) {
+    const double bound = values.sign() * value;
+    return forEachStretch(frame, core, bound, false, rect, values,
+                          [&](const IndexRay&, const RayStretch&, double& held) {
+                            ++counts.visited;
+                            counts.changed = true;
+                            held = bound;
+                          });
+  }
+  forEachSpan(frame, core, rect, values,
+              [&](const PixelRay& ray, const RayPart& whole, const SlabZone& zone, const SlabSpan& span, double& held,
+                  double& length) {
+                counts.visited += static_cast<std::uint64_t>(span.end - span.first);
+                counts.changed = true;
+                // Add sample by sample as projectBrick would, for equal bits.
+                for (int slab = span.first; slab < span.end; ++slab) {
+                  const double part = lengthOf(zone, slab, whole);
+                  if (values.mean())
+                    takeSample<Rule::kMean>(values.attenuation(), value, part, held, length);
+                  else
+                    takeSample<Rule::kAttenuated>(values.attenuation(), value,
+                                                  sampleLength<Rule::kAttenuated>(ray, part), held, length);
+                }
+              });
 }
 
 }  // namespace kiln

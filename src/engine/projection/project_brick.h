@@ -1,9 +1,10 @@
-// Projects the values of one brick into one tile: kernel of `--mode mip|minip|average`.
-// Method. The zones' slabs are as thick as the distance of samples. For each slab whose middle lies in the brick, a
-// pixel takes the value at the middle, interpolated linearly. If a ray's whole interval inside the clip region lies
-// between two samples, the ray has a single sample in the interval's middle.
-// Invariant. Positions are counted in the level's index space and slabs in the zone, so that a sample has equal bits in
-// every brick and tile. A pixel's samples of a brick are taken front to back, so that sums are, too, if bricks are.
+// Projects the values of one brick into one tile: kernel of `--mode mip|minip|average|attenuated-mip`.
+// Method. An extremum is exact (engine/shared/brick_extremum.h). Means and attenuated maxima take samples: slabs of the
+// zones are as thick as the distance of samples. For each slab whose middle lies in the brick, a pixel takes the value
+// at the middle, interpolated linearly. If a ray's whole interval inside the clip region lies between two samples, the
+// ray has a single sample in the interval's middle. Invariant. Positions are counted in the level's index space and
+// slabs in the zone, so that a sample has equal bits in every brick and tile. A pixel's samples of a brick are taken
+// front to back, so that sums are, too, if bricks are.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -22,20 +23,21 @@ namespace kiln {
 struct RayFrame {
   const Silhouette* outline = nullptr;   // the frame's; decides the place of each pixel's ray
   std::vector<SlabZone> zones;           // zones of the level, near to far; samples are in the middle of slabs
+  std::vector<DepthSpan> depths;         // depths of these zones
   const Projector* projector = nullptr;  // belongs to the level
   const ClipRegion* clip = nullptr;      // belongs to the level
   Extent3 dims;                          // belongs to the level
   glm::dvec3 end{0};                     // end of level 0 in the level's index space
 };
 
-/// Returns true if the ray through `place` has a sample of the level, inside the volume and the clip region. unit:
+/// Returns true if the ray through `place` has a value of the level, inside the volume and the clip region. unit:
 /// pixels.
-bool hasSample(const RayFrame& frame, const glm::dvec2& place);
+bool hasValue(const RayFrame& frame, PixelValue held, const glm::dvec2& place);
 
-/// Takes the brick's samples into the pixels of `rect`. An extremum skips cells whose range does not exceed the pixel's
-/// value, unless `all`. Counts: visited are samples on the rays, splats are interpolated samples, nodes are cells on
-/// the rays. requires: `rect` inside the values' rectangle; `block` of the frame's level; `bound` is
-/// ProjectedValues::bound of the brick's values.
+/// Takes the brick's values into the pixels of `rect`. An extremum skips cells whose range does not exceed the pixel's
+/// value, unless `all`. Counts: visited are samples, or cubes between eight voxels, on the rays; splats are those that
+/// are interpolated; nodes are cells on the rays. requires: `rect` inside the values' rectangle; `block` of the frame's
+/// level; `bound` is ProjectedValues::bound of the brick's values.
 void projectBrick(const RayFrame& frame, const BrickBlock& block, double bound, bool all, const PixelRect& rect,
                   ProjectedValues& values, DrawCounts& counts) noexcept;
 

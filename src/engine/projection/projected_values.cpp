@@ -14,6 +14,7 @@ constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 ProjectedValues::ProjectedValues(PixelValue held, const PixelRect& rect, const Attenuation& attenuation)
     : rect_(rect),
       blocks_(blocksOf(rect)),
+      rule_(held),
       mean_(held == PixelValue::kMean),
       attenuated_(held == PixelValue::kAttenuated),
       sign_(held == PixelValue::kLeast ? -1 : 1),

@@ -32,6 +32,7 @@ class ProjectedValues {
   static std::uint64_t bytesOfPixel(PixelValue held) { return takesInOrder(held) ? 17 : 9; }
 
   const PixelRect& rect() const { return rect_; }
+  PixelValue rule() const { return rule_; }
   bool mean() const { return mean_; }
   bool attenuated() const { return attenuated_; }
   /// True if the order of samples counts: front to back.
@@ -73,6 +74,7 @@ class ProjectedValues {
   }
 
   PixelRect rect_, blocks_;
+  PixelValue rule_;
   bool mean_, attenuated_;
   double sign_;
   Attenuation attenuation_;

@@ -13,21 +13,38 @@
 namespace kiln {
 namespace {
 
-// Returns the zones of the pixel engine, with slabs divided so that samples are at most half a voxel apart.
+// Returns the zones of the pixel engine, with slabs divided so that samples are at most half a voxel apart. The samples
+// of an attenuated maximum are as near as pixels where voxels are large: else a peak's value would change from pixel to
+// pixel with the distance to the nearest sample.
 std::vector<SlabZone> rayZones(const Manifest& volume, const View& view, const ProjectionOptions& options,
-                               double near_depth) {
-  ZonedVolume zoned{&volume, near_depth};
+                               const Projector& finest) {
+  ZonedVolume zoned{&volume, finest.nearDepth()};
   zoned.coarser = options.coarser;
   std::vector<SlabZone> out = slabZones(zoned, view, options.level);
   for (SlabZone& zone : out) {
     const glm::dvec3 edges = volume.levels[static_cast<std::size_t>(zone.level)].geometry.spacing();
-    const double most = 0.5 * std::min({edges.x, edges.y, edges.z});
+    const double edge = std::min({edges.x, edges.y, edges.z});
+    const double pixel = (finest.perspective() ? zone.near : 1) / finest.focal();
+    // Sixteen samples a voxel: a peak's value is then at most a thirty-second of its height too low.
+    const double most = options.held == PixelValue::kAttenuated ? std::clamp(pixel, edge / 16, edge / 2) : edge / 2;
     // Zones are far deeper than a volume that is smaller than a pixel.
     constexpr int kMostSamples = 1 << 30;
     const int parts = static_cast<int>(
         std::clamp(std::ceil(zone.thickness / most - 1e-9), 1.0, static_cast<double>(kMostSamples / zone.slabs)));
     zone.thickness /= parts;
     zone.slabs *= parts;
+  }
+  return out;
+}
+
+// Adjacent zones are one span.
+std::vector<DepthSpan> depthsOf(const std::vector<SlabZone>& zones) {
+  std::vector<DepthSpan> out;
+  for (const SlabZone& zone : zones) {
+    if (!out.empty() && out.back().far == zone.near)
+      out.back().far = zone.far;
+    else
+      out.push_back({zone.near, zone.far});
   }
   return out;
 }
@@ -54,13 +71,14 @@ ValueProjection::ValueProjection(const BrickedVolume& store, const FrameLevels& 
       held_(options.held),
       culls_(options.culls && options.held != PixelValue::kMean),
       attenuation_(options.attenuation),
-      zones_(levels, rayZones(store.manifest(), view, options, levels.projector(levels.finest()).nearDepth())),
+      zones_(levels, rayZones(store.manifest(), view, options, levels.projector(levels.finest()))),
       outline_(levels.projector(levels.finest()), levels.clipRegion(levels.finest()), endOf(levels.finest())) {
   for (int l = levels.finest(); l <= levels.coarsest(); ++l) {
-    RayFrame frame{&outline_, {}, &levels.projector(l), &levels.clipRegion(l), levels.dims(l), endOf(l)};
+    RayFrame frame{&outline_, {}, {}, &levels.projector(l), &levels.clipRegion(l), levels.dims(l), endOf(l)};
     std::copy_if(zones_.zones().begin(), zones_.zones().end(), std::back_inserter(frame.zones),
                  [&](const SlabZone& zone) { return zone.level == l; });
-    frames_.push_back(frame);
+    frame.depths = depthsOf(frame.zones);
+    frames_.push_back(std::move(frame));
   }
 }
 
@@ -101,7 +119,7 @@ void ValueProjection::begin(const PixelRect& pixels) {
     for (int x = pixels.x0; x < pixels.x1; ++x) {
       const Silhouette::Part covered = outline.at(x);
       const bool shown = covered.share > 0 && std::any_of(frames_.begin(), frames_.end(), [&](const RayFrame& frame) {
-                           return hasSample(frame, covered.middle);
+                           return hasValue(frame, held_, covered.middle);
                          });
       if (!shown) out.leaveOut(x, y);
     }

@@ -149,7 +149,10 @@ void drawPlane(const SliceArguments& a, const StoreReader& store, const SliceReq
       pixels.at(0.5 * static_cast<double>(pixels.width - 1), 0.5 * static_cast<double>(pixels.height - 1));
   say("{}: {} x {} pixels of {:.6g}{}, {} across the slice, around {:.6g},{:.6g},{:.6g}\n", a.output, image.width,
       image.height, pixels.edge, level.unit.empty() ? "" : " " + level.unit,
-      pixels.samples == 1 ? "1 sample" : fmt::format("{} samples", pixels.samples), middle.x, middle.y, middle.z);
+      isExactAcross(store, request) ? "all values"
+      : pixels.samples == 1         ? "1 sample"
+                                    : fmt::format("{} samples", pixels.samples),
+      middle.x, middle.y, middle.z);
 }
 
 void drawSheet(const SliceArguments& a, const StoreReader& store, const SliceRequest& slice, Context& context) {
