@@ -17,6 +17,8 @@
 #include "base/thread/parallel.h"
 #include "engine/shared/brick_extremum.h"
 #include "engine/shared/draw_counts.h"
+#include "engine/shared/index_ray.h"
+#include "engine/shared/interpolated_brick.h"
 #include "frame/slice_palette.h"
 #include "frame/slice_statistic.h"
 #include "grid/value_range.h"
@@ -88,19 +90,19 @@ class PlaneSampler {
   template <class T, bool kLeast>
   void addExtrema(const BrickBlock& block, std::int64_t y, std::int64_t begin, std::int64_t end,
                   GatheredValue* row) const {
-    constexpr double kSign = kLeast ? -1 : 1;
+    constexpr double kSign = kLeast ? -1 : 1, kNothing = -std::numeric_limits<double>::infinity();
     DrawCounts counts;
     BrickExtremum<T, kLeast> extremum(block, false, counts);
     const glm::dvec3 first(block.core.lo.x, block.core.lo.y, block.core.lo.z);
     const glm::dvec3 after(block.core.hi.x, block.core.hi.y, block.core.hi.z);
     for (std::int64_t x = begin; x < end; ++x) {
       const IndexRay line{first_ + static_cast<double>(x) * right_ + static_cast<double>(y) * down_, along_};
-      const auto [near, far] = line.between(glm::dvec3(-0.5), last_ + 0.5, -pixels_.reach, pixels_.reach);
-      const auto [here, there] = line.between(first - 0.5, after - 0.5, near, far);
-      if (!(here < there)) continue;
-      double held = row[x].samples > 0 ? kSign * row[x].value : -std::numeric_limits<double>::infinity();
-      extremum.take(line, {here, there, here == near, there == far}, held);
-      if (std::isfinite(held) || row[x].samples > 0) row[x] = {kSign * held, 1};
+      const DepthSpan whole = line.within(glm::dvec3(-0.5), last_ + 0.5, {-pixels_.reach, pixels_.reach});
+      const DepthSpan here = line.within(first - 0.5, after - 0.5, whole);
+      if (here.empty()) continue;
+      double held = row[x].samples > 0 ? kSign * row[x].value : kNothing;
+      extremum.take(line, {here, here.near == whole.near, here.far == whole.far}, held);
+      if (held > kNothing) row[x] = {kSign * held, 1};
     }
   }
 
@@ -108,7 +110,7 @@ class PlaneSampler {
   template <class T>
   void addSamples(const BrickBlock& block, const SliceStatistic& statistic, std::int64_t y, std::int64_t begin,
                   std::int64_t end, GatheredValue* row) const {
-    const T* const voxels = block.data<T>();
+    const InterpolatedBrick<T> field(block);
     for (std::int64_t x = begin; x < end; ++x) {
       for (int k = 0; k < pixels_.samples; ++k) {
         const glm::dvec3 at = first_ + static_cast<double>(x) * right_ + static_cast<double>(y) * down_ +
@@ -120,23 +122,10 @@ class PlaneSampler {
         const VoxelCoord v{static_cast<std::int64_t>(cell.x), static_cast<std::int64_t>(cell.y),
                            static_cast<std::int64_t>(cell.z)};
         if (!block.core.contains(v)) continue;
-        const T* const corner = voxels + block.offsetOf(v);
-        statistic.add(labels_ ? static_cast<double>(*corner) : trilinear(corner, block, inside - cell), row[x]);
+        const T* const corner = field.at(v);
+        statistic.add(labels_ ? static_cast<double>(*corner) : field.between(corner, inside - cell), row[x]);
       }
     }
-  }
-
-  template <class T>
-  static double trilinear(const T* corner, const BrickBlock& block, const glm::dvec3& part) {
-    double out = 0;
-    for (int i = 0; i < 8; ++i) {
-      const bool x = (i & 1) != 0, y = (i & 2) != 0, z = (i & 4) != 0;
-      const double weight = (x ? part.x : 1 - part.x) * (y ? part.y : 1 - part.y) * (z ? part.z : 1 - part.z);
-      // A voxel of weight 0 has no effect, even if the voxel is NaN.
-      if (weight > 0)
-        out += weight * static_cast<double>(corner[x + (y ? block.strideY() : 0) + (z ? block.strideZ() : 0)]);
-    }
-    return out;
   }
 
   const PlanePixels& pixels_;
@@ -151,7 +140,7 @@ struct PixelBox {
 };
 
 // The pixels whose samples may lie in cells of the brick.
-PixelBox pixelsOver(const VoxelBox& core, const VolumeGeometry& level, const PlanePixels& pixels) {
+PixelBox pixelsOver(const VoxelBox& core, const VolumeGeometry& level, const PlanePixels& pixels, bool exact) {
   ValueRange across, along_x, along_y;
   const double edge2 = pixels.edge * pixels.edge;
   for (int i = 0; i < 8; ++i) {
@@ -164,7 +153,8 @@ PixelBox pixelsOver(const VoxelBox& core, const VolumeGeometry& level, const Pla
     along_x.include(glm::dot(from_first, pixels.right) / edge2);
     along_y.include(glm::dot(from_first, pixels.down) / edge2);
   }
-  const double half = pixels.reach * glm::dot(pixels.along, pixels.along) / edge2;
+  const double reach = exact ? pixels.reach : 0.5 * (pixels.samples - 1);
+  const double half = reach * glm::dot(pixels.along, pixels.along) / edge2;
   if (across.lo > half + kSideRounding || across.hi < -half - kSideRounding) return {};
   const auto bounded = [](double pixel, std::int64_t count) {
     return static_cast<std::int64_t>(std::clamp(pixel, 0.0, static_cast<double>(count)));
@@ -266,13 +256,14 @@ Image renderPlaneSlice(const BrickedVolume& store, const PlaneSliceRequest& requ
                            request.window.value_or(defaultWindow(store.manifest().histogram)));
   const PlanePixels pixels = pixelsOfPlane(level, request);
   requireSliceFits(store, pixels.width, pixels.height, 4 * sizeof(float) + sizeof(GatheredValue), request.memory_bytes);
-  const PlaneSampler sampler(level, pixels, labels, isExactAcross(store, request));
+  const bool exact = isExactAcross(store, request);
+  const PlaneSampler sampler(level, pixels, labels, exact);
   std::vector<GatheredValue> gathered(static_cast<std::size_t>(pixels.width * pixels.height));
   const Extent3& lattice = store.index().lattice(request.level);
   for (std::int64_t i = 0; i < lattice.count(); ++i) {
     progress.throwIfCancelled("drawing a slice");
     const BrickKey key{request.level, brickAt(lattice, i)};
-    const PixelBox box = pixelsOver(store.frame(key).core(), level, pixels);
+    const PixelBox box = pixelsOver(store.frame(key).core(), level, pixels, exact);
     progress.advance("drawing", "bricks", static_cast<std::uint64_t>(i) + 1,
                      static_cast<std::uint64_t>(lattice.count()));
     if (box.empty()) continue;

@@ -21,7 +21,7 @@ class SliceStatistic {
   void add(double value, GatheredValue& pixel) const;
   /// Returns the value of a pixel that has at least one sample.
   virtual double valueOf(const GatheredValue& pixel) const { return pixel.value; }
-  /// The factor that turns the value of a pixel into the greatest of the values times the factor; 0: no extremum.
+  /// 1: the greatest value; -1: the least value; 0: neither.
   virtual int sign() const { return 0; }
   /// Returns true if the result may differ from all samples: labels have no such statistic.
   virtual bool mixesValues() const { return false; }

@@ -207,17 +207,10 @@ void ClipRegion::Nearest::compare(const std::vector<HalfSpace>& faces, const glm
 }
 
 const glm::vec3* ClipRegion::cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept {
-  if (half_spaces_.empty()) return borderGradient(index, to_eye);
   Nearest out;
   out.compare(half_spaces_, index, to_eye);
-  out.compare(border_, index, to_eye);
-  return out.gradient;
-}
-
-const glm::vec3* ClipRegion::borderGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept {
-  Nearest out;
-  if (glm::any(glm::lessThan(index, core_lo_)) || glm::any(glm::greaterThan(index, core_hi_)))
-    out.compare(border_, index, to_eye);
+  const bool near_border = glm::any(glm::lessThan(index, core_lo_)) || glm::any(glm::greaterThan(index, core_hi_));
+  if (near_border || !half_spaces_.empty()) out.compare(border_, index, to_eye);
   return out.gradient;
 }
 

@@ -83,8 +83,6 @@ class ClipRegion {
   /// extent (along the normal) or more inside that face. `to_eye`: direction in the level's index space; faces that
   /// look away from the eye, or are seen edge-on, light no sample. requires: a part of the sample at `index` is inside.
   const glm::vec3* cutGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept;
-  /// As cutGradient, of the volume's border alone: where cut faces show values (Section), they light no sample behind.
-  const glm::vec3* borderGradient(const glm::dvec3& index, const glm::dvec3& to_eye) const noexcept;
 
  private:
   // Shows points with normal·p + offset >= least.

@@ -113,6 +113,42 @@ TEST_F(PlaneSlice, ThickSlice_hasThePeakBetweenItsSamples) {
   }
 }
 
+// Holes and infinities in a volume of noise, in small bricks and in one.
+TEST_F(PlaneSlice, ThickExtrema_areTheSameForAllBricks) {
+  const DenseVolume volume = fill({{30, 31, 29}, VoxelType::f32}, [](auto i, auto j, auto k) {
+    if (i == 15 && j == 12 && k % 4 == 0) return k % 8 == 0 ? HUGE_VAL : -HUGE_VAL;
+    if ((i + 2 * j + 3 * k) % 23 == 0) return double{NAN};
+    return 200 * hashUnit(9, static_cast<std::uint64_t>((k * 31 + j) * 30 + i));
+  });
+  const StoreReader small(makeStore(volume, "slice_of_8", 8)), large(makeStore(volume, "slice_of_64", 64));
+  Progress progress;
+  for (const char* const mode : {"mip", "minip"}) {
+    for (const auto& [normal, offset] : {std::pair(glm::dvec3(1, 2, 3), -80.0), {glm::dvec3(1, 1, 0), -28}}) {
+      PlaneSliceRequest request = requestOf(normal, offset, 5, mode);
+      request.window = Window{100, 200};
+      const Image image = renderPlaneSlice(large, request, progress);
+      EXPECT_TRUE(showsSomething(image));
+      EXPECT_TRUE(equalBits(image, renderPlaneSlice(small, request, progress))) << mode;
+    }
+  }
+  // A slice through a voxel of infinity shows the window's end.
+  PlaneSliceRequest request = requestOf({0, 0, 1}, -8, 1, "mip");
+  request.window = Window{100, 200};
+  const PlanePixels pixels = pixelsOfPlane(large.level(0).geometry, request);
+  const Image image = renderPlaneSlice(large, request, progress);
+  int infinite = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const glm::dvec3 at = pixels.at(x, y);
+      if (std::abs(at.x - 15) > 0.5 || std::abs(at.y - 12) > 0.5) continue;
+      ++infinite;
+      EXPECT_EQ(image.pixel(x, y)[0], 1) << x << ' ' << y;
+      EXPECT_EQ(image.pixel(x, y)[3], 1);
+    }
+  }
+  EXPECT_GT(infinite, 0);
+}
+
 TEST_F(PlaneSlice, PixelsOfAnySize_haveTheValuesOfTheirPlaces) {
   for (const double pixel : {0.37, 2.5}) {
     PlaneSliceRequest request = requestOf({1, 2, 3}, -80, 4);

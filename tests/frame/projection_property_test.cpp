@@ -201,10 +201,55 @@ TEST(Projection, ExtremaBetweenSamplesAreExact) {
   for (int y = 0; y < 30; ++y) {
     for (int x = 0; x < 30; ++x) {
       const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
-      // The greatest value lies in the middle of the ray, or on one of the cube's sides.
-      const double beside = std::abs(ray.origin.x - ray.origin.y), middle = 0.5 * (1 + beside * beside);
-      const double expected = 100 * std::max(middle, beside);
+      // The greatest value lies in the middle between the cube's sides.
+      const double beside = ray.origin.x - ray.origin.y, expected = 50 * (1 + beside * beside);
       EXPECT_NEAR(valuesOf(image)[static_cast<std::size_t>(30 * y + x)], expected, 1e-3) << x << ' ' << y;
+    }
+  }
+}
+
+// The sheet close to the eye: before it, the value n rises from 0 to 1 over a voxel, which attenuates n = 1 by the
+// integral of n, a half.
+TEST(Projection, AttenuatedMaximumOfASheetIsKnown) {
+  const DenseVolume sheet = fill({{12, 12, 12}, VoxelType::u8}, [](auto, auto j, auto) { return j == 6 ? 250 : 0; });
+  FrameRequest request = requestOf(
+      resolve(cameraFrom(sheet.geometry, {0.3, -1, 0.2}, Projection::kOrthographic), {240, 240}), Mode::kAttenuatedMip);
+  const Image image = draw(makeStore(sheet, "attenuating_sheet", 8), request);
+  double worst = 0;
+  int through = 0;
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 240; ++x) {
+      const Ray ray = rayThrough(request.view, {x + 0.5, y + 0.5});
+      const glm::dvec3 at = ray.origin + (6 - ray.origin.y) / ray.direction.y * ray.direction;
+      if (std::min(at.x, at.z) < 1 || std::max(at.x, at.z) > 10) continue;
+      const double expected = 250 * std::exp(-kAttenuation * 0.5 / std::abs(ray.direction.y));
+      worst = std::max(worst, std::abs(valuesOf(image)[static_cast<std::size_t>(240 * y + x)] - expected) / expected);
+      ++through;
+    }
+  }
+  EXPECT_GT(through, 5000);
+  // Samples are at most a quarter of a voxel apart where voxels are large.
+  EXPECT_LT(worst, 0.125);
+}
+
+// Diagonal rays cross planes of voxels where they cross the faces of bricks: each such point belongs to one brick.
+TEST(Projection, RaysThroughEdgesOfBricksAreTheSameForAllBricks) {
+  const DenseVolume volume = fill({{48, 48, 8}, VoxelType::f32}, [](auto i, auto j, auto k) {
+    return hashUnit(5, static_cast<std::uint64_t>((k * 48 + j) * 48 + i));
+  });
+  const auto small = makeStore(volume, "edges_of_8", 8), large = makeStore(volume, "edges_of_64", 64);
+  for (const glm::dvec3 from : {glm::dvec3(1, 1, 0), glm::dvec3(-1, 1, 0), glm::dvec3(1, 0, 0)}) {
+    for (const double turned : {0.0, 2.3e-16, 4.5e-16, 1e-15, 3e-15}) {
+      Camera camera = cameraFrom(volume.geometry, from + glm::dvec3(0, turned, 0), Projection::kOrthographic);
+      for (const Mode mode : {Mode::kMip, Mode::kMinip}) {
+        // A voxel a pixel, along an axis and along the diagonal.
+        for (const double height : {32.0, 32 * std::sqrt(0.5)}) {
+          camera.height = height;
+          const FrameRequest request = requestOf(resolve(camera, {96, 32}), mode);
+          EXPECT_TRUE(equalBits(draw(small, request), draw(large, request)))
+              << from.x << ' ' << from.y << ' ' << turned;
+        }
+      }
     }
   }
 }

@@ -96,7 +96,7 @@ class RayCaster {
     in.on_face = context_.onFace(box);
     in.sums = sums_;
     // Several volumes are composited in single slabs.
-    // A face may light samples: the middle of a pair may lie behind the voxel at the face, which gets the light.
+    // The near half of a pair at a face hides the far half, but the face lights a share of the length.
     in.in_pairs = in.in_pairs && sums_ == nullptr && (in.lit_by.empty() || !context_.look().shading.phong);
     forEachSquare(seen.rect, [&](const PixelRect& square) {
       in.rect = square;

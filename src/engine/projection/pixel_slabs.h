@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/shared/brick_extremum.h"
+#include "engine/shared/index_ray.h"
 #include "engine/shared/projector.h"
 #include "engine/shared/slab_grid.h"
 
@@ -35,11 +35,6 @@ class PixelRay {
  private:
   IndexRay ray_;
   double oblique_ = 1;
-};
-
-/// Depths [near, far).
-struct DepthSpan {
-  double near, far;
 };
 
 /// Slabs [first, end).

@@ -13,15 +13,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Interval of a ray inside a box of voxels, the volume and the clip region. unit: depth.
-struct RayPart {
-  double near, far;
-  bool empty() const { return !(near < far); }
-};
-
-// Clips the ray. A box and its neighbour compute their common plane with equal operations, so that no sample is in both
-// boxes.
-RayPart partIn(const RayFrame& frame, const PixelRay& ray, const VoxelBox& box) {
+// Clips the ray to a box of voxels, the volume and the clip region. A box and its neighbour compute their common plane
+// with equal operations, so that no sample is in both boxes.
+DepthSpan partIn(const RayFrame& frame, const PixelRay& ray, const VoxelBox& box) {
   glm::dvec3 lo, hi;
   for (int axis = 0; axis < 3; ++axis) {
     lo[axis] = static_cast<double>(box.lo[axis]) - 0.5;
@@ -29,26 +23,25 @@ RayPart partIn(const RayFrame& frame, const PixelRay& ray, const VoxelBox& box) 
     hi[axis] = box.hi[axis] == frame.dims[axis] ? frame.end[axis] : static_cast<double>(box.hi[axis]) - 0.5;
   }
   const double nearest = frame.projector->perspective() ? frame.projector->nearDepth() : -kInfinity;
-  const auto [near, far] = ray.inIndexSpace().between(lo, hi, nearest, kInfinity);
-  RayPart out{near, far};
+  DepthSpan out = ray.inIndexSpace().within(lo, hi, {nearest, kInfinity});
   if (!frame.clip->showsAll()) frame.clip->cutLine(ray.base(), ray.slope(), out.near, out.far);
   return out;
 }
 
-SlabSpan slabsOf(const SlabZone& zone, const RayPart& part) {
+SlabSpan slabsOf(const SlabZone& zone, const DepthSpan& part) {
   if (part.far <= zone.near || part.near >= zone.far) return {};
   return {zone.slabFrom(part.near), zone.slabFrom(part.far)};
 }
 
 // Returns true if the interval contains the middle of a slab of any zone.
-bool hasMiddle(const RayFrame& frame, const RayPart& part) {
+bool hasMiddle(const RayFrame& frame, const DepthSpan& part) {
   return std::any_of(frame.zones.begin(), frame.zones.end(),
                      [&](const SlabZone& zone) { return !slabsOf(zone, part).empty(); });
 }
 
 // Returns a slab that covers all of `whole` if `whole` passes between the samples of all zones, as in a clip region
 // thinner than the sample distance. The slab's sample is at the middle of `whole`.
-std::optional<SlabZone> shortRay(const RayFrame& frame, const RayPart& whole) {
+std::optional<SlabZone> shortRay(const RayFrame& frame, const DepthSpan& whole) {
   if (whole.empty() || hasMiddle(frame, whole)) return std::nullopt;
   const SlabZone slab{whole.near, whole.far, whole.far - whole.near, 1};
   const double middle = whole.near + 0.5 * slab.thickness;
@@ -59,7 +52,7 @@ std::optional<SlabZone> shortRay(const RayFrame& frame, const RayPart& whole) {
 
 // Returns the weight of a sample in a mean: the slab's thickness, or for the first and last slab of a ray the part
 // inside `whole`.
-double lengthOf(const SlabZone& zone, int slab, const RayPart& whole) {
+double lengthOf(const SlabZone& zone, int slab, const DepthSpan& whole) {
   const double begin = zone.near + slab * zone.thickness, end = begin + zone.thickness;
   const bool first = begin - 0.5 * zone.thickness < whole.near, last = end + 0.5 * zone.thickness >= whole.far;
   return (last ? whole.far : end) - (first ? whole.near : begin);
@@ -106,7 +99,7 @@ class BrickSamples {
   }
 
   // Takes the samples of `span`. `whole`: the ray's interval in the whole volume.
-  void take(const PixelRay& ray, const RayPart& whole, const SlabZone& zone, const SlabSpan& span, double& held,
+  void take(const PixelRay& ray, const DepthSpan& whole, const SlabZone& zone, const SlabSpan& span, double& held,
             double& length) noexcept {
     counts_.visited += static_cast<std::uint64_t>(span.end - span.first);
     const glm::dvec3 base = ray.base() - first_, inverse = 1.0 / ray.slope();
@@ -166,7 +159,7 @@ void forEachRay(const RayFrame& frame, const VoxelBox& core, const PixelRect& re
       const Silhouette::Part covered = outline.at(rect.x0 + i);
       if (covered.share == 0) continue;
       const PixelRay ray(*frame.projector, covered.middle);
-      const RayPart part = partIn(frame, ray, core);
+      const DepthSpan part = partIn(frame, ray, core);
       if (!part.empty()) visit(ray, part, held[i], rect.x0 + i, y);
     }
   }
@@ -177,8 +170,8 @@ void forEachRay(const RayFrame& frame, const VoxelBox& core, const PixelRect& re
 template <class Take>
 void forEachSpan(const RayFrame& frame, const VoxelBox& core, const PixelRect& rect, ProjectedValues& values,
                  Take take) noexcept {
-  const auto visit = [&](const PixelRay& ray, const RayPart& part, double& held, int x, int y) {
-    const RayPart whole = partIn(frame, ray, boxOf(frame.dims));
+  const auto visit = [&](const PixelRay& ray, const DepthSpan& part, double& held, int x, int y) {
+    const DepthSpan whole = partIn(frame, ray, boxOf(frame.dims));
     double& length = *values.length(x, y);
     bool taken = false;
     for (const SlabZone& zone : frame.zones) {
@@ -200,14 +193,14 @@ void forEachSpan(const RayFrame& frame, const VoxelBox& core, const PixelRect& r
 template <class Take>
 void forEachStretch(const RayFrame& frame, const VoxelBox& core, double bound, bool all, const PixelRect& rect,
                     ProjectedValues& values, Take take) noexcept {
-  const auto visit = [&](const PixelRay& ray, const RayPart& part, double& held, int, int) {
-    const RayPart whole = partIn(frame, ray, boxOf(frame.dims));
+  const auto visit = [&](const PixelRay& ray, const DepthSpan& part, double& held, int, int) {
+    const DepthSpan whole = partIn(frame, ray, boxOf(frame.dims));
     for (const DepthSpan& depths : frame.depths) {
       // The ends of a ray and of a level's depths belong to the brick that reaches there.
-      const RayStretch stretch{std::max(part.near, depths.near), std::min(part.far, depths.far),
-                               part.near == whole.near || depths.near > part.near,
-                               part.far == whole.far || depths.far < part.far};
-      if (stretch.near < stretch.far) take(ray.inIndexSpace(), stretch, held);
+      const RayStretch stretch{{std::max(part.near, depths.near), std::min(part.far, depths.far)},
+                               part.near == whole.near || depths.near >= part.near,
+                               part.far == whole.far || depths.far <= part.far};
+      if (!stretch.depths.empty()) take(ray.inIndexSpace(), stretch, held);
     }
   };
   forEachRay(
@@ -217,7 +210,7 @@ void forEachStretch(const RayFrame& frame, const VoxelBox& core, double bound, b
 }  // namespace
 
 bool hasValue(const RayFrame& frame, PixelValue held, const glm::dvec2& place) {
-  const RayPart part = partIn(frame, PixelRay(*frame.projector, place), boxOf(frame.dims));
+  const DepthSpan part = partIn(frame, PixelRay(*frame.projector, place), boxOf(frame.dims));
   if (part.empty()) return false;
   if (takesInOrder(held)) return hasMiddle(frame, part) || shortRay(frame, part);
   return std::any_of(frame.depths.begin(), frame.depths.end(),
@@ -229,7 +222,7 @@ void projectBrick(const RayFrame& frame, const BrickBlock& block, double bound, 
   withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     const auto sample = [&](auto rays) {
       forEachSpan(frame, block.core, rect, values,
-                  [&](const PixelRay& ray, const RayPart& whole, const SlabZone& zone, const SlabSpan& span,
+                  [&](const PixelRay& ray, const DepthSpan& whole, const SlabZone& zone, const SlabSpan& span,
                       double& held, double& length) { rays.take(ray, whole, zone, span, held, length); });
     };
     const auto raise = [&](auto extremum) {
@@ -262,7 +255,7 @@ void projectConstant(const RayFrame& frame, const VoxelBox& core, double value, 
                           });
   }
   forEachSpan(frame, core, rect, values,
-              [&](const PixelRay& ray, const RayPart& whole, const SlabZone& zone, const SlabSpan& span, double& held,
+              [&](const PixelRay& ray, const DepthSpan& whole, const SlabZone& zone, const SlabSpan& span, double& held,
                   double& length) {
                 counts.visited += static_cast<std::uint64_t>(span.end - span.first);
                 counts.changed = true;

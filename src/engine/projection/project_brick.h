@@ -1,10 +1,9 @@
 // Projects the values of one brick into one tile: kernel of `--mode mip|minip|average|attenuated-mip`.
-// Method. An extremum is exact (engine/shared/brick_extremum.h). Means and attenuated maxima take samples: slabs of the
-// zones are as thick as the distance of samples. For each slab whose middle lies in the brick, a pixel takes the value
-// at the middle, interpolated linearly. If a ray's whole interval inside the clip region lies between two samples, the
-// ray has a single sample in the interval's middle. Invariant. Positions are counted in the level's index space and
-// slabs in the zone, so that a sample has equal bits in every brick and tile. A pixel's samples of a brick are taken
-// front to back, so that sums are, too, if bricks are.
+// Method. An extremum is exact (engine/shared/brick_extremum.h). Means and attenuated maxima take samples in the middle
+// of slabs, which are as thick as the distance of samples. A ray whose whole interval inside the clip region lies
+// between two samples has a single sample, in the interval's middle.
+// Invariant. Positions are counted in the level's index space and slabs in the zone, so that a value has equal bits in
+// every brick and tile. A pixel's samples of a brick are taken front to back, so that sums are, too, if bricks are.
 #pragma once
 
 #include <glm/vec3.hpp>
@@ -41,7 +40,7 @@ bool hasValue(const RayFrame& frame, PixelValue held, const glm::dvec2& place);
 void projectBrick(const RayFrame& frame, const BrickBlock& block, double bound, bool all, const PixelRect& rect,
                   ProjectedValues& values, DrawCounts& counts) noexcept;
 
-/// Takes a brick whose samples are all `value`, with the bits that projectBrick would give.
+/// Takes a brick whose values are all `value`, with the bits that projectBrick would give.
 void projectConstant(const RayFrame& frame, const VoxelBox& core, double value, const PixelRect& rect,
                      ProjectedValues& values, DrawCounts& counts) noexcept;
 

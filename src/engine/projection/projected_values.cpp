@@ -12,17 +12,11 @@ constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
 }  // namespace
 
 ProjectedValues::ProjectedValues(PixelValue held, const PixelRect& rect, const Attenuation& attenuation)
-    : rect_(rect),
-      blocks_(blocksOf(rect)),
-      rule_(held),
-      mean_(held == PixelValue::kMean),
-      attenuated_(held == PixelValue::kAttenuated),
-      sign_(held == PixelValue::kLeast ? -1 : 1),
-      attenuation_(attenuation) {
+    : rect_(rect), blocks_(blocksOf(rect)), rule_(held), attenuation_(attenuation) {
   const std::size_t pixels = rect.count();
-  held_.assign(pixels, mean_ ? 0 : kNothingHeld);
+  held_.assign(pixels, mean() ? 0 : kNothingHeld);
   if (accumulates()) length_.assign(pixels, 0);
-  if (!mean_) least_.assign(blocks_.count(), kNothingHeld);
+  if (!mean()) least_.assign(blocks_.count(), kNothingHeld);
 }
 
 PixelRect ProjectedValues::blocksOf(const PixelRect& rect) const {
@@ -32,11 +26,11 @@ PixelRect ProjectedValues::blocksOf(const PixelRect& rect) const {
 // An attenuated pixel counts with its value less the greatest that a further sample may have: closed from 0 on. A NaN
 // compares false: no value exceeds it, and update() never selects it as the least.
 void ProjectedValues::leaveOut(int x, int y) {
-  if (!mean_) *held(x, y) = kNoValue;
+  if (!mean()) *held(x, y) = kNoValue;
 }
 
 void ProjectedValues::update(const PixelRect& rect) {
-  if (mean_) return;
+  if (mean()) return;
   const PixelRect blocks = blocksOf(rect);
   for (int by = blocks.y0; by < blocks.y1; ++by) {
     for (int bx = blocks.x0; bx < blocks.x1; ++bx) {
@@ -44,7 +38,7 @@ void ProjectedValues::update(const PixelRect& rect) {
       double least = std::numeric_limits<double>::infinity();
       for (int y = block.y0; y < block.y1; ++y) {
         const double* const row = held(block.x0, y);
-        const double* const depth = attenuated_ ? length(block.x0, y) : nullptr;
+        const double* const depth = attenuated() ? length(block.x0, y) : nullptr;
         for (int i = 0; i < block.width(); ++i) {
           const double bound = depth != nullptr ? row[i] - std::exp(-depth[i]) : row[i];
           least = bound < least ? bound : least;
@@ -66,12 +60,13 @@ double ProjectedValues::least(const PixelRect& rect) const {
 
 double ProjectedValues::value(int x, int y) const {
   const double held = held_[placeOf(x, y)];
-  if (mean_) {
+  if (mean()) {
     const double length = length_[placeOf(x, y)];
     return length > 0 ? held / length : kNoValue;
   }
-  if (attenuated_) return held > kNothingHeld ? attenuation_.lo + held * (attenuation_.hi - attenuation_.lo) : kNoValue;
-  return held > kNothingHeld ? sign_ * held : kNoValue;
+  if (attenuated())
+    return held > kNothingHeld ? attenuation_.lo + held * (attenuation_.hi - attenuation_.lo) : kNoValue;
+  return held > kNothingHeld ? sign() * held : kNoValue;
 }
 
 }  // namespace kiln

@@ -33,22 +33,22 @@ class ProjectedValues {
 
   const PixelRect& rect() const { return rect_; }
   PixelValue rule() const { return rule_; }
-  bool mean() const { return mean_; }
-  bool attenuated() const { return attenuated_; }
+  bool mean() const { return rule_ == PixelValue::kMean; }
+  bool attenuated() const { return rule_ == PixelValue::kAttenuated; }
   /// True if the order of samples counts: front to back.
-  bool accumulates() const { return mean_ || attenuated_; }
+  bool accumulates() const { return takesInOrder(rule_); }
   const Attenuation& attenuation() const { return attenuation_; }
   /// Factor of held values: pixels hold sign() · value, so that every extremum is a maximum.
-  double sign() const { return sign_; }
+  double sign() const { return rule_ == PixelValue::kLeast ? -1 : 1; }
   /// Upper bound of held values for values of `range`.
-  double bound(const ValueRange& range) const { return sign_ > 0 ? range.hi : -range.lo; }
+  double bound(const ValueRange& range) const { return rule_ == PixelValue::kLeast ? -range.lo : range.hi; }
 
   /// Pointer to the extremum or sum of pixel (x, y); pixels to the right follow. requires: (x, y) in rect().
   double* held(int x, int y) { return &held_[placeOf(x, y)]; }
   /// Length over which the sum of pixel (x, y) runs, or the attenuation so far, an exponent; pixels to the right
   /// follow. requires: accumulates().
   double* length(int x, int y) { return &length_[placeOf(x, y)]; }
-  /// Marks a pixel that no sample can reach; the pixel never has a value.
+  /// Marks a pixel whose ray has no value; the pixel never has a value.
   void leaveOut(int x, int y);
   /// Updates the bounds of blocks after extrema in `rect` changed. thread: safe for rectangles that share no block.
   void update(const PixelRect& rect);
@@ -75,8 +75,6 @@ class ProjectedValues {
 
   PixelRect rect_, blocks_;
   PixelValue rule_;
-  bool mean_, attenuated_;
-  double sign_;
   Attenuation attenuation_;
   std::vector<double> held_, length_, least_;
 };

@@ -13,20 +13,15 @@
 namespace kiln {
 namespace {
 
-// Returns the zones of the pixel engine, with slabs divided so that samples are at most half a voxel apart. The samples
-// of an attenuated maximum are as near as pixels where voxels are large: else a peak's value would change from pixel to
-// pixel with the distance to the nearest sample.
+// Returns the zones of the pixel engine, with slabs divided so that samples are at most half a voxel apart.
 std::vector<SlabZone> rayZones(const Manifest& volume, const View& view, const ProjectionOptions& options,
-                               const Projector& finest) {
-  ZonedVolume zoned{&volume, finest.nearDepth()};
+                               double near_depth) {
+  ZonedVolume zoned{&volume, near_depth};
   zoned.coarser = options.coarser;
   std::vector<SlabZone> out = slabZones(zoned, view, options.level);
   for (SlabZone& zone : out) {
     const glm::dvec3 edges = volume.levels[static_cast<std::size_t>(zone.level)].geometry.spacing();
-    const double edge = std::min({edges.x, edges.y, edges.z});
-    const double pixel = (finest.perspective() ? zone.near : 1) / finest.focal();
-    // Sixteen samples a voxel: a peak's value is then at most a thirty-second of its height too low.
-    const double most = options.held == PixelValue::kAttenuated ? std::clamp(pixel, edge / 16, edge / 2) : edge / 2;
+    const double most = 0.5 * std::min({edges.x, edges.y, edges.z});
     // Zones are far deeper than a volume that is smaller than a pixel.
     constexpr int kMostSamples = 1 << 30;
     const int parts = static_cast<int>(
@@ -71,7 +66,7 @@ ValueProjection::ValueProjection(const BrickedVolume& store, const FrameLevels& 
       held_(options.held),
       culls_(options.culls && options.held != PixelValue::kMean),
       attenuation_(options.attenuation),
-      zones_(levels, rayZones(store.manifest(), view, options, levels.projector(levels.finest()))),
+      zones_(levels, rayZones(store.manifest(), view, options, levels.projector(levels.finest()).nearDepth())),
       outline_(levels.projector(levels.finest()), levels.clipRegion(levels.finest()), endOf(levels.finest())) {
   for (int l = levels.finest(); l <= levels.coarsest(); ++l) {
     RayFrame frame{&outline_, {}, {}, &levels.projector(l), &levels.clipRegion(l), levels.dims(l), endOf(l)};

@@ -41,7 +41,7 @@ class ValueProjection final : public VolumeEngine {
   /// mean in the order of `ordered`.
   void draw(std::span<const PreparedBrick* const> bricks, const TileTarget& target) override;
 
-  /// Forgets all values, and prepares the pixels; pixels without a sample behind them are left out.
+  /// Forgets all values, and prepares the pixels; pixels whose rays have no value are left out.
   void begin(const PixelRect& pixels);
   /// Returns the bricks in the order of drawing. `front_to_back` is the order of the walk.
   std::vector<BrickInView> ordered(std::vector<BrickInView> front_to_back) const;
@@ -57,7 +57,7 @@ class ValueProjection final : public VolumeEngine {
   VoxelBox coreOf(const BrickKey& key) const;
   /// Returns the end of level 0 in the index space of `level`.
   glm::dvec3 endOf(int level) const;
-  /// Returns the range of the brick's possible samples.
+  /// Returns the range of the brick's possible values.
   static ValueRange rangeOf(const BrickEntry& entry);
   void drawBrick(const Prepared& brick, const PixelRect& rect, DrawCounts& counts);
 

@@ -5,7 +5,7 @@
 // voxels, whose values do not exceed the value held are skipped.
 // Invariant. Places follow from the ray and the level's voxels alone: bits are equal for all bricks and tiles.
 // Source: Marmitt et al. 2004 (the cubic polynomial along a ray). Differs: zeros of the derivative, not of the field.
-// Cost. A comparison of eight voxels for each cube on the ray: as much as two samples a voxel.
+// Cost. A comparison of eight voxels for each cube on the ray (engine/projection/decisions/projections.md).
 #pragma once
 
 #include <algorithm>
@@ -19,34 +19,15 @@
 #include <utility>
 
 #include "engine/shared/draw_counts.h"
+#include "engine/shared/index_ray.h"
 #include "engine/shared/interpolated_brick.h"
 #include "store/codec/brick_block.h"
 
 namespace kiln {
 
-/// The points base + slope · depth of a level's index space.
-struct IndexRay {
-  glm::dvec3 base, slope;
-
-  /// Returns the depths from `near` to `far` at which the points lie in [lo, hi), up to the ends; near >= far if none
-  /// do.
-  std::pair<double, double> between(const glm::dvec3& lo, const glm::dvec3& hi, double near, double far) const {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (slope[axis] == 0) {
-        if (base[axis] < lo[axis] || base[axis] >= hi[axis]) return {0, 0};
-        continue;
-      }
-      const double a = (lo[axis] - base[axis]) / slope[axis], b = (hi[axis] - base[axis]) / slope[axis];
-      near = std::max(near, slope[axis] > 0 ? a : b);
-      far = std::min(far, slope[axis] > 0 ? b : a);
-    }
-    return {near, far};
-  }
-};
-
 /// A part of a ray in a brick, and which of its ends are ends of the ray, where the field is evaluated, too.
 struct RayStretch {
-  double near, far;  // unit: depth
+  DepthSpan depths;
   bool begins, ends;
 };
 
@@ -64,26 +45,29 @@ class BrickExtremum {
       last_cell_[axis] = static_cast<int>((block.core.hi[axis] - block.core.lo[axis] - 1) / kCellSize);
   }
 
-  /// Raises `held` to the greatest value in [near, far).
+  /// Raises `held` to the greatest value of the part.
   void take(const IndexRay& ray, const RayStretch& part, double& held) noexcept {
-    if (part.begins) takeAt(ray, part.near, held);
-    if (part.ends) takeAt(ray, part.far, held);
+    if (part.begins) takeAt(ray, part.depths.near, held);
+    if (part.ends) takeAt(ray, part.depths.far, held);
     // Steps from cell to cell of 8³ voxels, whose faces lie half a voxel before their first voxels.
     const glm::dvec3 base = ray.base - first_ + 0.5;
-    const glm::dvec3 place = base + part.near * ray.slope;
+    const glm::dvec3 place = base + part.depths.near * ray.slope;
     int cell[3];
     std::array<double, 3> leaves_at;
+    // The last cell of a direction reaches to the end of the part, which other operations round.
     const auto leaveAt = [&](int axis) {
-      const int face = (cell[axis] + (ray.slope[axis] > 0 ? 1 : 0)) * static_cast<int>(kCellSize);
-      return ray.slope[axis] == 0 ? kNever : (face - base[axis]) / ray.slope[axis];
+      const bool forward = ray.slope[axis] > 0;
+      if (ray.slope[axis] == 0 || cell[axis] == (forward ? last_cell_[axis] : 0)) return kNever;
+      const int face = (cell[axis] + (forward ? 1 : 0)) * static_cast<int>(kCellSize);
+      return (face - base[axis]) / ray.slope[axis];
     };
     for (int axis = 0; axis < 3; ++axis) {
       cell[axis] = std::clamp(static_cast<int>(place[axis] * (1.0 / kCellSize)), 0, last_cell_[axis]);
       leaves_at[static_cast<std::size_t>(axis)] = leaveAt(axis);
     }
-    for (double at = part.near; at < part.far;) {
+    for (double at = part.depths.near; at < part.depths.far;) {
       const auto axis = static_cast<int>(std::min_element(leaves_at.begin(), leaves_at.end()) - leaves_at.begin());
-      const double leaves = std::min(leaves_at[static_cast<std::size_t>(axis)], part.far);
+      const double leaves = std::min(leaves_at[static_cast<std::size_t>(axis)], part.depths.far);
       if (leaves > at) {
         ++counts_.nodes_tested;
         const ValueRange& range = block_.supports.at(cell[0] + 1, cell[1] + 1, cell[2] + 1);
@@ -94,7 +78,6 @@ class BrickExtremum {
         at = leaves;
       }
       cell[axis] += ray.slope[axis] > 0 ? 1 : -1;
-      if (cell[axis] < 0 || cell[axis] > last_cell_[axis]) return;
       leaves_at[static_cast<std::size_t>(axis)] = leaveAt(axis);
     }
   }
@@ -148,7 +131,7 @@ class BrickExtremum {
         ++counts_.splats;
         takeInside(ray, cube, corner, leaves, from, to, held);
         if (leaves >= from && leaves < to) {
-          glm::dvec3 place = ray.base + leaves * ray.slope;
+          glm::dvec3 place = ray.at(leaves);
           place[axis] = static_cast<double>(cube.plane[axis]);
           compare(field_.valueAt(place), held);
         }
@@ -169,7 +152,7 @@ class BrickExtremum {
     const double length = leaves - cube.enters;
     if (!(length > 0) || leaves <= from) return;
     const glm::dvec3 lo(cube.voxel.x, cube.voxel.y, cube.voxel.z);
-    const glm::dvec3 begin = ray.base + cube.enters * ray.slope - lo, step = (length / 3) * ray.slope;
+    const glm::dvec3 begin = ray.at(cube.enters) - lo, step = (length / 3) * ray.slope;
     double f[4];
     for (int i = 0; i < 4; ++i) f[i] = field_.between(corner, begin + static_cast<double>(i) * step);
     // Coefficients of the derivative a s² + b s + c, with s from 0 to 1 through the cube.
@@ -187,9 +170,7 @@ class BrickExtremum {
     }
   }
 
-  void takeAt(const IndexRay& ray, double depth, double& held) {
-    compare(field_.valueAt(ray.base + depth * ray.slope), held);
-  }
+  void takeAt(const IndexRay& ray, double depth, double& held) { compare(field_.valueAt(ray.at(depth)), held); }
   void compare(double value, double& held) {
     const double signed_value = kLeast ? -value : value;
     if (!(signed_value > held)) return;

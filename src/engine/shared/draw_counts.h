@@ -6,8 +6,8 @@
 namespace kiln {
 
 struct DrawCounts {
-  std::uint64_t visited = 0;  // interesting voxels or samples with their centre in the tile
-  std::uint64_t splats = 0;   // visited voxels or samples that were drawn
+  std::uint64_t visited = 0;  // interesting voxels, samples or cubes between voxels of the tile
+  std::uint64_t splats = 0;   // the visited that were drawn
   std::uint64_t nodes_tested = 0, nodes_hidden = 0;
   bool changed = false;  // a pixel may have changed
   void add(const DrawCounts& other) {

@@ -51,6 +51,7 @@ class InterpolatedBrick {
   static double mix(double a, double b, double fraction) {
     if constexpr (std::is_floating_point_v<T>) {
       if (fraction == 0) return a;
+      if (fraction == 1) return b;
     }
     return a + fraction * (b - a);
   }
