@@ -17,6 +17,9 @@ constexpr double kThinnest = 0.5, kThickest = 1;
 constexpr double kThinnestOfFinest = 0.25;
 // Voxel edge from which slabs may be thicker than kThickest: there is no finer detail to miss. unit: pixels.
 constexpr double kMagnified = 4;
+// Voxel edge from which slabs are thinner fractions of a voxel: rims and contours as wide as a slab would be seen as
+// rings. unit: pixels.
+constexpr double kLarge = 16;
 // Voxel edge of a coarser level from which a sample is a point. Below, a sample stands for all values that the voxel
 // may hide (the kernel classifies an interval). unit: pixels.
 constexpr double kPointEdge = 1;
@@ -25,7 +28,8 @@ constexpr int kZonesOfOctave = 8;
 // Returns the slab thickness for a voxel edge. An edge in the picture has a rim as wide as a slab; the rim is visible
 // if it is wider than a pixel and than a fraction of a voxel. unit: pixels.
 double spacingFor(double edge_px, double distance) {
-  const double most = std::max(kThickest, edge_px / kMagnified) * (distance / kSampleDistance);
+  const double magnified = edge_px < kLarge ? edge_px : std::sqrt(edge_px * kLarge);
+  const double most = std::max(kThickest, magnified / kMagnified) * (distance / kSampleDistance);
   return std::min(edge_px * distance, most);
 }
 
