@@ -17,8 +17,8 @@ constexpr double kThinnest = 0.5, kThickest = 1;
 constexpr double kThinnestOfFinest = 0.25;
 // Voxel edge from which slabs may be thicker than kThickest: there is no finer detail to miss. unit: pixels.
 constexpr double kMagnified = 4;
-// Voxel edge from which slabs are thinner fractions of a voxel: rims and contours as wide as a slab would be seen as
-// rings. unit: pixels.
+// Voxel edge from which slabs are thinner fractions of a voxel: contours as wide as a slab would be seen as rings
+// (engine/pixel/decisions/places.md). unit: pixels.
 constexpr double kLarge = 16;
 // Voxel edge of a coarser level from which a sample is a point. Below, a sample stands for all values that the voxel
 // may hide (the kernel classifies an interval). unit: pixels.
