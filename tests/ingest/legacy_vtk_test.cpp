@@ -159,6 +159,25 @@ TEST(IngestLegacyVtk, OtherNamesOfTypes_AreRead) {
   }
 }
 
+// As filters of VTK write them.
+TEST(IngestLegacyVtk, NumbersOfPointsBesideAnArray_AreNoImage) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::f32, 535);
+  const ForeignVolume ids = randomVolume(kFewVoxels, VoxelType::i32, 536);
+  const std::string ids_text = "vtkOriginalPointIds 1 60 vtkIdType\n" + legacyData(ids, true) + "\n";
+  const std::string start = legacyStart(volume.dims, true) + "FIELD FieldData ";
+  expectReadsBack(volume, files.write("a.vtk", start + "2\n" + ids_text + "v 1 60 float\n" + legacyData(volume, true)),
+                  537);
+  expectReadsBack(ids, files.write("b.vtk", start + "1\n" + ids_text), 538);
+}
+
+TEST(IngestLegacyVtk, TooManyStringsAreRefused) {
+  const ForeignFiles files;
+  const std::string names = "FIELD FieldData 1\nnames 1 20000000 string\n" + std::string(20'000'000, '\xc0');
+  expectRefused(files.write("a.vtk", legacyStart(kFewVoxels, true) + names), ErrorCode::kFormat,
+                "'names' holds more than 16777216 strings");
+}
+
 TEST(IngestLegacyVtk, OtherDataAreRefused) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kFewVoxels, VoxelType::u8, 531);

@@ -4,6 +4,7 @@
 // docs.vtk.org/en/latest/design_documents/VTKFileFormats.html.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <glm/mat3x3.hpp>
@@ -31,6 +32,8 @@ constexpr VtkTypeName kLegacyTypes[] = {{"unsigned_char", VoxelType::u8},
                                         {"double", VoxelType::f64},
                                         {"vtktypeint64", StoredType::wide(true)},
                                         {"vtktypeuint64", StoredType::wide(false)}};
+// Most values to pass over one by one.
+constexpr std::uint64_t kMostValues = 1 << 24;
 // Types that are passed over only: programs disagree on the sizes of long numbers. unit: bytes.
 constexpr std::pair<std::string_view, std::size_t> kPassedTypes[] = {{"long", 8}, {"unsigned_long", 8}};
 
@@ -204,6 +207,8 @@ std::optional<std::uint64_t> LegacyReader::behindBytes(const LegacyArray& array,
   if (!strings && !bits && size == 0) return std::nullopt;
   if (tuples > (bits ? 8 * room : strings ? room : room / size) / values) return std::nullopt;
   const std::uint64_t count = tuples * values;
+  if (strings && count > kMostValues)
+    fail(fmt::format("{} holds more than {} strings", inQuotes(array.name), kMostValues));
   if (strings) return behindStrings(array.begin, count);
   return array.begin + (bits ? (count + 7) / 8 : count * size);
 }
@@ -226,8 +231,7 @@ std::optional<std::uint64_t> LegacyReader::behindStrings(std::uint64_t at, std::
 
 // Passes over the numbers of an array in a text file; a text has a line of its own. Returns false if the file ends.
 bool LegacyReader::passOverText(const LegacyArray& array, std::int64_t tuples) {
-  constexpr std::int64_t kMostValues = 1 << 24;
-  if (tuples > kMostValues / array.components)
+  if (static_cast<std::uint64_t>(tuples) > kMostValues / static_cast<std::uint64_t>(array.components))
     fail(fmt::format("{} holds more than {} values of the whole image", inQuotes(array.name), kMostValues));
   const bool texts = array.type_text == "string";
   std::int64_t left = tuples * array.components;
@@ -299,6 +303,14 @@ LegacyHeader LegacyReader::read() {
     const std::string key = lowered((*line)[0]);
     if (tuples_ == 0 && takeGrid(key, *line)) continue;
     if (!takeAttribute(key, *line)) break;
+  }
+  // Numbers of points, which filters add to an image, are no image beside other arrays.
+  const auto is_of_ids = [](const LegacyArray& array) { return array.type_text == "vtkidtype" && !array.is_active; };
+  const auto is_image = [&](const LegacyArray& array) { return array.isReadable() && !is_of_ids(array); };
+  if (std::ranges::any_of(header_.arrays, is_image)) {
+    for (LegacyArray& array : header_.arrays) {
+      if (is_of_ids(array)) array.type.reset();
+    }
   }
   return std::move(header_);
 }
