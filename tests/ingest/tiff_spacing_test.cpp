@@ -188,7 +188,7 @@ TEST(IngestTiff, SamplesInTifffilesShape_areNoChannels) {
     EXPECT_EQ(notes->channels, 1);
     EXPECT_EQ(notes->frames, 1);
   }
-  EXPECT_EQ(stackNotes(R"({"shape": [6, 20, 30, 3]})")->channels, 6);
+  EXPECT_EQ(stackNotes(R"({"shape": [6, 20, 30, 3]})", 1)->channels, 6);
 }
 
 TEST(IngestTiff, ALogOfSkyScanStatesTheSpacing) {

@@ -49,7 +49,7 @@ std::vector<ListedVolume> pagesOf(TiffFile& file, const std::optional<StackNotes
   out.push_back(runOf(first, last));
   if (out.size() > 1)
     for (ListedVolume& run : out) run.refusal = "pages of one volume are alike; save these pages alone";
-  // Beyond 4 GB ImageJ writes a single directory for all images.
+  // ImageJ beyond 4 GB, and tifffile with truncate=True, write a single directory for all images.
   if (notes && out.size() == 1 && !notes->counts_all_files && notes->images > out.front().dims->z)
     out.front().dims->z = notes->images;
   if (notes && out.size() == 1) describeStacks(*notes, out.front());
@@ -62,7 +62,7 @@ std::vector<ListedVolume> listTiff(const std::vector<std::filesystem::path>& sta
   ListedVolume out;
   try {
     TiffFile file(stack.front());
-    const std::optional<StackNotes> notes = stackNotes(file.description());
+    const std::optional<StackNotes> notes = stackNotes(file.description(), file.page().samples);
     std::vector<ListedVolume> pages = pagesOf(file, notes);
     if (pages.size() > 1 && stack.size() == 1) return pages;
     out = std::move(pages.front());

@@ -48,7 +48,7 @@ struct StackNotes {
 };
 
 /// Parses ImageJ's KEY=VALUE lines after "ImageJ=", OME's XML, or tifffile's JSON; nothing for other descriptions.
-std::optional<StackNotes> stackNotes(std::string_view description, int samples = 1);
+std::optional<StackNotes> stackNotes(std::string_view description, int samples);
 
 /// Returns spacing and unit of a volume of `dims`: `options.spacing`, else the stack's, else the log's, else by the
 /// resolution tags, else 1. `notes` lists the choices made.
