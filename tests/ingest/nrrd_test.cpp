@@ -236,7 +236,7 @@ TEST(IngestNrrd, TextBelowTheSmallestFloat_IsZero) {
   for (const VoxelType type : {VoxelType::f32, VoxelType::f64}) {
     const ForeignVolume pair = {{2, 1, 1}, type, {}};
     const std::string header = nrrdHeader(pair, false, "encoding: ascii\n\n");
-    const auto path = files.write("a.nrrd", header + "1e-999 -1e-999\n");
+    const auto path = files.write("a.nrrd", header + "1e-999 -1.5E-99999\n");
     withVoxelType(type, [&]<class T>(std::type_identity<T>) {
       T found[2];
       const std::vector<std::byte> voxels = readWhole(*openSource(path));

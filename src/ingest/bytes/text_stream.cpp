@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <string>
 #include <type_traits>
 
 #include "base/error.h"
@@ -19,12 +21,23 @@ constexpr std::size_t kLongestNumber = 400;
 
 bool isBlank(int c) { return c == ' ' || (c >= '\t' && c <= '\r') || c == ','; }
 
+// Returns a number with a negative exponent, with an exponent that a long double holds; else the text.
+std::string withinRange(std::string_view text) {
+  const std::size_t exponent = text.find_first_of("eE");
+  const bool negative = exponent != std::string_view::npos && text.substr(exponent + 1).starts_with('-');
+  const std::string_view digits = negative ? text.substr(exponent + 2) : std::string_view();
+  if (digits.size() < 4 || !std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; }))
+    return std::string(text);
+  // Below each type's least number, whatever the up to kLongestNumber digits in front.
+  return std::string(text.substr(0, exponent)) + "e-4000";
+}
+
 template <class T>
 std::optional<T> valueOf(std::string_view text) {
   if constexpr (std::is_floating_point_v<T>) {
     if (const auto value = signedNumberOf<T>(text)) return value;
     // A number too small for the type is 0, as for scanf.
-    const std::optional<long double> small = signedNumberOf<long double>(text);
+    const std::optional<long double> small = signedNumberOf<long double>(withinRange(text));
     return small && std::abs(*small) < 1 ? std::optional(static_cast<T>(*small)) : std::nullopt;
   } else {
     const auto whole = signedNumberOf<std::int64_t>(text);
