@@ -97,9 +97,8 @@ void BrickCache::erase(Slots::iterator slot) {
 }
 
 void BrickCache::noteFreed(std::uint64_t bytes) {
-  if ((freed_bytes_ += bytes) < kMostFreed) return;
-  freed_bytes_ = 0;
-  returnFreedMemory();
+  // Of several threads beyond the limit, one returns the memory.
+  if ((freed_bytes_ += bytes) >= kMostFreed && freed_bytes_.exchange(0) >= kMostFreed) returnFreedMemory();
 }
 
 // Returns false for bricks held, awaited or being read.
