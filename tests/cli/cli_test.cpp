@@ -519,6 +519,8 @@ TEST_F(Cli, WrongCommandLines) {
       {{"tf", store, "--store", in("stores")}, "--store applies to volume files only"},
       {{"slice", store, "-o", picture, "--store", in("stores")}, "--store applies to volume files only"},
       {{"gallery", store, "-o", picture, "--store", in("stores")}, "--store applies to volume files only"},
+      {{"slice", "phantom:head", "-o", picture, "--flip", "x"}, "is computed and not a file"},
+      {{"gallery", "phantom:head", "-o", picture, "--store", in("stores")}, "is computed and not a file"},
       {{"render", store, "-o", picture, "--size="}, "--size: is empty"},
       {{"render", store}, "-o"},
       {{"render", store, "-o", picture, "--size", "40"}, "--size"},
@@ -581,6 +583,15 @@ TEST_F(Cli, MissingFiles) {
   expectRefused({"convert", in("none.nrrd"), in("n.kiln")}, 1, {in("none.nrrd")});
   for (const char* command : {"info", "verify"}) expectRefused({command, in("none.kiln")}, 1, {in("none.kiln")});
   expectRefused({"render", in("none.kiln"), "-o", in("p.png")}, 1, {in("none.kiln")});
+  for (const std::vector<std::string>& options : {std::vector<std::string>{"--store", in("s")}, {"--flip", "x"}}) {
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"info"}, {"slice", "-o", in("p.png")}, {"gallery", "-o", in("p.png")}}) {
+      std::vector<std::string> arguments = command;
+      arguments.push_back(in("none.kiln"));
+      arguments.insert(arguments.end(), options.begin(), options.end());
+      expectRefused(arguments, 1, {in("none.kiln") + ": there is no such file or store"});
+    }
+  }
   expectRefused({"render", in("none.json"), "-o", in("p.png")}, 1, {in("none.json")});
   expectRefused({"export", in("none.kiln"), in("v.vdb")}, 1, {in("none.kiln")});
   expectRefused({"compare", in("none.png"), in("none.png")}, 1, {in("none.png")});

@@ -6,6 +6,7 @@
 
 #include "base/duration_text.h"
 #include "base/error.h"
+#include "base/file/path_status.h"
 #include "ingest/open_source.h"
 #include "job_arguments.h"
 
@@ -23,9 +24,10 @@ void requireNoDirectory(const ForeignArguments& arguments, const std::filesystem
 
 }  // namespace
 
-void ForeignArguments::requireNoneForStore(const std::filesystem::path& store) const {
-  requireNoDirectory(*this, store, "a store");
-  requireNoOptions(store, resolve());
+void ForeignArguments::requireNoneForStore(const std::filesystem::path& input) const {
+  if (!isForStoreReader(input) || !isThere(input)) return;
+  requireNoDirectory(*this, input, "a store");
+  requireNoOptions(input, resolve());
 }
 
 void ForeignArguments::requireNoneForPicture(const std::filesystem::path& picture) const {

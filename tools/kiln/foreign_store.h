@@ -17,9 +17,9 @@ struct ForeignArguments : SourceWords {
   std::string store_directory;
   /// throws: as SourceWords::resolve.
   ForeignVolume volume(const std::filesystem::path& input) const { return {input, resolve(), store_directory}; }
-  /// Check that no option is given beside a store or a picture. The variable for --store may be set. throws: Error
-  /// kUsage.
-  void requireNoneForStore(const std::filesystem::path& store) const;
+  /// Check that no option is given beside a store or a picture. The variable for --store may be set. An input that is
+  /// no store, such as a name of nothing, passes requireNoneForStore. throws: Error kUsage.
+  void requireNoneForStore(const std::filesystem::path& input) const;
   void requireNoneForPicture(const std::filesystem::path& picture) const;
 };
 

@@ -40,7 +40,7 @@ void run(const GalleryArguments& a, Context& context) {
   FileSystem::real().requirePlaceFor(a.output);
   OutputFiles outputs;
   outputs.add(a.output);
-  if (isForStoreReader(a.store)) a.source.requireNoneForStore(a.store);
+  a.source.requireNoneForStore(a.store);
   GalleryRequest request = a.request;
   request.look = static_cast<Look>(std::find(kLookNames.begin(), kLookNames.end(), a.look) - kLookNames.begin());
   request.speed.memory_bytes = parseBytes(a.memory, "--memory");

@@ -182,7 +182,7 @@ void run(const SliceArguments& a, Context& context) {
   FileSystem::real().requirePlaceFor(a.output);
   OutputFiles outputs;
   outputs.add(a.output);
-  if (isForStoreReader(a.store)) a.source.requireNoneForStore(a.store);
+  a.source.requireNoneForStore(a.store);
   if (a.at && !a.sheet) throw Error(ErrorCode::kUsage, "--at: is a point of a sheet; add --sheet, or give --index");
   SliceRequest request;
   request.memory_bytes = parseBytes(a.memory, "--memory");
