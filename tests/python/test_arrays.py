@@ -356,6 +356,8 @@ def test_words_without_effect_are_refused():
         for word in ("allow_irregular", "luminance")
         for value in ("yes", "", 1)
     ]
+    refused += [(kiln.open, "a.npy", "store", value) for value in (3, ["stores"], False)]
+    refused += [(kiln.render, job, "store", 3) for job in ({"volume": "a.npy"}, "a.json")]
     refused += [(kiln.view, array, "port", value) for value in (70000, 65536, -1, 1.5)]
     refused += [(call, array, word, 3) for call in (kiln.open, kiln.convert) for word in ("dims", "bogus")]
     refused += [(kiln.convert, array, word, 2.5) for word in ("levels", "threads", "brick_size")]
@@ -368,6 +370,25 @@ def test_words_without_effect_are_refused():
     volume = kiln.convert("a.npy", "a.kiln", allow_irregular=False, luminance=False, levels=1, spacing=SPACING)
     assert same_voxels(volume, array) and len(volume.levels) == 1 and volume.spacing == SPACING
     assert kiln.open("a.npy", unit="um").unit == "um"
+
+
+def test_values_that_are_no_names_are_refused_with_a_remedy():
+    volume = kiln.open(ramp("uint8", (8, 8, 8)))
+    source = "source: is a file or an array (found {}); give the name of a file, or an array"
+    for call, refusal in [
+        (lambda: kiln.convert(volume[...], None), "out: is a folder (found NoneType); name the store to make"),
+        (lambda: kiln.convert(3, "a.kiln"), source.format("int")),
+        (lambda: kiln.open(None), source.format("NoneType")),
+        (lambda: kiln.open("a.npy", store=3), "store: is a folder (found int); name the folder for stores"),
+        (lambda: kiln.render(3), "job: is a dict or a file (found int); give the job's object"),
+        (lambda: kiln.view(volume, job=3), "job: is a file (found int); name the file to write"),
+        (lambda: volume.render(size=(8, 8)).save(3), "path: is a file (found int); name the picture to write"),
+    ]:
+        with pytest.raises(kiln.Error) as failure:
+            call()
+        assert str(failure.value).startswith(refusal), str(failure.value)
+        assert (failure.value.code, failure.value.path) == ("usage", None)
+    assert os.listdir() == []
 
 
 def test_damaged_words_are_refused():

@@ -8,7 +8,7 @@ from typing import Any
 from kiln import _kiln
 from kiln._arrays import is_array, source_of
 from kiln._errors import path_of, whole_number, wrong_word
-from kiln._volume import Progress, Volume, file_texts, open, refuse_words_of_arrays
+from kiln._volume import Progress, Volume, file_texts, open, refuse_words_of_arrays, source_path
 from kiln._words import text_of
 
 
@@ -51,7 +51,7 @@ def convert(
     options.brick_size = whole_number("brick_size", brick_size, 8, 4096)
     options.levels, options.threads = whole_number("levels", levels, 0, 64), whole_number("threads", threads, 0, 4096)
     options.overwrite, options.resume, options.half, options.labels = overwrite, resume, half, labels
-    target = path_of("out", out, "is a folder")
+    target = path_of("out", out, "is a folder", "name the store to make, such as 'head.kiln'")
     if isinstance(source, Volume):
         raise wrong_word("source", "is a file or an array", "an open volume", "give its file, or slice it: volume[...]")
     if is_array(source):
@@ -69,7 +69,7 @@ def convert(
         )
         report = _kiln.convert_array(described, target, options, progress)
     else:
-        path = path_of("source", source, "is a file or an array")
+        path = source_path(source)
         options.command = f"kiln.convert({path!r}, {target!r})"
         refuse_words_of_arrays(axes=axes, frame=frame, identity=identity)
         texts = file_texts(dict(words, unit=unit or None), spacing, affine)

@@ -27,8 +27,8 @@ def whole_number(word: str, value: Any, low: int, high: int) -> int:
     return number
 
 
-def path_of(word: str, value: Any, constraint: str) -> Any:
-    """Returns the name of a file as text or bytes. throws: kiln.Error, by `constraint`, for other values."""
+def path_of(word: str, value: Any, constraint: str, remedy: str) -> Any:
+    """Returns the name of a file or folder as text or bytes. throws: kiln.Error for other values."""
     if not isinstance(value, (str, bytes, os.PathLike)):
-        raise wrong_word(word, constraint, type(value).__name__, "give the name of a file")
+        raise wrong_word(word, constraint, type(value).__name__, remedy)
     return os.fspath(value)

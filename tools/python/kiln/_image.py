@@ -96,7 +96,8 @@ class Image:
 
         Of stereo="both", both eyes; `right.save` writes the right eye's.
         """
-        self._picture.save(self._view, path_of("path", path, "is a file"), flag_texts(words))
+        file = path_of("path", path, "is a file", "name the picture to write, such as 'head.png'")
+        self._picture.save(self._view, file, flag_texts(words))
 
     @property
     def job(self) -> dict[str, Any]:

@@ -62,7 +62,8 @@ def render(
     """
     folder = store_folder(store)
     if not isinstance(job, dict):
-        return Frames(_kiln.Frames.of_file(path_of("job", job, "is a dict or a file"), folder), progress)
+        file = path_of("job", job, "is a dict or a file", "give the job's object, or the name of its file")
+        return Frames(_kiln.Frames.of_file(file, folder), progress)
     volumes: list[Volume] = []
     text = json_text({"kiln": _kiln.job_format, **job}, volumes)
     return Frames(_kiln.Frames.of_text(text, folder, [volume._volume for volume in volumes]), progress)

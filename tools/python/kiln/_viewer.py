@@ -60,7 +60,9 @@ def view(
         volume = open(volume)
     title = os.path.basename(os.path.normpath(shown_path(volume)))
     # The working directory may change while the viewer runs.
-    name = os.path.abspath(path_of("job", job, "is a file")) if job is not None else ""
+    name = ""
+    if job is not None:
+        name = os.path.abspath(path_of("job", job, "is a file", "name the file to write, such as 'look.json'"))
     more, words = more_volumes(words)
     port = whole_number("port", port, 0, 65535)
     viewer = _kiln.Viewer(volume._volume, job_words(words, range_of(volume)), more, name, title, port)

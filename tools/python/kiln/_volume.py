@@ -268,7 +268,7 @@ def open(
         return Volume(_kiln.Volume.open_array(described, edge, text_of(memory), progress))
     refuse_words_of_arrays(axes=axes, frame=frame, brick_size=brick_size)
     texts = file_texts(dict(words, unit=unit or None), spacing, affine)
-    memory_text, path = text_of(memory), path_of("source", source, "is a file or an array")
+    memory_text, path = text_of(memory), source_path(source)
     return Volume(_kiln.Volume.open_file(path, texts, store_folder(store), labels, memory_text, progress))
 
 
@@ -286,9 +286,16 @@ def refuse_words_of_arrays(**words: Any) -> None:
             raise wrong_word(word, "is for arrays", "a file", _REMEDIES.get(word, "leave it out; a file has its own"))
 
 
-def store_folder(store: str | os.PathLike[str] | None) -> str:
-    """Returns the folder for stores of volume files; empty for the folder of each file."""
-    return os.fspath(store) if store is not None else os.environ.get("KILN_STORE_DIR", "")
+def source_path(source: Any) -> Any:
+    """Returns the name of a file or store. throws: kiln.Error for other values."""
+    return path_of("source", source, "is a file or an array", "give the name of a file, or an array")
+
+
+def store_folder(store: str | os.PathLike[str] | None) -> Any:
+    """Returns the folder for stores of volume files; empty for the folder of each file. throws: kiln.Error."""
+    if store is None:
+        return os.environ.get("KILN_STORE_DIR", "")
+    return path_of("store", store, "is a folder", "name the folder for stores of volume files, or leave it out")
 
 
 def file_texts(words: dict[str, Any], spacing: Any, affine: Any) -> dict[str, str]:
