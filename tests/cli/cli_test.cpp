@@ -170,6 +170,9 @@ TEST_F(Cli, InfoOfAPictureIsTheJobThatDrawsIt) {
   EXPECT_EQ(expectDone({"info", in("f.png")}).out,
             "picture      " + in("f.png") + "\npixels       2 x 2 of 8 bits a channel\n");
   expectRefused({"info", in("f.png"), "--json"}, 1, {in("f.png"), "kiln:job"});
+  for (const std::vector<std::string>& option : {std::vector<std::string>{"--unit", "mm"}, {"--store", in("stores")}})
+    expectRefused({"info", in("f.png"), option[0], option[1]}, 2,
+                  {in("f.png") + ": is a picture, and options of volume files"});
   expectRefused({"info", in("v.raw")}, 2, {in("v.raw"), "if it is headerless raw voxels, give --dims"});
   writeText(in("v.npz"), "PK\x03\x04");
   expectRefused({"info", in("v.npz")}, 1, {in("v.npz"), "a ZIP file, which is not read"});
@@ -517,6 +520,11 @@ TEST_F(Cli, WrongCommandLines) {
       {{"info", store, "--store", in("stores")}, "--store applies to volume files only"},
       {{"info", store, "--unit", "mm"}, "--up-axis or --unit applies to volume files only"},
       {{"tf", store, "--store", in("stores")}, "--store applies to volume files only"},
+      {{"tf", "fire", "--store", in("stores")}, "'fire' is no volume file"},
+      {{"render", store, "-o", picture, "--store", in("stores")}, "--store applies to volume files only"},
+      {{"render", store, "--add", store, "-o", picture, "--store", in("stores")},
+       "every volume of this job is a store"},
+      {{"view", store, "--no-browser", "--store", in("stores")}, "--store applies to volume files only"},
       {{"slice", store, "-o", picture, "--store", in("stores")}, "--store applies to volume files only"},
       {{"gallery", store, "-o", picture, "--store", in("stores")}, "--store applies to volume files only"},
       {{"slice", "phantom:head", "-o", picture, "--flip", "x"}, "is computed and not a file"},

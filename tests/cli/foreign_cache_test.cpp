@@ -121,6 +121,22 @@ TEST_F(ForeignCache, StoresGoToTheNamedFolder_OneForEachFile) {
   EXPECT_TRUE(equalBits(readImage(in("d.png")), readImage(in("b.png"))));
 }
 
+// Known because a user sets the variable once for all commands, and the option applies to one of the two volumes.
+TEST_F(ForeignCache, TheVariableMayBeSetBesideStores_AndTheOptionIfOneVolumeIsAFile) {
+  write("v.raw", 3);
+  done(drawn("v.raw", "p.png"));
+  ToolOptions variable;
+  variable.environment = {"KILN_STORE_DIR=" + in("by_variable")};
+  done({"render", in("v.raw.kiln"), "-o", in("q.png"), "--size", "16x16"}, variable);
+  for (const char* name : {"v.raw.kiln", "p.png"}) done({"info", in(name)}, variable);
+  for (const std::string& name : {in("v.raw.kiln"), std::string("fire")}) done({"tf", name}, variable);
+  EXPECT_FALSE(fs::exists(in("by_variable")));
+  std::vector<std::string> mixed = drawn("v.raw", "r.png");
+  mixed.insert(mixed.end(), {"--add", in("v.raw.kiln"), "--store", in("stores")});
+  done(mixed);
+  EXPECT_TRUE(fs::exists(in("stores")));
+}
+
 TEST_F(ForeignCache, AFolderThatCannotHoldTheStore_NamesOtherFolders) {
   write("v.raw", 3);
   std::vector<std::string> arguments = drawn("v.raw", "p.png");

@@ -1,7 +1,5 @@
 #include "foreign_store.h"
 
-#include <fmt/format.h>
-
 #include <cstdlib>
 
 #include "base/duration_text.h"
@@ -13,26 +11,23 @@
 namespace kiln::tool {
 namespace {
 constexpr const char* kStoreVariable = "KILN_STORE_DIR";
-
-// `kind` names the input: "a store".
-void requireNoDirectory(const ForeignArguments& arguments, const std::filesystem::path& input, const char* kind) {
-  const char* const by_variable = std::getenv(kStoreVariable);
-  if (arguments.store_directory.empty() || (by_variable != nullptr && arguments.store_directory == by_variable)) return;
-  throw Error(ErrorCode::kUsage, input, "",
-              fmt::format("--store applies to volume files only, and this is {}; leave it out", kind));
 }
 
-}  // namespace
+bool ForeignArguments::namesDirectory() const {
+  const char* const by_variable = std::getenv(kStoreVariable);
+  return !store_directory.empty() && (by_variable == nullptr || store_directory != by_variable);
+}
 
 void ForeignArguments::requireNoneForStore(const std::filesystem::path& input) const {
   if (!isForStoreReader(input) || !isThere(input)) return;
-  requireNoDirectory(*this, input, "a store");
+  if (namesDirectory())
+    throw Error(ErrorCode::kUsage, input, "",
+                "--store applies to volume files only, and this is a store; leave it out");
   requireNoOptions(input, resolve());
 }
 
 void ForeignArguments::requireNoneForPicture(const std::filesystem::path& picture) const {
-  requireNoDirectory(*this, picture, "a picture");
-  if (any())
+  if (any() || namesDirectory())
     throw Error(ErrorCode::kUsage, picture, "", "is a picture, and options of volume files are given; leave them out");
 }
 

@@ -17,6 +17,8 @@ struct ForeignArguments : SourceWords {
   std::string store_directory;
   /// throws: as SourceWords::resolve.
   ForeignVolume volume(const std::filesystem::path& input) const { return {input, resolve(), store_directory}; }
+  /// Returns true if --store is given, and not by its variable alone.
+  bool namesDirectory() const;
   /// Check that no option is given beside a store or a picture. The variable for --store may be set. An input that is
   /// no store, such as a name of nothing, passes requireNoneForStore. throws: Error kUsage.
   void requireNoneForStore(const std::filesystem::path& input) const;

@@ -32,6 +32,16 @@ void requireInterocularOfFiles(const RenderJob& job) {
                 "volume is usual");
 }
 
+// Returns true if all volumes, in all frames, are stores.
+bool drawsStoresAlone(const RenderJob& job) {
+  const bool series = isSeries(job);
+  std::set<fs::path> names;
+  for (const fs::path& volume : inputVolumesOf(job)) {
+    for (const int frame : framesOf(job)) names.insert(series ? pathOfFrame(volume, frame) : volume);
+  }
+  return std::ranges::all_of(names, isStore);
+}
+
 }  // namespace
 
 void AddedArguments::addTo(CLI::App& command, OptionFacts& facts) {
@@ -104,7 +114,11 @@ std::vector<fs::path> inputsOf(const RenderJob& job) {
 InputOptions::InputOptions(const ForeignArguments& source, const RenderJob& job)
     : described_(source.volume({})),
       names_(namesInFrames(job, job.volumes.empty() ? job.volume : job.volumes.front().volume)),
-      labels_(labelVolumesOf(job)) {}
+      labels_(labelVolumesOf(job)) {
+  if (source.namesDirectory() && drawsStoresAlone(job))
+    throw Error(ErrorCode::kUsage,
+                "--store applies to volume files only, and every volume of this job is a store; leave it out");
+}
 
 fs::path requiredClass(const fs::path& store, bool labels) {
   if (labels && readManifest(store).volume_class != VolumeClass::kLabels)

@@ -35,6 +35,7 @@ std::vector<std::filesystem::path> inputsOf(const RenderJob& job);
 /// volumes; labels are known per volume.
 class InputOptions {
  public:
+  /// throws: Error kUsage for --store if all volumes are stores.
   InputOptions(const ForeignArguments& source, const RenderJob& job);
   ForeignVolume of(const std::filesystem::path& volume) const {
     return {volume, names_.contains(volume) ? described_.options : SourceOptions(), described_.store_directory};

@@ -81,7 +81,7 @@ Subject subjectOf(const TfArguments& a, const OutputFiles& outputs, Context& con
   if (!a.tf.empty())
     throw Error(ErrorCode::kUsage, fmt::format("--tf goes with a store or a volume file, and '{}' is none", a.input));
   const TransferFunctionChoice function = transferFunctionNamed(a.input, "kiln tf");
-  if (a.source.any())
+  if (a.source.any() || a.source.namesDirectory())
     throw Error(ErrorCode::kUsage, fmt::format("'{}' is no volume file, and the options of foreign files are of these; "
                                                "leave the options out",
                                                a.input));
