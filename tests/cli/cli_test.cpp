@@ -602,6 +602,8 @@ TEST_F(Cli, MissingFiles) {
   }
   expectRefused({"render", in("none.json"), "-o", in("p.png")}, 1, {in("none.json")});
   expectRefused({"export", in("none.kiln"), in("v.vdb")}, 1, {in("none.kiln")});
+  expectRefused({"export", in("v.kiln"), in("none/s_##.tif")}, 1,
+                {in("none/s_##.tif") + ": cannot be made: there is no directory " + in("none")});
   expectRefused({"compare", in("none.png"), in("none.png")}, 1, {in("none.png")});
   expectRefused({"render", in("v.kiln"), "-o", in("nowhere/p.png"), "--size", "8x8"}, 1, {in("nowhere/p.png")});
   fs::create_directory(in("empty"));

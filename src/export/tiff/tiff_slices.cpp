@@ -20,12 +20,10 @@ namespace {
 
 // Other slices of the pattern would become a part of the stack.
 void refuseOtherSlices(const ExportTarget& target, const NumberedName& names, std::int64_t slices) {
-  const fs::path folder = names.folder().empty() ? "." : names.folder();
-  if (!isFolder(folder))
-    throw Error(ErrorCode::kNotFound, target.out, "", "cannot be made: there is no directory " + folder.string());
+  requireFolderOf(names.path(0), target.out);
   const ExportInputs inputs(target.store);
   requireOutsideStores(names.path(0));
-  forEachEntry(folder, [&](const fs::directory_entry& entry) {
+  forEachEntry(names.folder().empty() ? "." : names.folder(), [&](const fs::directory_entry& entry) {
     const std::string name = entry.path().filename().string();
     if (!names.numberIn(name)) return Walk::kGoOn;
     if (names.isOther(name, 0, slices))
