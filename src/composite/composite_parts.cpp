@@ -131,7 +131,7 @@ ImageMetadata metadataOf(const std::vector<Part>& parts, const Camera& camera, c
   job.picture.clipping.part.reset();
   job.picture.skip_damaged = damaged_bricks > 0;
   ImageMetadata out;
-  for (const char* const name : {"owner", "comments"}) {
+  for (const char* const name : {ImageMetadata::kOwner, ImageMetadata::kComments}) {
     if (const std::string text = joinedText(parts, name); !text.empty()) out.text[name] = text;
   }
   if (damaged_bricks > 0) out.text[ImageMetadata::kDamagedBricks] = std::to_string(damaged_bricks);

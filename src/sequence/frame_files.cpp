@@ -150,8 +150,8 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
   out.text["kiln:version"] = KILN_VERSION;
   if (job.series && !job.series->frames.empty()) out.text[kSeriesKey] = job.series->frames;
   if (drawsPart(of_file.picture)) out.text["kiln:volume"] = partOriginText(store.manifest());
-  if (!job.output.owner.empty()) out.text["owner"] = job.output.owner;
-  if (!job.output.comments.empty()) out.text["comments"] = job.output.comments;
+  if (!job.output.owner.empty()) out.text[ImageMetadata::kOwner] = job.output.owner;
+  if (!job.output.comments.empty()) out.text[ImageMetadata::kComments] = job.output.comments;
   if (job.output.statistics_in_header) {
     RenderStatistics statistics;
     statistics.add(drawn.statistics);

@@ -32,8 +32,11 @@ struct ImageMetadata {
   std::optional<glm::dmat4> world_to_camera, world_to_ndc;
   int views_beside = 1;   // views of equal width, side by side in one picture
   bool panorama = false;  // covers all directions: the EXR attribute envmap
-  /// String attributes of an EXR, texts of a PNG, by name: kJob, "comments", …
+  /// String attributes of an EXR, texts of a PNG, by name: kJob, kComments, …
   std::map<std::string, std::string> text;
+  /// Keys of the texts of --owner and --comments: OpenEXR's own.
+  static constexpr const char* kOwner = "owner";
+  static constexpr const char* kComments = "comments";
   /// Key of the job that draws the picture again.
   static constexpr const char* kJob = "kiln:job";
   /// Key of the folder from which relative names in the job count, as seen from the picture's folder, such as "..".
