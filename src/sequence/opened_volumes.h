@@ -32,7 +32,7 @@ class OpenedVolumes {
   /// The volumes, if they are stores that this object opened; else none.
   const std::vector<const StoreReader*>& stores() const { return stores_; }
   std::vector<const Manifest*> manifests() const;
-  /// Index checksums of the companions, in the order of companionsOf.
+  /// Index checksums of the companions, in the order of inputVolumesOf.
   const std::vector<Hash128>& companions() const { return companions_; }
   /// Functions of the companions that colour volumes, one for each volume; nothing for colours of its own.
   const std::vector<std::optional<ShownFunction>>& colorFunctions() const { return color_functions_; }

@@ -39,16 +39,9 @@ void forEachCompanion(Job& job, const Change& change) {
 
 }  // namespace
 
-std::vector<fs::path> companionsOf(const RenderJob& job) {
-  std::vector<fs::path> out;
-  forEachCompanion(job, [&](const fs::path& volume) { out.push_back(volume); });
-  return out;
-}
-
 std::vector<fs::path> inputVolumesOf(const RenderJob& job) {
   std::vector<fs::path> out = volumesOf(job);
-  const std::vector<fs::path> companions = companionsOf(job);
-  out.insert(out.end(), companions.begin(), companions.end());
+  forEachCompanion(job, [&](const fs::path& volume) { out.push_back(volume); });
   return out;
 }
 

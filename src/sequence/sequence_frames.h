@@ -23,8 +23,7 @@ RenderJob jobAtFrame(const RenderJob& job, int frame);
 void forEachVolume(RenderJob& job, const std::function<std::filesystem::path(const std::filesystem::path&)>& change);
 /// Returns the names of all volumes that are drawn.
 std::vector<std::filesystem::path> volumesOf(const RenderJob& job);
-/// Returns the names of all companions of the volumes (Companions), and of the volumes and all companions.
-std::vector<std::filesystem::path> companionsOf(const RenderJob& job);
+/// Returns the names of all volumes that are drawn, and then of their companions (Companions).
 std::vector<std::filesystem::path> inputVolumesOf(const RenderJob& job);
 
 /// Returns the store of a volume; converts a foreign file.
