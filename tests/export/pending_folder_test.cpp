@@ -2,6 +2,7 @@
 #include "export/output/pending_folder.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -174,6 +175,31 @@ TEST_F(PendingFolderMovesOut, TwoLinksToOnePlace_areRefusedBeforeTheWork) {
         folder.requirePlaces({folder_ / "a.txt", folder_ / "b.txt", folder_ / "c.txt"});
       },
       ErrorCode::kUsage, "c.txt: leads to");
+}
+
+// Known: a folder, a link to a folder and a pipe hold what no export may remove.
+TEST_F(PendingFolderMovesOut, WhatIsNoFile_isRefusedBeforeTheWorkAndStays) {
+  for (const char* name : {"kept", "a.txt"}) {
+    fs::create_directory(folder_ / name);
+    writeText(folder_ / name / "notes.md", "mine");
+  }
+  fs::create_directory_symlink("kept", folder_ / "c.txt");
+  ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  {
+    PendingFolder folder(folder_ / "out", "a test", Leftover::kRefuse, FileSystem::real());
+    for (const char* name : {"a.txt", "c.txt"}) {
+      expectError(
+          [&] {
+            folder.requirePlaces({folder_ / "b.txt", folder_ / name});
+          },
+          ErrorCode::kExists, std::string(name) + ": an export replaces only files (found a directory)");
+    }
+    expectError([&] { folder.requirePlaces({folder_ / "pipe"}); }, ErrorCode::kExists, "(found a device, a pipe");
+  }
+  // A folder may also come during the work.
+  expectError([&] { moveOutOn(FileSystem::real()); }, ErrorCode::kExists, "a.txt: an export replaces only files");
+  for (const char* name : {"a.txt/notes.md", "kept/notes.md"}) EXPECT_EQ(textOf(name), "mine") << name;
+  EXPECT_EQ(textOf("b.txt"), "old");
 }
 
 // Known: no file is renamed from one disk to another. /dev/shm is a disk of its own.

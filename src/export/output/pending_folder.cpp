@@ -27,6 +27,14 @@ bool isBarelyBegun(const fs::path& folder) {
   return out;
 }
 
+// A folder of this name is the user's, and a device has no contents that could be kept.
+void requireReplaceable(const fs::path& file, const fs::path& place) {
+  if (isNameTaken(place) && !fs::is_regular_file(place))
+    throw Error(ErrorCode::kExists, file, "",
+                fmt::format("an export replaces only files (found {}); move it, or name another output",
+                            isFolder(place) ? "a directory" : "a device, a pipe or a socket"));
+}
+
 }  // namespace
 
 Leftover leftoverFor(bool resume, bool overwrite) {
@@ -83,6 +91,7 @@ void PendingFolder::requirePlaces(const std::vector<fs::path>& files) const {
           ErrorCode::kUsage, file, "",
           fmt::format("leads to {}, as another file of this export does; remove the link", behindLinks(file).string()));
     const fs::path place = behindLinks(file);
+    requireReplaceable(file, place);
     if (place != file) requireRename(file, place);
   }
 }
@@ -111,6 +120,7 @@ void PendingFolder::moveOut(const std::vector<fs::path>& files) {
   const fs::path old = path_ / kReplacedFiles;
   for (const fs::path& file : files) {
     const fs::path place = behindLinks(file);
+    requireReplaceable(file, place);  // again: the work may have taken hours
     if (isNameTaken(place)) replaced.push_back({place, old / file.filename()});
     finished.push_back({path_ / file.filename(), place});
   }

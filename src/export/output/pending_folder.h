@@ -38,14 +38,14 @@ class PendingFolder {
   /// Brings all files onto the disk and gives the folder the name `out`; a folder of this name is replaced in one step
   /// where the disk can. throws: Error kIo, kNoSpace.
   void publish();
-  /// Checks before the work that moveOut(files) can rename: no two files are links to one place, and links lead to the
-  /// disk of the folder. throws: Error kUsage, kIo, kNoSpace.
+  /// Checks before the work that moveOut(files) can rename: no two files are links to one place, links lead to the disk
+  /// of the folder, and each place is free or has a regular file. throws: Error kUsage, kExists, kIo, kNoSpace.
   void requirePlaces(const std::vector<std::filesystem::path>& files) const;
   /// Brings all files onto the disk and moves the files named like `files` to `files`, together: after a failure all
   /// are in the folder again, and replaced files have their names. A link stays, and its target is replaced. Replaced
   /// files go into the folder before the first new file gets its name: after a kill files are missing, and an old file
   /// never lies beside a new one. The destructor removes the folder with the replaced files; after a failure only if it
-  /// was not kept. throws: Error kIo, kNoSpace.
+  /// was not kept. throws: Error kExists if a place has no regular file; kIo, kNoSpace.
   void moveOut(const std::vector<std::filesystem::path>& files);
 
  private:
