@@ -21,6 +21,7 @@
 #include "support/files/foreign_files.h"
 #include "support/system/faulty_file_system.h"
 #include "support/system/impatient_progress.h"
+#include "support/system/snapshot_disk.h"
 #include "support/volumes/procedural.h"
 #include "support/volumes/test_store.h"
 
@@ -476,6 +477,45 @@ TEST_F(ExportStore, AnUnfinishedZarrIsNotMixedWithAnother) {
   fs::resize_file(shard, fs::file_size(shard) - 1);
   exportStore(StoreReader(several), request, silent_);
   EXPECT_TRUE(voxelsIn(request.out) == noiseOf(VoxelType::u8, StoreReader(several).manifest().geometry()).voxels);
+}
+
+// Four slices replace two, and the export is killed at each rename. Known: the next export, which may replace nothing,
+// finds a whole stack of one of both.
+TEST_F(ExportStore, KilledSlices_areAWholeStackToTheNextExport) {
+  constexpr std::int64_t kOld = 2, kNew = 4;
+  const StoreReader several(store(placedAt(exactAffine(), PatientFrame::kUnknown, "", {9, 5, kNew})));
+  const auto slicesIn = [](const fs::path& folder, std::int64_t slices) {
+    ExportRequest out;
+    out.out = folder / "v_#.tif";
+    out.region = VoxelBox{{0, 0, 0}, {slices + 1, 5, slices}};
+    out.overwrite = slices == kNew;
+    return out;
+  };
+  const auto stackOf = [&](std::int64_t slices) {
+    const fs::path folder = directory_ / std::to_string(slices);
+    fs::create_directory(folder);
+    exportStore(several, slicesIn(folder, slices), silent_);
+    return filesOf(folder);
+  };
+  const auto older = stackOf(kOld), newer = stackOf(kNew);
+  const fs::path work = directory_ / std::to_string(kOld);
+  SnapshotDisk disk(work, directory_ / "killed");
+  ExportRequest replacing = slicesIn(work, kNew);
+  replacing.disk = &disk;
+  exportStore(several, replacing, silent_);
+  ASSERT_TRUE(filesOf(work) == newer);
+  int undone = 0;
+  for (const fs::path& killed : disk.snapshots()) {
+    expectError([&] { exportStore(several, slicesIn(killed, kOld), silent_); }, ErrorCode::kExists, "v_");
+    const auto left = filesOf(killed);
+    EXPECT_TRUE(left == older || left == newer) << killed;
+    undone += left == older ? 1 : 0;
+    exportStore(several, slicesIn(killed, kNew), silent_);
+    EXPECT_TRUE(filesOf(killed) == newer) << killed;
+  }
+  // Killed before the renames of the mark, of the old slices and of the first new slice.
+  EXPECT_EQ(undone, 2 + kOld);
+  EXPECT_EQ(disk.snapshots().size(), 1 + kOld + kNew);
 }
 
 // Each level of the pyramid is a scale. Labels stay labels, and bricks of background take no space.

@@ -9,9 +9,11 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "base/file/same_file.h"
 #include "support/system/expect_error.h"
+#include "support/system/snapshot_disk.h"
 #include "support/volumes/test_store.h"
 
 namespace kiln::test {
@@ -162,6 +164,74 @@ TEST_F(PendingFolderMovesOut, AtEachRename_noOldFileLiesBesideANewOne) {
   moveOutOn(disk);
   EXPECT_EQ(disk.mixed(), 0);
   for (const char* name : {"a.txt", "b.txt", "c.txt"}) EXPECT_EQ(textOf(name), "new") << name;
+}
+
+// Killed at each rename, and killed again at each rename of the next run. The old files are a.txt, b.txt behind a link,
+// and no c.txt.
+class PendingFolderKilled : public ::testing::Test {
+ protected:
+  PendingFolderKilled() {
+    fs::create_directories(folder_ / "kept");
+    writeText(folder_ / "a.txt", "old");
+    writeText(folder_ / "kept/b.txt", "old");
+    fs::create_symlink("kept/b.txt", folder_ / "b.txt");
+    SnapshotDisk disk(folder_, copies_ / "first");
+    PendingFolder folder(folder_ / "out", "a test", Leftover::kRefuse, disk);
+    for (const char* name : {"a.txt", "b.txt", "c.txt"}) writeText(folder.path() / name, "new");
+    folder.moveOut({folder_ / "a.txt", folder_ / "b.txt", folder_ / "c.txt"});
+    snapshots_ = disk.snapshots();
+  }
+  static std::string textsIn(const fs::path& folder) {
+    std::string out;
+    for (const char* name : {"a.txt", "kept/b.txt", "c.txt"})
+      out += fs::exists(folder / name) ? readTextFile(folder / name) + " " : "none ";
+    return out;
+  }
+  static void rerun(const fs::path& folder, FileSystem& disk, Leftover leftover = Leftover::kRemove) {
+    PendingFolder(folder / "out", "a test", leftover, disk);
+  }
+  const fs::path root_ = freshDirectory("pending_folder_killed"), folder_ = root_ / "work", copies_ = root_ / "killed";
+  std::vector<fs::path> snapshots_;
+};
+
+TEST_F(PendingFolderKilled, AtEachRename_leavesOldFilesOrNewFilesToTheNextRun) {
+  int undone = 0, completed = 0;
+  for (const fs::path& killed : snapshots_) {
+    const std::string expected = textsIn(killed).find("new") == std::string::npos ? "old old none " : "new new new ";
+    (expected == "old old none " ? undone : completed) += 1;
+    SnapshotDisk disk(killed, fs::path(killed.string() + "_again"));
+    rerun(killed, disk);
+    EXPECT_EQ(textsIn(killed), expected) << killed;
+    EXPECT_FALSE(fs::exists(killed / "out.partial")) << killed;
+    for (const fs::path& again : disk.snapshots()) {
+      rerun(again, FileSystem::real());
+      EXPECT_EQ(textsIn(again), expected) << again;
+    }
+  }
+  // Before the mark, two old files and the first new file; before the second and third new file.
+  EXPECT_EQ(undone, 4);
+  EXPECT_EQ(completed, 2);
+}
+
+TEST_F(PendingFolderKilled, AContinuedExport_hasTheOldFilesUntilItsEnd) {
+  const fs::path& killed = snapshots_.at(3);  // both old files are in the folder
+  ASSERT_EQ(textsIn(killed), "none none none ");
+  rerun(killed, FileSystem::real(), Leftover::kContinue);
+  EXPECT_EQ(textsIn(killed), "old old none ");
+  for (const char* name : {"a.txt", "b.txt", "c.txt"}) EXPECT_TRUE(fs::exists(killed / "out.partial" / name)) << name;
+}
+
+// Known: only a user can bring another file to the name of an old file, or take a new file away.
+TEST_F(PendingFolderKilled, FilesThatWereMovedSince_areRefusedAndStay) {
+  writeText(snapshots_.at(3) / "a.txt", "mine");
+  expectError([&] { rerun(snapshots_.at(3), FileSystem::real()); }, ErrorCode::kExists, "(found another ");
+  EXPECT_EQ(textsIn(snapshots_.at(3)), "mine none none ");
+  fs::remove(snapshots_.at(4) / "a.txt");
+  expectError([&] { rerun(snapshots_.at(4), FileSystem::real()); }, ErrorCode::kExists, "(found no ");
+  for (const int at : {3, 4}) {
+    for (const char* name : {"a.txt", "b.txt"})
+      EXPECT_EQ(readTextFile(snapshots_.at(at) / "out.partial/replaced" / name), "old") << at << name;
+  }
 }
 
 // Known: names of one place cannot hold two files.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <system_error>
 
 #include "base/error.h"
@@ -16,6 +17,8 @@ namespace {
 
 // The subfolder of the files that the export replaces.
 constexpr const char* kReplacedFiles = "replaced";
+// The names that moveOut moves, each with a NUL behind it.
+constexpr const char* kMovedNames = "kiln-moves.txt";
 
 // True if a process was killed before it wrote the mark.
 bool isBarelyBegun(const fs::path& folder) {
@@ -23,6 +26,25 @@ bool isBarelyBegun(const fs::path& folder) {
   forEachEntry(folder, [&](const fs::directory_entry& entry) {
     out = entry.path().filename().string().starts_with(kUnfinishedMark);
     return out ? Walk::kGoOn : Walk::kStop;
+  });
+  return out;
+}
+
+std::vector<fs::path> movedNames(const fs::path& list) {
+  std::vector<fs::path> out;
+  if (!isThere(list)) return out;
+  const std::string text = readTextFile(list);
+  for (std::size_t at = 0, end; (end = text.find('\0', at)) != std::string::npos; at = end + 1)
+    out.push_back(fs::path(text.substr(at, end - at)).filename());
+  return out;
+}
+
+std::vector<fs::path> namesIn(const fs::path& folder) {
+  std::vector<fs::path> out;
+  if (!isFolder(folder)) return out;
+  forEachEntry(folder, [&](const fs::directory_entry& entry) {
+    out.push_back(entry.path().filename());
+    return Walk::kGoOn;
   });
   return out;
 }
@@ -57,7 +79,7 @@ void PendingFolder::begin(const std::string& contents, Leftover leftover) {
     if (!isFolder(path_) || !isThere(description))
       throw Error(ErrorCode::kExists, path_, "", "is in the way and is no unfinished export; move it");
     continued_ = kept_ = leftover == Leftover::kContinue && readTextFile(description) == contents;
-    if (continued_) return;
+    if (continued_) return recover();
     if (leftover == Leftover::kContinue)
       throw Error(ErrorCode::kExists, path_, "",
                   "is an unfinished export of another store, level or region, or with other options; give --overwrite "
@@ -66,6 +88,7 @@ void PendingFolder::begin(const std::string& contents, Leftover leftover) {
     if (leftover == Leftover::kRefuse)
       throw Error(ErrorCode::kExists, path_, "",
                   "is an unfinished export; continue it by --resume, or give --overwrite to begin anew");
+    recover();
     disk_.removeAll(path_);
   }
   try {
@@ -76,6 +99,30 @@ void PendingFolder::begin(const std::string& contents, Leftover leftover) {
     fs::remove_all(path_, ignored);
     throw;
   }
+}
+
+// A kill before the first new file got its name is undone: the older files are whole, and the new files may be of an
+// export that is no longer wanted. A later kill is completed, because older files would lie beside new ones.
+void PendingFolder::recover() {
+  const fs::path old = path_ / kReplacedFiles;
+  const std::vector<fs::path> replaced = namesIn(old), moved = movedNames(path_ / kMovedNames);
+  if (replaced.empty()) return;
+  const bool begun =
+      std::any_of(moved.begin(), moved.end(), [&](const fs::path& name) { return !isNameTaken(path_ / name); });
+  std::vector<Move> moves;
+  for (const fs::path& name : begun ? moved : replaced) {
+    const Move move = {(begun ? path_ : old) / name, behindLinks(path_.parent_path() / name)};
+    const bool waits = isNameTaken(move.from);
+    if (waits == isNameTaken(move.to))
+      throw Error(ErrorCode::kExists, old, "",
+                  fmt::format("holds the older files of an interrupted export, whose files were moved since (found {} "
+                              "{}); move the older files to their names or elsewhere",
+                              waits ? "another" : "no", move.to.string()));
+    if (waits) moves.push_back(move);
+  }
+  for (const Move& move : moves) disk_.rename(move.from, move.to);
+  disk_.syncAll(path_);
+  disk_.removeAll(old);
 }
 
 PendingFolder::~PendingFolder() {
@@ -112,10 +159,10 @@ void PendingFolder::requireRename(const fs::path& link, const fs::path& place) c
 }
 
 void PendingFolder::moveOut(const std::vector<fs::path>& files) {
+  std::string names;
+  for (const fs::path& file : files) names += file.filename().string() + '\0';
+  disk_.writeFile(path_ / kMovedNames, bytesOf(names), WritePolicy::kUnsynced);
   sync();
-  struct Move {
-    fs::path from, to;
-  };
   std::vector<Move> replaced, finished, done;
   const fs::path old = path_ / kReplacedFiles;
   for (const fs::path& file : files) {
@@ -140,6 +187,8 @@ void PendingFolder::moveOut(const std::vector<fs::path>& files) {
     throw;
   }
   kept_ = false;
+  std::error_code ignored;
+  fs::remove_all(old, ignored);  // before the list of names, which recover() needs
 }
 
 // After an exchange the destructor removes the old folder.

@@ -22,8 +22,10 @@ Leftover leftoverFor(bool resume, bool overwrite);
 class PendingFolder {
  public:
   /// Makes the folder, or continues one of equal `contents`, a text of one line that describes what is written. Holds
-  /// the lock of `out` from here on. throws: Error kExists if another process holds the lock, or if the folder
-  /// is no export, is refused, or has other contents; kNotFound if the folder of `out` does not exist; kIo, kNoSpace.
+  /// the lock of `out` from here on. A moveOut that was killed is undone or completed before a leftover is removed or
+  /// continued, so test names again behind the constructor. throws: Error kExists if another process holds the lock, if
+  /// the folder is no export, is refused, or has other contents, or if files of a killed moveOut were moved since;
+  /// kNotFound if the folder of `out` does not exist; kIo, kNoSpace.
   PendingFolder(const std::filesystem::path& out, const std::string& contents, Leftover leftover, FileSystem& disk);
   /// Removes the folder, unless it was kept, continued or moved away.
   ~PendingFolder();
@@ -43,12 +45,18 @@ class PendingFolder {
   void requirePlaces(const std::vector<std::filesystem::path>& files) const;
   /// Brings all files onto the disk and moves the files named like `files` to `files`, together: after a failure all
   /// are in the folder again, and replaced files have their names. A link stays, and its target is replaced. Replaced
-  /// files go into the folder before the first new file gets its name: after a kill files are missing, and an old file
-  /// never lies beside a new one. The destructor removes the folder with the replaced files; after a failure only if it
-  /// was not kept. throws: Error kExists if a place has no regular file; kIo, kNoSpace.
+  /// files go into the folder before the first new file gets its name: after a kill files are missing until the next
+  /// export, and an old file never lies beside a new one. Replaced files are removed when all new files have names.
+  /// After a failure the destructor removes the folder only if it was not kept. throws: Error kExists if a place has no
+  /// regular file; kIo, kNoSpace.
   void moveOut(const std::vector<std::filesystem::path>& files);
 
  private:
+  struct Move {
+    std::filesystem::path from, to;
+  };
+
+  void recover();
   void sync() { disk_.syncAll(path_); }
   void replaceInSteps();
   void requireRename(const std::filesystem::path& link, const std::filesystem::path& place) const;

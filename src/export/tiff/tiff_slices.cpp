@@ -20,9 +20,7 @@ namespace {
 
 // Other slices of the pattern would become a part of the stack.
 void refuseOtherSlices(const ExportTarget& target, const NumberedName& names, std::int64_t slices) {
-  requireFolderOf(names.path(0), target.out);
   const ExportInputs inputs(target.store);
-  requireOutsideStores(names.path(0));
   forEachEntry(names.folder().empty() ? "." : names.folder(), [&](const fs::directory_entry& entry) {
     const std::string name = entry.path().filename().string();
     if (!names.numberIn(name)) return Walk::kGoOn;
@@ -44,6 +42,7 @@ class TiffSlicesWriter : public VolumeWriter {
         pages_(volume, 1),
         disk_(target.disk),
         folder_(target.out, "slices", Leftover::kRemove, target.disk) {
+    refuseOtherSlices(target, names_, volume.geometry.dims.z);
     folder_.requirePlaces(slicePaths());
   }
 
@@ -86,7 +85,9 @@ class TiffSlicesWriter : public VolumeWriter {
 }  // namespace
 
 std::unique_ptr<VolumeWriter> tiffSlicesWriter(const ExportTarget& target, const ExportedVolume& volume) {
-  refuseOtherSlices(target, NumberedName(target.out), volume.geometry.dims.z);
+  const fs::path first = NumberedName(target.out).path(0);
+  requireFolderOf(first, target.out);
+  requireOutsideStores(first);
   return std::make_unique<TiffSlicesWriter>(volume, target);
 }
 

@@ -97,14 +97,16 @@ void refuseOtherTiles(const fs::path& out, int tiles) {
 VdbReport exportTiles(const StoreReader& store, const ExportedVolume& whole, const VdbRequest& request,
                       const TileChoices& choices, Progress& progress, FileSystem& disk) {
   std::vector<fs::path> names;
-  for (int tile = 1; tile <= choices.tiles; ++tile) {
-    names.push_back(pathOfTile(request.out, tile));
-    requirePlace(store, names.back(), request.overwrite, disk);
-  }
-  refuseOtherTiles(request.out, choices.tiles);
+  for (int tile = 1; tile <= choices.tiles; ++tile) names.push_back(pathOfTile(request.out, tile));
+  const auto require_names = [&] {
+    for (const fs::path& name : names) requirePlace(store, name, request.overwrite, disk);
+    refuseOtherTiles(request.out, choices.tiles);
+  };
+  require_names();
   const std::vector<ExportedVolume> tiles = tilesOf(whole, choices.tiles, request.out);
   TileFolder folder(request.out, contentsText(store, whole, request, choices.tiles),
                     leftoverFor(choices.resume, request.overwrite), disk);
+  require_names();  // again: the folder may have given names to files of a killed export
   folder.requirePlaces(names);
   VdbReport sum;
   std::size_t done = 0;
