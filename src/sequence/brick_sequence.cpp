@@ -137,15 +137,12 @@ class BrickSequence : public RankedSequence {
     started(i);
     FrameReport report;
     report.frame = i;
-    DrawnFrame drawn;
     attempt(report, [&] {
       if (ranks_.first()) requirePlaces(job_, toDraw()[i]);
-      drawn = frames_.openedFor(toDraw()[i]).draw(toDraw()[i], progress_);
-      report.statistics = std::move(drawn.statistics);
     });
-    own_.add(report.statistics);
-    ++own_.tiles;
-    if (!collect(report)) {
+    DrawnFrame drawn;
+    // No rank draws a frame that rank 0 cannot write.
+    if (!isSoundOnFirst(report) || !drawPart(report, drawn)) {
       if (ranks_.first()) record(report);
       return;
     }
@@ -162,6 +159,25 @@ class BrickSequence : public RankedSequence {
     record(report);
   }
 
+  // Collective. Draws this rank's bricks. Returns, on all ranks, whether no rank failed.
+  bool drawPart(FrameReport& report, DrawnFrame& drawn) {
+    const int frame = toDraw()[report.frame];
+    attempt(report, [&] {
+      drawn = frames_.openedFor(frame).draw(frame, progress_);
+      report.statistics = std::move(drawn.statistics);
+    });
+    own_.add(report.statistics);
+    ++own_.tiles;
+    return collect(report);
+  }
+
+  // Collective. Returns, on all ranks, whether rank 0's report has no failure.
+  bool isSoundOnFirst(const FrameReport& report) {
+    std::vector<char> failed(1, report.failure ? 1 : 0);
+    broadcastList(ranks_, failed);
+    return failed[0] == 0;
+  }
+
   // Collective. Adds all ranks' reports on rank 0. Returns, on all ranks, whether none failed.
   bool collect(FrameReport& report) {
     const auto reports = ranks_.gather(packed(report));
@@ -175,9 +191,7 @@ class BrickSequence : public RankedSequence {
         if (other.failure && !report.failure) report.failure = other.failure;
       }
     }
-    std::vector<char> failed(1, report.failure ? 1 : 0);
-    broadcastList(ranks_, failed);
-    return failed[0] == 0;
+    return isSoundOnFirst(report);
   }
 
   void composite(DrawnFrame& drawn, FrameStatistics& statistics) {

@@ -333,14 +333,18 @@ TEST_F(RanksRender, AFrameWithoutAPlaceCostsNoOther) {
   for (const char* shared_by : {"tiles", "frames", "bricks"}) {
     const fs::path folder = directory_ / shared_by;
     fs::create_directories(folder / "f_1.png");
-    const ToolResult result =
-        run(2, {"render", volume_, "-o", (folder / "f_#.png").string(), "--size", "70x60", "--turntable", "3",
-                "--samples", "1", "--lattice", "ray", "--distribute", shared_by, "--threads", "1"});
+    const ToolResult result = run(2, {"render", volume_, "-o", (folder / "f_#.png").string(), "--size", "70x60",
+                                      "--turntable", "3", "--samples", "1", "--lattice", "ray", "--distribute",
+                                      shared_by, "--threads", "1", "--stats", (folder / "s.json").string()});
     EXPECT_EQ(result.exit_code, 1) << shared_by;
     EXPECT_NE(result.err.find("1 frame (1) failed; the first: rank "), std::string::npos) << result.err;
     EXPECT_NE(result.err.find("f_1.png: is a directory; name a file"), std::string::npos) << result.err;
     EXPECT_TRUE(fs::exists(folder / "f_2.png")) << result.err;
     EXPECT_TRUE(fs::exists(folder / "f_3.png")) << result.err;
+    if (std::string(shared_by) != "bricks") continue;
+    // A part of each of the two frames with a place.
+    for (const auto& rank : nlohmann::json::parse(readTextFile(folder / "s.json"))["ranks"])
+      EXPECT_EQ(rank["tiles"], 2) << rank;
   }
 }
 
