@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "engine/shared/brick_cells.h"
 #include "engine/shared/brick_extremum.h"
 #include "engine/shared/interpolated_brick.h"
 
@@ -88,38 +89,29 @@ template <class T, Rule kRule>
 class BrickSamples {
  public:
   BrickSamples(const BrickBlock& block, bool all, const Attenuation& attenuation, DrawCounts& counts)
-      : attenuation_(attenuation),
-        block_(block),
-        field_(block),
-        first_(block.core.lo.x, block.core.lo.y, block.core.lo.z),
-        all_(all),
-        counts_(counts) {
-    for (int axis = 0; axis < 3; ++axis)
-      last_cell_[axis] = static_cast<int>((block.core.hi[axis] - block.core.lo[axis] - 1) / kCellSize);
-  }
+      : attenuation_(attenuation), cells_(block), field_(block), all_(all), counts_(counts) {}
 
   // Takes the samples of `span`. `whole`: the ray's interval in the whole volume.
   void take(const PixelRay& ray, const DepthSpan& whole, const SlabZone& zone, const SlabSpan& span, double& held,
             double& length) noexcept {
     counts_.visited += static_cast<std::uint64_t>(span.end - span.first);
-    const glm::dvec3 base = ray.base() - first_, inverse = 1.0 / ray.slope();
+    const glm::dvec3 base = cells_.placeOf(ray.base()), inverse = 1.0 / ray.slope();
     const double slabs_per_depth = 1 / zone.thickness;
     for (int slab = span.first; slab < span.end;) {
       const glm::dvec3 place = base + depthOf(zone, slab) * ray.slope();
       int cell[3];
       double leaves_at = kInfinity;
       for (int axis = 0; axis < 3; ++axis) {
-        // Rounding may put a sample just behind the brick's last face; it belongs to the last cell.
-        cell[axis] = std::clamp(static_cast<int>((place[axis] + 0.5) * (1.0 / kCellSize)), 0, last_cell_[axis]);
+        cell[axis] = cells_.cellAt(axis, place[axis]);
         if (ray.slope()[axis] == 0) continue;
-        const int face = (cell[axis] + (ray.slope()[axis] > 0 ? 1 : 0)) * static_cast<int>(kCellSize);
-        leaves_at = std::min(leaves_at, (face - 0.5 - base[axis]) * inverse[axis]);
+        const int face = BrickCells::faceBehind(cell[axis], ray.slope()[axis] > 0);
+        leaves_at = std::min(leaves_at, (face - base[axis]) * inverse[axis]);
       }
       const double beyond = std::clamp((leaves_at - zone.near) * slabs_per_depth + 0.5, slab + 1.0, span.end + 0.0);
       const int leaves = static_cast<int>(beyond);
       ++counts_.nodes_tested;
       if (kRule == Rule::kAttenuated && !all_ && !(std::exp(-length) > held)) return;
-      if (block_.supports.at(cell[0] + 1, cell[1] + 1, cell[2] + 1).empty()) {
+      if (cells_.range(cell).empty()) {
         ++counts_.nodes_hidden;
         slab = leaves;
         continue;
@@ -138,12 +130,10 @@ class BrickSamples {
   static double depthOf(const SlabZone& zone, int slab) { return zone.near + (slab + 0.5) * zone.thickness; }
 
   const Attenuation& attenuation_;
-  const BrickBlock& block_;
+  const BrickCells cells_;
   const InterpolatedBrick<T> field_;
-  const glm::dvec3 first_;
   const bool all_;
   DrawCounts& counts_;
-  int last_cell_[3];
 };
 
 // Calls visit(ray, part, held, place in the row) for each pixel of `rect` whose ray has a part in `core`, unless the

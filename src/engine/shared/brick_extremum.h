@@ -18,6 +18,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "engine/shared/brick_cells.h"
 #include "engine/shared/draw_counts.h"
 #include "engine/shared/index_ray.h"
 #include "engine/shared/interpolated_brick.h"
@@ -36,33 +37,25 @@ template <class T, bool kLeast>
 class BrickExtremum {
  public:
   BrickExtremum(const BrickBlock& block, bool all, DrawCounts& counts)
-      : block_(block),
-        field_(block),
-        first_(block.core.lo.x, block.core.lo.y, block.core.lo.z),
-        all_(all),
-        counts_(counts) {
-    for (int axis = 0; axis < 3; ++axis)
-      last_cell_[axis] = static_cast<int>((block.core.hi[axis] - block.core.lo[axis] - 1) / kCellSize);
-  }
+      : cells_(block), field_(block), all_(all), counts_(counts) {}
 
   /// Raises `held` to the greatest value of the part.
   void take(const IndexRay& ray, const RayStretch& part, double& held) noexcept {
     if (part.begins) takeAt(ray, part.depths.near, held);
     if (part.ends) takeAt(ray, part.depths.far, held);
-    // Steps from cell to cell of 8³ voxels, whose faces lie half a voxel before their first voxels.
-    const glm::dvec3 base = ray.base - first_ + 0.5;
+    // Steps from cell to cell of 8³ voxels.
+    const glm::dvec3 base = cells_.placeOf(ray.base);
     const glm::dvec3 place = base + part.depths.near * ray.slope;
     int cell[3];
     std::array<double, 3> leaves_at;
     // The last cell of a direction reaches to the end of the part, which other operations round.
     const auto leaveAt = [&](int axis) {
       const bool forward = ray.slope[axis] > 0;
-      if (ray.slope[axis] == 0 || cell[axis] == (forward ? last_cell_[axis] : 0)) return kNever;
-      const int face = (cell[axis] + (forward ? 1 : 0)) * static_cast<int>(kCellSize);
-      return (face - base[axis]) / ray.slope[axis];
+      if (ray.slope[axis] == 0 || cells_.isLast(axis, cell[axis], forward)) return kNever;
+      return (BrickCells::faceBehind(cell[axis], forward) - base[axis]) / ray.slope[axis];
     };
     for (int axis = 0; axis < 3; ++axis) {
-      cell[axis] = std::clamp(static_cast<int>(place[axis] * (1.0 / kCellSize)), 0, last_cell_[axis]);
+      cell[axis] = cells_.cellAt(axis, place[axis]);
       leaves_at[static_cast<std::size_t>(axis)] = leaveAt(axis);
     }
     for (double at = part.depths.near; at < part.depths.far;) {
@@ -70,7 +63,7 @@ class BrickExtremum {
       const double leaves = std::min(leaves_at[static_cast<std::size_t>(axis)], part.depths.far);
       if (leaves > at) {
         ++counts_.nodes_tested;
-        const ValueRange& range = block_.supports.at(cell[0] + 1, cell[1] + 1, cell[2] + 1);
+        const ValueRange& range = cells_.range(cell);
         if (range.empty() || !(all_ || (kLeast ? -range.lo : range.hi) > held))
           ++counts_.nodes_hidden;
         else
@@ -198,12 +191,10 @@ class BrickExtremum {
     }
   }
 
-  const BrickBlock& block_;
+  const BrickCells cells_;
   const InterpolatedBrick<T> field_;
-  const glm::dvec3 first_;
   const bool all_;
   DrawCounts& counts_;
-  int last_cell_[3];
 };
 
 }  // namespace kiln
