@@ -13,7 +13,6 @@ namespace {
 class Mean final : public SliceStatistic {
  public:
   double valueOf(const GatheredValue& pixel) const override { return pixel.value / pixel.samples; }
-  bool mixesValues() const override { return true; }
 
  private:
   double combined(double held, double value) const override { return held + value; }

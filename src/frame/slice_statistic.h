@@ -24,7 +24,7 @@ class SliceStatistic {
   /// 1: the greatest value; -1: the least value; 0: neither.
   virtual int sign() const { return 0; }
   /// Returns true if the result may differ from all samples: labels have no such statistic.
-  virtual bool mixesValues() const { return false; }
+  bool mixesValues() const { return sign() == 0; }
 
  private:
   // The new value of a pixel that holds at least one sample.
