@@ -97,7 +97,7 @@ void BrickCache::erase(Slots::iterator slot) {
 }
 
 void BrickCache::noteFreed(std::uint64_t bytes) {
-  // Of several threads beyond the limit, one returns the memory.
+  // One of several threads beyond the limit returns the memory.
   if ((freed_bytes_ += bytes) >= kMostFreed && freed_bytes_.exchange(0) >= kMostFreed) returnFreedMemory();
 }
 

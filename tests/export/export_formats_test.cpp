@@ -425,7 +425,7 @@ TEST_F(ExportStore, FinishedZarrOfAnotherLook_isNotKeptByResume) {
   EXPECT_EQ(openSource(request.out, {})->info().look.ramp->end, 200);
 }
 
-// What an export takes beside the index is in the index, which is not read.
+// The memory of an export beside the index follows from the index, which is not read.
 TEST_F(ExportStore, BudgetBelowTheIndex_isNotNamedAsSufficient) {
   const fs::path small = store(placedAt(exactAffine(), PatientFrame::kRas, "mm", {9, 5, 3}));
   expectError([&] { StoreReader(small, 100); }, ErrorCode::kBudget, "and bricks take more; give more than --memory 1M");

@@ -39,8 +39,8 @@ class SlabSums {
 
   /// Light of a pixel in a slab. shape: RGB times optical depth, optical depth. requires: (x, y) in rect().
   float* light(int slab, int x, int y) { return &light_[kPixelFloats * placeToAdd(slab, x, y)]; }
-  /// Adds a sample's mean normal in view space, no longer than 1, and its middle and thickness in slabs, weighted by its optical depth.
-  /// requires: hasLayers().
+  /// Adds a sample's mean normal in view space, no longer than 1, and its middle and thickness in slabs, weighted by
+  /// its optical depth. requires: hasLayers().
   void addLayer(int slab, int x, int y, float depth, const glm::vec3& normal, float middle, float thickness) {
     float* const to = &layer_[kLayerFloats * placeToAdd(slab, x, y)];
     for (int axis = 0; axis < 3; ++axis) to[axis] += depth * normal[axis];

@@ -15,7 +15,7 @@ using PackedLength = std::uint32_t;  // before each compressed piece
 constexpr std::size_t kOneBlockAt = sizeof(BloscHead) + sizeof(BlockOffset) + sizeof(PackedLength);
 
 constexpr std::uint8_t kOtherOrders = 3 << 2;
-// Of the brick writer.
+// Flags of the frames that packLeaf writes.
 constexpr std::uint8_t kWritten =
     BloscHead::kBytePlanes | BloscHead::kNotSplit | BloscHead::flagOf(BloscHead::Codec::kLz4);
 // Blosc's acceleration at level 9, OpenVDB's.
