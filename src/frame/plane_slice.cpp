@@ -90,7 +90,7 @@ class PlaneSampler {
   template <class T, bool kLeast>
   void addExtrema(const BrickBlock& block, std::int64_t y, std::int64_t begin, std::int64_t end,
                   GatheredValue* row) const {
-    constexpr double kSign = kLeast ? -1 : 1, kNothing = -std::numeric_limits<double>::infinity();
+    constexpr double kSign = kLeast ? -1 : 1, kNoneYet = -std::numeric_limits<double>::infinity();
     DrawCounts counts;
     BrickExtremum<T, kLeast> extremum(block, false, counts);
     const glm::dvec3 first(block.core.lo.x, block.core.lo.y, block.core.lo.z);
@@ -100,9 +100,9 @@ class PlaneSampler {
       const DepthSpan whole = line.within(glm::dvec3(-0.5), last_ + 0.5, {-pixels_.reach, pixels_.reach});
       const DepthSpan here = line.within(first - 0.5, after - 0.5, whole);
       if (here.empty()) continue;
-      double held = row[x].samples > 0 ? kSign * row[x].value : kNothing;
+      double held = row[x].samples > 0 ? kSign * row[x].value : kNoneYet;
       extremum.take(line, {here, here.near == whole.near, here.far == whole.far}, held);
-      if (held > kNothing) row[x] = {kSign * held, 1};
+      if (held > kNoneYet) row[x] = {kSign * held, 1};
     }
   }
 

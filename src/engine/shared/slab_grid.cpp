@@ -19,7 +19,7 @@ constexpr double kThinnestOfFinest = 0.25;
 constexpr double kMagnified = 4;
 // Voxel edge from which slabs are thinner fractions of a voxel: contours as wide as a slab would be seen as rings
 // (engine/pixel/decisions/places.md). unit: pixels.
-constexpr double kLarge = 16;
+constexpr double kLargeVoxel = 16;
 // Voxel edge of a coarser level from which a sample is a point. Below, a sample stands for all values that the voxel
 // may hide (the kernel classifies an interval). unit: pixels.
 constexpr double kPointEdge = 1;
@@ -28,7 +28,7 @@ constexpr int kZonesOfOctave = 8;
 // Returns the slab thickness for a voxel edge. An edge in the picture has a rim as wide as a slab; the rim is visible
 // if it is wider than a pixel and than a fraction of a voxel. unit: pixels.
 double spacingFor(double edge_px, double distance) {
-  const double magnified = edge_px < kLarge ? edge_px : std::sqrt(edge_px * kLarge);
+  const double magnified = edge_px < kLargeVoxel ? edge_px : std::sqrt(edge_px * kLargeVoxel);
   const double most = std::max(kThickest, magnified / kMagnified) * (distance / kSampleDistance);
   return std::min(edge_px * distance, most);
 }
