@@ -1,5 +1,6 @@
 // Binary segmentation objects. Known because the test writes the bits of each frame, the lowest bit of a byte first and
 // without padding between frames, and the position and the segment of each frame.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "ingest/open_source.h"
@@ -64,6 +65,35 @@ TEST(DicomSegmentation, FramesBecomeLabelsInTheirPlanes) {
                                                              "is taken"});
     EXPECT_EQ(volumesIn(path, {}).at(0).dims, (Extent3{5, 3, 4}));
   }
+}
+
+// Known because planes are 2.5 mm apart, whatever the thickness of a slice.
+TEST(DicomSegmentation, ThicknessIsNotTheDistanceOfPlanes) {
+  const ForeignFiles files;
+  for (const char* const thickness : {"5", "1.25", "2.4"}) {
+    SCOPED_TRACE(thickness);
+    DicomSpec spec = segmentation();
+    spec.thickness = thickness;
+    spec.frame_positions = {"1\\2\\37.5", "1\\2\\30", "1\\2\\32.5", "1\\2\\32.5"};
+    const auto path = files.write("seg.dcm", dicomFile(spec));
+    expectReadsBack(expectedVolume(), path, 814);
+    EXPECT_EQ(openSource(path)->info().geometry.worldOf({0, 0, 1}), glm::dvec3(1, 2, 32.5));
+  }
+}
+
+// Known because the planes lie at multiples of 0.7031 mm, rounded to a hundredth; the smallest gap is 0.7 mm.
+TEST(DicomSegmentation, RoundedPositions_areMeanGapsApart) {
+  const ForeignFiles files;
+  DicomSpec spec = segmentation();
+  spec.thickness = "1";
+  spec.frames = 100;
+  spec.frame_segments.assign(100, 1);
+  spec.frame_positions.clear();
+  for (int i = 0; i < 100; ++i) spec.frame_positions.push_back(fmt::format("0\\0\\{:.2f}", 0.7031 * i));
+  spec.pixel_bytes = bitsOf(std::vector<std::string>(100, "#.............."));
+  const auto source = openSource(files.write("seg.dcm", dicomFile(spec)));
+  EXPECT_EQ(source->info().geometry.dims, (Extent3{5, 3, 100}));
+  EXPECT_NEAR(source->info().geometry.spacing().z, 0.7031, 1e-4);
 }
 
 TEST(DicomSegmentation, NumbersBeyondAByte_takeTwo) {

@@ -107,7 +107,7 @@ class Arrangement {
 
   glm::dmat4 affineBySpacing() const {
     const glm::dvec2 pixel = first().spacing.value_or(glm::dvec2(1));
-    const double distance = first().distance > 0 ? first().distance : pixel.x;
+    const double distance = first().distance() > 0 ? first().distance() : pixel.x;
     return axesAffine(options_.spacing.value_or(glm::dvec3(pixel, distance)), glm::dvec3(0));
   }
 
@@ -141,7 +141,7 @@ class Arrangement {
   glm::dmat4 affineByPosition() {
     const glm::dvec2 pixel = *first().spacing;
     const glm::dvec3 x = *first().along_row * pixel.x, y = *first().along_column * pixel.y;
-    glm::dvec3 step = normal_ * (first().distance > 0 ? first().distance : pixel.x);
+    glm::dvec3 step = normal_ * (first().distance() > 0 ? first().distance() : pixel.x);
     if (slices_.size() > 1) {
       const bool regular = checkDistances();
       const glm::dvec3 whole = *frame(slices_.back()).position - *first().position;

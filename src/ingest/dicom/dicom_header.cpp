@@ -82,10 +82,12 @@ DicomFrame frameOf(const DicomSet& top, std::size_t index, const fs::path& path)
           ErrorCode::kFormat, path, nameOf(kSpacing),
           fmt::format("expected distances of pixels above 0 (found {:g} and {:g} mm); correct the header", s[0], s[1]));
   }
-  for (const DicomTag tag : {kThickness, kBetween}) {
-    if (const auto d = frameNumbers(top, index, kMeasures, tag); d.size() == 1 && d[0] != 0)
-      out.distance = std::abs(d[0]);
-  }
+  const auto measure = [&](DicomTag tag) {
+    const std::vector<double> numbers = frameNumbers(top, index, kMeasures, tag);
+    return numbers.size() == 1 ? std::abs(numbers[0]) : 0;
+  };
+  out.between = measure(kBetween);
+  out.thickness = measure(kThickness);
   // A dose has its own additional factor.
   const std::optional<double> slope = rescaling(top, index, kSlope, path),
                               dose = rescaling(top, index, kDoseScaling, path);

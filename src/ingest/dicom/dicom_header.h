@@ -48,8 +48,10 @@ struct DicomFrame {
   std::optional<glm::dvec3> along_row, along_column;
   /// Distance between columns, and between rows.
   std::optional<glm::dvec2> spacing;
-  /// Distance between slices, or the thickness of a slice; 0 if the file has neither.
-  double distance = 0;
+  /// Distance between slices, and the thickness of a slice; 0 if the file does not have it.
+  double between = 0, thickness = 0;
+  /// The best guess of the distance between slices; 0 if the file has neither number.
+  double distance() const { return between > 0 ? between : thickness; }
   /// value = stored * slope + intercept. Empty if the file has no value; a slope of 0, which would erase all values,
   /// counts as none.
   std::optional<double> slope, intercept;

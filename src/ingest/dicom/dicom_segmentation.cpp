@@ -27,7 +27,8 @@
 namespace kiln {
 namespace {
 
-constexpr double kPlaneTolerance = 0.02;
+// Tolerances: of heights and of gaps, in planes; of the heights of one plane, in pixels.
+constexpr double kPlaneTolerance = 0.02, kGapTolerance = 0.1, kSamePlane = 1e-3;
 
 struct SegmentFrame {
   int segment = 0;
@@ -51,7 +52,7 @@ class PlaneFinder {
     const auto lowest = std::min_element(header_.frames.begin(), header_.frames.end(),
                                          [&](const DicomFrame& a, const DicomFrame& b) { return along(a) < along(b); });
     origin_ = *lowest->position;
-    const double step = spacing(along(*lowest));
+    const double step = spacing();
     SegmentPlanes out;
     for (std::size_t i = 0; i < header_.frames.size(); ++i)
       out.frames[planeOf(i, step)].push_back({header_.segments[i], static_cast<std::int64_t>(i)});
@@ -85,15 +86,31 @@ class PlaneFinder {
     }
   }
 
-  // The stated distance of planes, else the smallest one that occurs.
-  double spacing(double lowest) const {
-    if (first_.distance > 0) return first_.distance;
-    double out = std::numeric_limits<double>::infinity();
-    for (const DicomFrame& frame : header_.frames) {
-      const double distance = along(frame) - lowest;
-      if (distance > 1e-6) out = std::min(out, distance);
-    }
-    return std::isfinite(out) ? out : first_.spacing->x;
+  // Returns the gaps between neighbouring planes, from the lowest plane up.
+  std::vector<double> gaps() const {
+    std::vector<double> heights;
+    for (const DicomFrame& frame : header_.frames) heights.push_back(along(frame));
+    std::sort(heights.begin(), heights.end());
+    std::vector<double> out;
+    for (std::size_t i = 1; i < heights.size(); ++i)
+      if (const double gap = heights[i] - heights[i - 1]; gap > kSamePlane * first_.spacing->x) out.push_back(gap);
+    return out;
+  }
+
+  // The stated distance of planes, else the smallest gap: the thickness of overlapping or separate slices is another
+  // length. Both may be rounded: if each gap is a multiple, but their sum is none, the mean is taken.
+  double spacing() const {
+    const std::vector<double> all = gaps();
+    if (all.empty()) return first_.distance() > 0 ? first_.distance() : first_.spacing->x;
+    const double step = first_.between > 0 ? first_.between : *std::min_element(all.begin(), all.end());
+    const auto isMultiple = [&](double gap) {
+      return std::abs(gap - std::round(gap / step) * step) <= kGapTolerance * step;
+    };
+    if (!std::all_of(all.begin(), all.end(), isMultiple)) return step;
+    double whole = 0, planes = 0;
+    for (const double gap : all) whole += gap, planes += std::round(gap / step);
+    const bool adds_up = planes == 0 || std::abs(whole - planes * step) <= kPlaneTolerance * step;
+    return adds_up ? step : whole / planes;
   }
 
   std::int64_t planeOf(std::size_t i, double step) const {
