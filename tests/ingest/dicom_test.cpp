@@ -209,6 +209,24 @@ TEST(IngestDicom, NestedElementsOfAnyKindArePassedOrRead) {
   EXPECT_EQ(openSource(files.write("a.dcm", dicomFile(spec)))->info().geometry.spacing().x, 0.25);
 }
 
+// Known: elements of illegal representations have 2 bytes of length, those of future ones 4 bytes (PS3.5, 7.1.2).
+TEST(IngestDicom, UnknownRepresentationsArePassedOver) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({5, 4, 1}, VoxelType::i16, 12);
+  DicomSpec spec = specOf(volume, 0, 1, DicomSyntax::kExplicitLittle);
+  spec.elements = std::string("\x11\0\x10\0??\4\0abcd", 12) + std::string("\x11\0\x11\0XY\0\0\4\0\0\0abcd", 16);
+  expectReadsBack(volume, files.write("a.dcm", dicomFile(spec)), 13);
+}
+
+// Known: a file has one frame at least.
+TEST(IngestDicom, NoFramesAreOneFrame) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({5, 4, 1}, VoxelType::i16, 14);
+  DicomSpec spec = specOf(volume, 0, 1, DicomSyntax::kExplicitLittle);
+  spec.frames = 0;
+  expectReadsBack(volume, files.write("a.dcm", dicomFile(spec)), 15);
+}
+
 // Twelve of sixteen bits; the other bits contain data outside the image.
 TEST(IngestDicom, OnlyStoredBitsAreValues) {
   const ForeignFiles files;

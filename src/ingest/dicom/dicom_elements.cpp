@@ -111,11 +111,14 @@ class Parser {
     }
     head.representation = cursor_.text(2);
     const auto upper = [](char c) { return c >= 'A' && c <= 'Z'; };
-    if (!std::all_of(head.representation.begin(), head.representation.end(), upper)) {
+    // Old private elements may have "??".
+    if (head.representation != "??" && !std::all_of(head.representation.begin(), head.representation.end(), upper)) {
       cursor_.fail(fmt::format("element {} has no value representation", nameOf(head.tag)));
     }
-    constexpr std::array kLong = {"OB", "OD", "OF", "OL", "OV", "OW", "SQ", "SV", "UC", "UN", "UR", "UT", "UV"};
-    if (std::find(kLong.begin(), kLong.end(), head.representation) == kLong.end()) {
+    // Further representations, also of future editions, have long lengths.
+    constexpr std::array kShort = {"??", "AE", "AS", "AT", "CS", "DA", "DS", "DT", "FD", "FL", "IS",
+                                   "LO", "LT", "PN", "SH", "SL", "SS", "ST", "TM", "UI", "UL", "US"};
+    if (std::find(kShort.begin(), kShort.end(), head.representation) != kShort.end()) {
       head.length = cursor_.integer(2);
     } else {
       cursor_.skip(2);

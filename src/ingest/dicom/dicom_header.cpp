@@ -161,11 +161,12 @@ DicomPixels pixelsOf(const DicomFile& file, const fs::path& path) {
   out.columns = set.number(kColumns).value_or(0);
   if (out.rows < 1 || out.columns < 1) fail(kRows, fmt::format("{} rows of {} pixels", out.rows, out.columns));
   if (const auto frames = set.numbers(kFrames); frames.size() == 1) {
-    if (!(frames[0] >= 1)) fail(kFrames, fmt::format("{} frames", frames[0]));
+    if (!(frames[0] >= 0)) fail(kFrames, fmt::format("{} frames", frames[0]));
     if (frames[0] > static_cast<double>(kMostFrames))
       throw Error(ErrorCode::kUnsupported, path, nameOf(kFrames),
                   fmt::format("at most {} frames are read (found {})", kMostFrames, frames[0]));
-    out.frames = static_cast<std::int64_t>(frames[0]);
+    // Some programs write 0 for an image without further frames.
+    out.frames = std::max<std::int64_t>(static_cast<std::int64_t>(frames[0]), 1);
   }
   out.bits_allocated = set.number(kBitsAllocated).value_or(0);
   out.bits_stored = set.number(kBitsStored).value_or(out.bits_allocated);
