@@ -644,8 +644,9 @@ TEST(IngestHdf5, MincHasDirectionCosines) {
   EXPECT_EQ(source->info().geometry.frame, PatientFrame::kRas);
   EXPECT_EQ(at(*source, {0, 0, 0}), glm::dvec3(-20, 10, 30));
   EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(-22, 11, 33));
+  // Floats are values, whatever the largest one of each slice.
   write({9, 9, 8, 9, 9});
-  expectRefused(file, ErrorCode::kUnsupported, "scaled slice by slice");
+  EXPECT_TRUE(readWhole(*openSource(file)) == volume.voxels);
 }
 
 // Known: the range of a type's numbers stands for the range of each slice. Slopes are powers of two, so floats are
@@ -685,6 +686,22 @@ TEST(IngestHdf5, SlicesOfMincAreScaledOneByOne) {
   }
   expectReadsBack(turned, file, 525);
   write("zspace,yspace,xspace", {1, 2});
+  expectRefused(file, ErrorCode::kUnsupported, "scaled slice by slice");
+}
+
+// Known: more slices than the worker lists numbers.
+TEST(IngestHdf5, ScalesOfTooManySlicesOfMinc_areRefused) {
+  const ForeignFiles files;
+  constexpr std::int64_t kSlices = 4097;
+  const fs::path file = files.directory() / "a.mnc";
+  {
+    Hdf5File out(file);
+    out.add("/minc-2.0/image/0/image", randomVolume({2, 2, kSlices}, VoxelType::u8, 526));
+    std::vector<double> maxima(kSlices, 1);
+    maxima.back() = 2;
+    out.addNumbers("/minc-2.0/image/0/image-max", maxima);
+    out.addNumbers("/minc-2.0/image/0/image-min", std::vector<double>(kSlices, 0));
+  }
   expectRefused(file, ErrorCode::kUnsupported, "scaled slice by slice");
 }
 

@@ -130,20 +130,23 @@ ValueRange validRange(const Hdf5Object& image) {
 // The scales of slices along the first dimension, `first`; none if all slices have the same scale.
 SliceScales mincScales(const fs::path& file, const Hdf5Objects& objects, const Hdf5Object& image,
                        std::string_view first) {
-  const auto valuesOf = [&](const char* name) {
-    const Hdf5Object* const scales = objects.find(std::string("/minc-2.0/image/0/") + name);
-    return scales ? scales->values : std::vector<double>();
+  // Floats are values; their least and largest one scale nothing.
+  if (image.type.starts_with("float")) return {};
+  const auto find = [&](const char* name) { return objects.find(std::string("/minc-2.0/image/0/") + name); };
+  const auto valuesOf = [](const Hdf5Object* scales) { return scales ? scales->values : std::vector<double>(); };
+  const auto uniform = [](const Hdf5Object* scales) {
+    if (!scales) return true;
+    // Long lists are not described.
+    const std::vector<double>& values = scales->values;
+    return !values.empty() && std::all_of(values.begin(), values.end(), [&](double v) { return v == values.front(); });
   };
-  const auto uniform = [](const std::vector<double>& values) {
-    return std::all_of(values.begin(), values.end(), [&](double v) { return v == values.front(); });
-  };
-  const std::vector<double> least = valuesOf("image-min"), most = valuesOf("image-max");
-  if (uniform(least) && uniform(most)) return {};
+  const Hdf5Object *const minima = find("image-min"), *const maxima = find("image-max");
+  if (uniform(minima) && uniform(maxima)) return {};
+  const std::vector<double> least = valuesOf(minima), most = valuesOf(maxima);
   SliceScales out{mincAxis(first), {}};
   const ValueRange range = validRange(image);
-  const bool whole = !image.type.starts_with("float") && range.lo < range.hi;
   const auto slices = image.shape.size() == 3 ? static_cast<std::size_t>(image.shape[0]) : 0;
-  if (whole && out.axis >= 0 && least.size() == slices && most.size() == slices) {
+  if (range.lo < range.hi && out.axis >= 0 && least.size() == slices && most.size() == slices) {
     for (std::size_t i = 0; i < slices; ++i) {
       const double slope = (most[i] - least[i]) / (range.hi - range.lo);
       out.slices.push_back({slope, least[i] - range.lo * slope});
@@ -153,8 +156,8 @@ SliceScales mincScales(const fs::path& file, const Hdf5Objects& objects, const H
   }
   throw Error(
       ErrorCode::kUnsupported, file, "/minc-2.0/image/0/image-max",
-      "intensities are scaled slice by slice, which is read for whole numbers of three axes with a least and a "
-      "largest value for each slice; rewrite the file: mincreshape -image_range MIN MAX, or mincconvert to NIfTI");
+      "intensities are scaled slice by slice, which is read for three axes with a least and a largest value for each "
+      "of at most 4096 slices; rewrite the file: mincreshape -image_range MIN MAX, or mincconvert to NIfTI");
 }
 
 // MINC 2. Source: the MINC 2.0 format's reference, and the values of its dimensions.
