@@ -114,6 +114,7 @@ TEST(IngestHdf5, EveryFilterOfTheLibraryReadsBack) {
       {"/deflate", {.chunk = kChunk, .deflate = 9}},
       {"/shuffle", {.chunk = kChunk, .shuffle = true, .deflate = 1}},
       {"/checked", {.chunk = kChunk, .shuffle = true, .fletcher32 = true, .deflate = 1}},
+      {"/raw_border", {.chunk = kChunk, .shuffle = true, .raw_border = true, .deflate = 1}},
       {"/odd_checked", {.chunk = {1, 1, 3}, .fletcher32 = true}},
       {"/scaled", {.chunk = kChunk, .scale_offset = true}},
       {"/compact", {.compact = true}},

@@ -269,6 +269,12 @@ json fillOf(hid_t plist) {
   return numberOf(value);
 }
 
+// Chunks at the border may be stored without any filter, whatever their masks say.
+bool leavesBorderUnfiltered(hid_t plist) {
+  unsigned options = 0;
+  return H5Pget_chunk_opts(plist, &options) >= 0 && (options & H5D_CHUNK_DONT_FILTER_PARTIAL_CHUNKS) != 0;
+}
+
 // A table of all chunks in the order of the grid, the last axis fastest; nothing for too many chunks.
 std::string tableOf(hid_t file, const std::string& path) {
   const Id dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "the data set");
@@ -283,18 +289,23 @@ std::string tableOf(hid_t file, const std::string& path) {
     count *= grid.back();
     if (count > kiln::hdf5::kMostListedChunks) return {};
   }
+  const bool raw_border = leavesBorderUnfiltered(plist);
   std::string out;
   out.reserve(count * sizeof(ChunkEntry));
   std::vector<hsize_t> at(dims.size(), 0);
   for (std::uint64_t i = 0; i < count; ++i) {
     std::vector<hsize_t> offset(at);
-    for (std::size_t axis = 0; axis < at.size(); ++axis) offset[axis] *= chunk[axis];
+    bool at_border = false;
+    for (std::size_t axis = 0; axis < at.size(); ++axis) {
+      offset[axis] *= chunk[axis];
+      at_border = at_border || offset[axis] + chunk[axis] > dims[axis];
+    }
     unsigned mask = 0;
     haddr_t address = HADDR_UNDEF;
     hsize_t bytes = 0;
     require(H5Dget_chunk_info_by_coord(dataset, offset.data(), &mask, &address, &bytes) >= 0,
             "the places of the chunks");
-    const ChunkEntry entry{address, bytes, mask};
+    const ChunkEntry entry{address, bytes, raw_border && at_border ? UINT64_MAX : mask};
     out.append(reinterpret_cast<const char*>(&entry), sizeof entry);
     for (std::size_t axis = at.size(); axis-- > 0;) {
       if (++at[axis] < grid[axis]) break;

@@ -49,6 +49,7 @@ hid_t layoutOf(const Hdf5Dataset& dataset) {
   if (!dataset.chunk.empty()) {
     const std::vector<hsize_t> chunk(dataset.chunk.begin(), dataset.chunk.end());
     require(H5Pset_chunk(out, static_cast<int>(chunk.size()), chunk.data()));
+    if (dataset.raw_border) require(H5Pset_chunk_opts(out, H5D_CHUNK_DONT_FILTER_PARTIAL_CHUNKS));
   }
   if (dataset.shuffle) require(H5Pset_shuffle(out));
   if (dataset.scale_offset) require(H5Pset_scaleoffset(out, H5Z_SO_INT, 0));

@@ -27,6 +27,8 @@ struct Hdf5Dataset {
   bool big_endian = false, compact = false;
   /// The library's own filters.
   bool shuffle = false, fletcher32 = false, scale_offset = false;
+  /// Chunks beyond the shape are stored without filters.
+  bool raw_border = false;
   std::optional<int> deflate{};
   /// A filter that the library need not have. `encode` makes the bytes of each chunk.
   std::optional<Hdf5Filter> foreign{};
