@@ -386,6 +386,10 @@ TEST(IngestHdf5, BigDataViewerHasItsAffineAndUnsignedNumbers) {
   EXPECT_EQ(at(*small, {1, 1, 1}), at(*source, {2.5, 1, 1}));
   options.scale = 2;
   expectRefused(file, ErrorCode::kUsage, "--scale: must be a number from 0 to 1", options);
+  // A path chooses nothing else than the options do.
+  const auto named = openSource(part(file, "/t00000/s00/1/cells"));
+  EXPECT_EQ(named->info().type, VoxelType::u16);
+  EXPECT_EQ(named->info().geometry.world_from_index, small->info().geometry.world_from_index);
 }
 
 TEST(IngestHdf5, NexusNamesItsSignalAndAxes) {

@@ -78,43 +78,70 @@ Hdf5Image ofImaris(const fs::path& file, const Hdf5Objects& objects, const Sourc
 
 // BigDataViewer: /tTTTTT/sSS/L/cells, with an XML file beside it. Source: imagej.net/plugins/bdv, "About the
 // BigDataViewer data format".
-Hdf5Image ofBigDataViewer(const fs::path& file, const Hdf5Objects& objects, const SourceOptions& options) {
-  const auto time_path = [](std::int64_t t) { return fmt::format("/t{:05}", t); };
-  const std::int64_t time = chosenTime(options, countOf(objects, time_path), file);
-  const auto setup_path = [](std::int64_t s) { return fmt::format("/s{:02}", s); };
-  const std::int64_t setups = countOf(objects, setup_path);
+struct BdvCells {
+  std::int64_t time = 0, setup = 0, scale = 0;
+
+  static std::string timeGroup(std::int64_t time) { return fmt::format("/t{:05}", time); }
+  std::string setupGroup() const { return fmt::format("/s{:02}", setup); }
+  std::string scaleGroup() const { return fmt::format("{}{}/{}", timeGroup(time), setupGroup(), scale); }
+  std::string path() const { return scaleGroup() + "/cells"; }
+};
+
+// Returns the numbers in a path of cells; nothing for a data set of another program.
+std::optional<BdvCells> bdvCellsAt(const std::string& path, const Hdf5Objects& objects) {
+  const std::vector<std::string_view> parts = splitAt(path, '/');
+  if (parts.size() != 5 || parts[1].size() < 2 || parts[2].size() < 2) return std::nullopt;
+  const auto time = numberOf<std::int64_t>(parts[1].substr(1)), setup = numberOf<std::int64_t>(parts[2].substr(1)),
+             scale = numberOf<std::int64_t>(parts[3]);
+  if (!time || !setup || !scale) return std::nullopt;
+  const BdvCells out{*time, *setup, *scale};
+  const bool is_bdv = out.path() == path && objects.find(out.setupGroup() + "/resolutions") != nullptr;
+  return is_bdv ? std::optional(out) : std::nullopt;
+}
+
+Hdf5Image ofBdvCells(const fs::path& file, const Hdf5Objects& objects, const BdvCells& cells) {
   const fs::path beside = fs::path(file).replace_extension(".xml");
   const std::optional<BdvDescription> xml = readBdvXml(beside);
-  std::vector<std::string> names;
-  for (std::int64_t s = 0; s < setups; ++s) names.push_back(xml ? xml->setupName(s) : "");
-  const std::int64_t setup = chosenChannel(options, names, file);
-  const std::string group = time_path(time) + setup_path(setup);
-  const auto level_path = [&](std::int64_t l) { return fmt::format("{}/{}", group, l); };
-  const std::int64_t scale = chosenScale(options, std::max<std::int64_t>(countOf(objects, level_path), 1), file);
   Hdf5Image out;
-  out.path = level_path(scale) + "/cells";
-  out.path_chooses = true;
+  out.path = cells.path();
   out.is_unsigned = true;
   if (xml) out.headers = {beside};
-  out.choice = fmt::format(", BigDataViewer, time {}, setup {}, level {}", time, setup, scale);
+  out.choice = fmt::format(", BigDataViewer, time {}, setup {}, level {}", cells.time, cells.setup, cells.scale);
   if (!objects.hasDataset(out.path))
     throw Error(ErrorCode::kFormat, file, out.path, "is missing in this file of BigDataViewer");
   out.axes = {{"z", "", "", 1, 0}, {"y", "", "", 1, 0}, {"x", "", "", 1, 0}};
   // Factors of the scale, x first; a coarse voxel is centred among the voxels that it covers.
   glm::dvec3 factor(1);
-  const Hdf5Object* const resolutions = objects.find(setup_path(setup) + "/resolutions");
+  const Hdf5Object* const resolutions = objects.find(cells.setupGroup() + "/resolutions");
   for (int i = 0; i < 3 && resolutions; ++i) {
-    const std::size_t at = static_cast<std::size_t>(scale) * 3 + static_cast<std::size_t>(i);
+    const std::size_t at = static_cast<std::size_t>(cells.scale) * 3 + static_cast<std::size_t>(i);
     if (at < resolutions->values.size() && resolutions->values[at] >= 1) factor[i] = resolutions->values[at];
   }
-  const std::optional<glm::dmat4> affine = xml ? xml->worldFromIndex(time, setup) : std::nullopt;
+  const std::optional<glm::dmat4> affine = xml ? xml->worldFromIndex(cells.time, cells.setup) : std::nullopt;
   if (affine) {
     out.world_from_index = *affine * axesAffine(factor, (factor - 1.0) / 2.0);
     out.has_scale = true;
   }
-  for (ArrayAxis& axis : out.axes) axis.unit = xml ? xml->unit(setup) : "";
+  for (ArrayAxis& axis : out.axes) axis.unit = xml ? xml->unit(cells.setup) : "";
   return out;
 }
+
+Hdf5Image ofBigDataViewer(const fs::path& file, const Hdf5Objects& objects, const SourceOptions& options) {
+  BdvCells cells;
+  cells.time = chosenTime(options, countOf(objects, &BdvCells::timeGroup), file);
+  const auto setup_path = [](std::int64_t s) { return BdvCells{0, s, 0}.setupGroup(); };
+  const std::optional<BdvDescription> xml = readBdvXml(fs::path(file).replace_extension(".xml"));
+  std::vector<std::string> names;
+  for (std::int64_t s = 0; s < countOf(objects, setup_path); ++s) names.push_back(xml ? xml->setupName(s) : "");
+  cells.setup = chosenChannel(options, names, file);
+  const auto scale_path = [&](std::int64_t l) { return BdvCells{cells.time, cells.setup, l}.scaleGroup(); };
+  cells.scale = chosenScale(options, std::max<std::int64_t>(countOf(objects, scale_path), 1), file);
+  Hdf5Image out = ofBdvCells(file, objects, cells);
+  out.path_chooses = true;
+  return out;
+}
+
+constexpr const char* kMincImage = "/minc-2.0/image/0/image";
 
 // The axis 0 to 2 of a dimension of MINC; -1 for other names.
 int mincAxis(std::string_view name) { return name == "xspace" ? 0 : name == "yspace" ? 1 : name == "zspace" ? 2 : -1; }
@@ -163,7 +190,7 @@ SliceScales mincScales(const fs::path& file, const Hdf5Objects& objects, const H
 // MINC 2. Source: the MINC 2.0 format's reference, and the values of its dimensions.
 Hdf5Image ofMinc(const fs::path& file, const Hdf5Objects& objects) {
   Hdf5Image out;
-  out.path = "/minc-2.0/image/0/image";
+  out.path = kMincImage;
   out.choice = ", MINC";
   out.frame = PatientFrame::kRas;
   const Hdf5Object& image = *objects.find(out.path);
@@ -372,16 +399,16 @@ Hdf5Image ofPath(const Hdf5Objects& objects, const std::string& path) {
 
 Hdf5Image findHdf5Image(const fs::path& file, const std::string& path, const Hdf5Objects& objects,
                         const SourceOptions& options) {
-  const std::string minc = "/minc-2.0/image/0/image";
   if (path.empty() && objects.find("/DataSet/ResolutionLevel 0")) return ofImaris(file, objects, options);
   if (path.empty() && objects.find("/s00/resolutions") && objects.find("/t00000"))
     return ofBigDataViewer(file, objects, options);
   if (options.scale) failOption(file, "--scale", "applies to files of Imaris and BigDataViewer; leave it out");
-  if (objects.hasDataset(minc) && (path.empty() || path == minc)) return ofMinc(file, objects);
+  if (objects.hasDataset(kMincImage) && (path.empty() || path == kMincImage)) return ofMinc(file, objects);
   if (!path.empty()) {
     if (!objects.hasDataset(path))
       throw Error(ErrorCode::kNotFound, file, shown(path),
                   objects.find(path) ? "is no data set of numbers" : "there is no data set of this name");
+    if (const std::optional<BdvCells> cells = bdvCellsAt(path, objects)) return ofBdvCells(file, objects, *cells);
     return ofPath(objects, path);
   }
   if (const std::optional<std::string> found = byConvention(objects)) {
