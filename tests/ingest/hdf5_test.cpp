@@ -544,6 +544,33 @@ TEST(IngestHdf5, AxisNamedTime_isATime) {
   EXPECT_TRUE(readWhole(*openSource(file, options)) == both.box({{0, 0, 3}, {5, 4, 6}}));
 }
 
+// Known: the library finds objects of other files by the path of a link.
+TEST(IngestHdf5, GroupsOfOtherFilesAreSearched) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume(kDims, VoxelType::i16, 539);
+  Hdf5File(files.directory() / "part.h5").add("/t00000/s00/0/cells", volume, {.chunk = kChunk, .deflate = 1});
+  const fs::path whole = files.directory() / "whole.h5", loop = files.directory() / "loop.h5";
+  {
+    Hdf5File out(whole);
+    out.addNumbers("/s00/resolutions", {1, 1, 1}, {1, 3});
+    out.linkOutside("/t00000/s00", "part.h5", "/t00000/s00");
+    out.linkOutside("/gone", "gone.h5", "/");
+  }
+  EXPECT_TRUE(readWhole(*openSource(whole)) == volume.voxels);
+  // A file that leads back is walked once.
+  {
+    Hdf5File out(loop);
+    out.add("/v", volume);
+    out.linkOutside("/to", "back.h5", "/");
+  }
+  {
+    Hdf5File out(files.directory() / "back.h5");
+    out.linkOutside("/fro", "loop.h5", "/");
+    out.linkOutside("/self", "back.h5", "/");
+  }
+  EXPECT_TRUE(readWhole(*openSource(loop)) == volume.voxels);
+}
+
 TEST(IngestHdf5, SoftLinksLeadToDataSets) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 519);

@@ -214,51 +214,91 @@ json describedObject(hid_t root, const char* name) {
   return out;
 }
 
-struct Description {
-  json objects = json::object();
+class Description {
+ public:
+  explicit Description(hid_t file) {
+    H5O_info_t info;
+    require(H5Oget_info(file, &info) >= 0, "the root of the file");
+    file_ = info.fileno;
+  }
+
   bool is_cut = false;
 
+  // Adds the objects below `root` by their first names, then links, also to other files. Returns false if the library
+  // cannot read the objects.
+  bool addAll(hid_t root) {
+    const herr_t visited = H5Ovisit(
+        root, H5_INDEX_NAME, H5_ITER_NATIVE,
+        [](hid_t of, const char* name, const H5O_info_t*, void* data) -> herr_t {
+          return static_cast<Description*>(data)->add(of, name, H5L_TYPE_HARD);
+        },
+        this);
+    H5Lvisit(
+        root, H5_INDEX_NAME, H5_ITER_NATIVE,
+        [](hid_t of, const char* name, const H5L_info_t* info, void* data) -> herr_t {
+          return info->type == H5L_TYPE_HARD ? 0 : static_cast<Description*>(data)->add(of, name, info->type);
+        },
+        this);
+    return visited >= 0;
+  }
+
+  void addNamed(hid_t file, const std::string& path) {
+    if (objects_.contains(path)) return;
+    json named = describedObject(file, path.c_str());
+    if (!named.is_null()) objects_[path] = std::move(named);
+  }
+
+  json take() { return std::move(objects_); }
+
+ private:
+  // Groups of other files get half of the room, so that they cannot make a file unreadable.
+  bool isFull() const { return objects_.size() >= (prefix_.empty() ? kMostObjects : kMostObjects / 2); }
+
   // Returns 0, or 1 to end the walk of the library.
-  herr_t add(hid_t root, const char* name, bool by_link) {
-    if (objects.size() >= kMostObjects) {
-      is_cut = true;
+  herr_t add(hid_t root, const std::string& name, H5L_type_t link) {
+    if (isFull()) {
+      is_cut = is_cut || prefix_.empty();
       return 1;
     }
-    const std::string path = std::string(name) == "." ? "/" : std::string("/") + name;
-    if (objects.contains(path)) return 0;
-    json described = describedObject(root, name);
+    const std::string path = name != "." ? prefix_ + "/" + name : prefix_.empty() ? "/" : prefix_;
+    if (objects_.contains(path)) return 0;
+    json described = describedObject(root, name.c_str());
     if (described.is_null()) return 0;
-    if (by_link) described["link"] = true;
-    objects[path] = std::move(described);
+    if (link == H5L_TYPE_SOFT) described["link"] = true;
+    const bool is_group = described["kind"] == "group";
+    objects_[path] = std::move(described);
+    if (link == H5L_TYPE_EXTERNAL && is_group) addGroupOfOtherFile(root, name, path);
     return 0;
   }
+
+  // Adds the objects below a group of another file, of which several links may lead to one.
+  void addGroupOfOtherFile(hid_t root, const std::string& name, const std::string& path) {
+    const hid_t group = H5Oopen(root, name.c_str(), H5P_DEFAULT);
+    H5O_info_t info;
+    if (group >= 0 && H5Oget_info(group, &info) >= 0 && info.fileno != file_ &&
+        followed_.emplace(info.fileno, info.addr).second) {
+      const std::string above = std::exchange(prefix_, path);
+      addAll(group);
+      prefix_ = above;
+    }
+    if (group >= 0) H5Oclose(group);
+  }
+
+  unsigned long file_ = 0;  // the library's number of the file that the user named
+  json objects_ = json::object();
+  std::string prefix_;                                    // path of the group of another file that is walked
+  std::set<std::pair<unsigned long, haddr_t>> followed_;  // groups of other files: file and place
 };
 
-// Objects by their first names, then links, also to other files, then the path that the user named.
+// All objects, and the path that the user named.
 json describe(hid_t file, const std::string& path) {
-  Description out;
-  const herr_t objects = H5Ovisit(
-      file, H5_INDEX_NAME, H5_ITER_NATIVE,
-      [](hid_t root, const char* name, const H5O_info_t*, void* data) -> herr_t {
-        return static_cast<Description*>(data)->add(root, name, false);
-      },
-      &out);
-  require(objects >= 0, "the objects of the file");
-  H5Lvisit(
-      file, H5_INDEX_NAME, H5_ITER_NATIVE,
-      [](hid_t root, const char* name, const H5L_info_t* info, void* data) -> herr_t {
-        if (info->type == H5L_TYPE_HARD) return 0;
-        return static_cast<Description*>(data)->add(root, name, info->type == H5L_TYPE_SOFT);
-      },
-      &out);
+  Description out(file);
+  require(out.addAll(file), "the objects of the file");
   if (path.empty() && out.is_cut)
     throw WorkerRefusal("the file has more than " + std::to_string(kMostObjects) +
                         " objects; name a data set, as FILE:/PATH");
-  if (path.size() > 1 && !out.objects.contains(path)) {
-    json named = describedObject(file, path.c_str());
-    if (!named.is_null()) out.objects[path] = std::move(named);
-  }
-  return out.objects;
+  if (path.size() > 1) out.addNamed(file, path);
+  return out.take();
 }
 
 json fillOf(hid_t plist) {

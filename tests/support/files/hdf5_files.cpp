@@ -152,6 +152,11 @@ void Hdf5File::link(const std::string& path, const std::string& target) {
   require(H5Lcreate_soft(target.c_str(), file_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT));
 }
 
+void Hdf5File::linkOutside(const std::string& path, const std::string& file, const std::string& target) {
+  const Hdf5Id links(linksWithGroups(), H5Pclose);
+  require(H5Lcreate_external(file.c_str(), target.c_str(), file_, path.c_str(), links, H5P_DEFAULT));
+}
+
 void Hdf5File::setText(const std::string& object, const std::string& name, const std::string& text) {
   const Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
   require(H5Tset_size(type, text.size() + 1));

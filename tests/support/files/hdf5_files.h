@@ -55,6 +55,7 @@ class Hdf5File {
   void addGroup(const std::string& path);
   /// A soft link, which may lead nowhere.
   void link(const std::string& path, const std::string& target);
+  void linkOutside(const std::string& path, const std::string& file, const std::string& target);
   void setText(const std::string& object, const std::string& name, const std::string& text);
   void setTexts(const std::string& object, const std::string& name, const std::vector<std::string>& texts);
   /// One letter an element, as Imaris writes texts.
