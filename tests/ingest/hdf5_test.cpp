@@ -544,6 +544,111 @@ TEST(IngestHdf5, AxisNamedTime_isATime) {
   EXPECT_TRUE(readWhole(*openSource(file, options)) == both.box({{0, 0, 3}, {5, 4, 6}}));
 }
 
+// Known: a text of the data set names its axes, as NeXus did before 2014.
+TEST(IngestHdf5, AxesOfAnOldNexusFile_stayInTheirOrder) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({4, 3, 5}, VoxelType::u8, 533);
+  const fs::path file = files.directory() / "a.nxs";
+  for (const char* const axes : {"z:y:x", "[z,y,x]"}) {
+    {
+      Hdf5File out(file);
+      out.add("/entry/data", volume);
+      out.addNumbers("/entry/z", {0, 2, 4, 6, 8});
+      out.setText("/entry/data", "axes", axes);
+    }
+    const auto source = openSource(file);
+    EXPECT_TRUE(readWhole(*source) == volume.voxels);
+    EXPECT_EQ(source->info().geometry.spacing(), glm::dvec3(1, 1, 2));
+  }
+}
+
+// Known: "." stands for an axis without coordinates; Fortran pads texts with spaces.
+TEST(IngestHdf5, NexusAxesMayHaveNoNameOrPaddedNames) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({4, 3, 5}, VoxelType::u8, 534);
+  const fs::path file = files.directory() / "a.nxs";
+  const auto write = [&](const std::vector<std::string>& axes, bool padded) {
+    Hdf5File out(file);
+    out.add("/entry/data", volume);
+    out.addNumbers("/entry/frame", {0, 2, 4, 6, 8});
+    out.addNumbers("/entry/x", {0, 3, 6, 9});
+    if (padded)
+      out.setPaddedTexts("/entry", "axes", axes);
+    else
+      out.setTexts("/entry", "axes", axes);
+  };
+  write({"frame", ".", "."}, false);
+  EXPECT_TRUE(readWhole(*openSource(file)) == volume.voxels);
+  EXPECT_EQ(openSource(file)->info().geometry.spacing(), glm::dvec3(1, 1, 2));
+  write({"z", "y", "x"}, true);
+  EXPECT_EQ(openSource(file)->info().geometry.spacing(), glm::dvec3(3, 1, 1));
+}
+
+// Known: edges are one more than voxels; a voxel lies between two of them.
+TEST(IngestHdf5, NexusCoordinatesOfEdges_placeTheCentres) {
+  const ForeignFiles files;
+  const fs::path file = files.directory() / "a.nxs";
+  writeNexus(file, randomVolume({4, 3, 5}, VoxelType::u8, 535), {{1, 3, 5, 7, 9}, {0, 1, 2}, {0, -1, -2, -3, -4, -5}});
+  const auto source = openSource(file);
+  EXPECT_EQ(at(*source, {0, 0, 0}), glm::dvec3(2, 0, -0.5));
+  EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(4, 1, -1.5));
+  EXPECT_TRUE(source->info().notes.empty()) << source->info().notes.front();
+}
+
+// Known: NetCDF gives each dimension the name of its coordinates; a dimension without coordinates places nothing.
+TEST(IngestHdf5, DimensionScalesAreCoordinates) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({4, 3, 5}, VoxelType::f32, 536);
+  const fs::path file = files.directory() / "a.nc";
+  const auto write = [&](const std::vector<std::string>& scales) {
+    Hdf5File out(file);
+    out.add("/temperature", volume);
+    out.addNumbers("/depth", {10, 15, 20, 25, 30});
+    out.addNumbers("/y", {0, 2, 4});
+    out.addNumbers("/z", {0, 2, 4});
+    out.addNumbers("/x", {0, 1, 2, 3});
+    for (const char* const scale : {"/depth", "/y", "/z", "/x"}) out.setText(scale, "units", "m");
+    out.setScales("/temperature", scales);
+  };
+  write({"/depth", "/y", "/x"});
+  const auto source = openSource(file);
+  EXPECT_TRUE(readWhole(*source) == volume.voxels);
+  EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(1, 2, 15));
+  EXPECT_EQ(source->info().geometry.unit, "m");
+  write({"/depth", "", "/x"});
+  EXPECT_EQ(openSource(file)->info().geometry.spacing(), glm::dvec3(1, 1, 5));
+  EXPECT_EQ(openSource(file)->info().notes.at(0),
+            "no coordinates give a distance along the axis 1, which is taken as 1 m; --spacing sets another size");
+}
+
+// Known: ilastik writes the order of the axes; an axis of one entry behind three others is a channel.
+TEST(IngestHdf5, ChannelsMayBeBehind) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({2, 12, 5}, VoxelType::u8, 537);  // channels, rows of 4 x 3, slices
+  const fs::path file = files.directory() / "a.h5";
+  {
+    Hdf5File out(file);
+    out.add("/tagged", volume, {.shape = {5, 3, 4, 2}, .chunk = {2, 2, 2, 2}});
+    out.setText("/tagged", "axistags", R"({"axes": [{"key": "z"}, {"key": "y"}, {"key": "x"}, {"key": "c"}]})");
+    out.setNumbers("/tagged", "element_size_um", {3, 2, 1});
+    out.add("/single", volume, {.shape = {5, 6, 4, 1}});
+  }
+  SourceOptions options;
+  options.channel = "1";
+  const auto source = openSource(part(file, "/tagged"), options);
+  EXPECT_EQ(source->info().geometry.dims, (Extent3{4, 3, 5}));
+  EXPECT_EQ(source->info().geometry.spacing(), glm::dvec3(1, 2, 3));
+  const std::vector<std::byte> voxels = readWhole(*source);
+  for (std::size_t i = 0; i < voxels.size(); ++i) ASSERT_EQ(voxels[i], volume.voxels[2 * i + 1]);
+  ForeignVolume single = volume;
+  single.dims = {4, 6, 5};
+  expectReadsBack(single, part(file, "/single"), 538);
+  const std::vector<ListedVolume> listed = volumesIn(file, {});
+  ASSERT_EQ(listed.size(), 2u);
+  EXPECT_EQ(listed[0].dims, (Extent3{4, 6, 5}));
+  EXPECT_EQ(listed[1].dims, (Extent3{4, 3, 5}));
+}
+
 // Known: the library finds objects of other files by the path of a link.
 TEST(IngestHdf5, GroupsOfOtherFilesAreSearched) {
   const ForeignFiles files;

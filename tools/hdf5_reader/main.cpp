@@ -132,7 +132,13 @@ json textsOf(hid_t attribute, hid_t type, std::size_t count) {
   if (H5Aread(attribute, memory, texts.data()) < 0) return nullptr;
   // Imaris writes a text as a list of letters.
   if (size == 1 && count > 1) return {{"letters", std::string(texts.data(), strnlen(texts.data(), count))}};
-  for (std::size_t i = 0; i < count; ++i) out.push_back(std::string(&texts[i * size], strnlen(&texts[i * size], size)));
+  // Fortran pads with spaces.
+  const bool padded = H5Tget_strpad(type) == H5T_STR_SPACEPAD;
+  for (std::size_t i = 0; i < count; ++i) {
+    std::string text(&texts[i * size], strnlen(&texts[i * size], size));
+    while (padded && text.ends_with(' ')) text.pop_back();
+    out.push_back(std::move(text));
+  }
   return out;
 }
 
@@ -178,9 +184,31 @@ json attributesOf(hid_t object) {
   return out;
 }
 
+// The paths of the dimension scales of each axis, as NetCDF writes them; null without scales.
+json scalesOf(hid_t dataset, int axes) {
+  if (H5Aexists(dataset, "DIMENSION_LIST") <= 0) return nullptr;
+  const Id attribute(H5Aopen(dataset, "DIMENSION_LIST", H5P_DEFAULT), H5Aclose, "an attribute"),
+      space(H5Aget_space(attribute), H5Sclose, "an attribute"),
+      stored(H5Aget_type(attribute), H5Tclose, "an attribute"),
+      lists_type(H5Tvlen_create(H5T_STD_REF_OBJ), H5Tclose, "a list");
+  if (H5Sget_simple_extent_npoints(space) != axes || H5Tequal(stored, lists_type) <= 0) return nullptr;
+  std::vector<hvl_t> lists(static_cast<std::size_t>(axes));
+  if (H5Aread(attribute, lists_type, lists.data()) < 0) return nullptr;
+  json out = json::array();
+  for (const hvl_t& list : lists) {
+    char name[4096] = {};
+    if (list.len > 0) H5Rget_name(dataset, H5R_OBJECT, list.p, name, sizeof name);
+    out.push_back(name);
+  }
+  H5Dvlen_reclaim(lists_type, space, H5P_DEFAULT, lists.data());
+  return out;
+}
+
 json describedDataset(hid_t dataset) {
   const Id type(H5Dget_type(dataset), H5Tclose, "a type"), space(H5Dget_space(dataset), H5Sclose, "a shape");
   json out = {{"kind", "dataset"}, {"shape", dimsOf(space)}, {"type", typeOf(type)}};
+  if (json scales = scalesOf(dataset, H5Sget_simple_extent_ndims(space)); !scales.is_null())
+    out["scales"] = std::move(scales);
   // Short lists of numbers are coordinates and scales.
   const hssize_t count = H5Sget_simple_extent_npoints(space);
   const H5T_class_t kind = H5Tget_class(type);
@@ -265,6 +293,8 @@ class Description {
     json described = describedObject(root, name.c_str());
     if (described.is_null()) return 0;
     if (link == H5L_TYPE_SOFT) described["link"] = true;
+    // Their paths are those of the other file.
+    if (link == H5L_TYPE_EXTERNAL || !prefix_.empty()) described.erase("scales");
     const bool is_group = described["kind"] == "group";
     objects_[path] = std::move(described);
     if (link == H5L_TYPE_EXTERNAL && is_group) addGroupOfOtherFile(root, name, path);

@@ -41,8 +41,15 @@ void requireOneAxisOfAName(const ArrayName& array, const std::vector<ArrayAxis>&
                   fmt::format("two axes have the name {}; write different names", inQuotes(axes[i].name)));
 }
 
-// Names axes by place if no axis is x, y or z: the last three are z, y, x, the order of all writers; channels and times
-// stand in front.
+// The axes behind x: a channel of one entry, which programs write that store channels last.
+std::ptrdiff_t axesBehindX(const AxisNumbers& shape, const std::vector<ArrayAxis>& axes) {
+  std::ptrdiff_t out = 0;
+  for (std::size_t i = axes.size(); i-- > 3 && shape[i] == 1 && axes[i].name.empty();) ++out;
+  return out;
+}
+
+// Names axes by place if no axis is x, y or z: the last three are z, y, x, the order of nearly all writers; channels
+// and times stand in front.
 void nameByPlace(const ArrayName& array, const SourceOptions& options, std::vector<ArrayAxis>& axes,
                  std::vector<std::string>& notes) {
   if (std::any_of(axes.begin(), axes.end(), isSpace)) return;
@@ -51,7 +58,7 @@ void nameByPlace(const ArrayName& array, const SourceOptions& options, std::vect
   for (const char* const name : {only_time ? "t" : "c", only_time ? "c" : "t"})
     if (axisNamed(axes, name) < 0) names.emplace_back(name);
   std::size_t next = 0;
-  for (auto axis = axes.rbegin(); axis != axes.rend() && next < names.size(); ++axis) {
+  for (auto axis = axes.rbegin() + axesBehindX(array.shape, axes); axis != axes.rend() && next < names.size(); ++axis) {
     if (axis->name == "c" || axis->name == "t") continue;
     // A name that is no name of space must not become a channel.
     if (next >= std::size(kNamesOfSpace) && !axis->name.empty()) break;

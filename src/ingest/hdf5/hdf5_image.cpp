@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "grid/value_range.h"
 #include "ingest/hdf5/bdv_xml.h"
+#include "ingest/hdf5/hdf5_axes.h"
 #include "ingest/source/chosen_part.h"
 #include "ingest/source/header_text.h"
 
@@ -224,116 +225,6 @@ Hdf5Image ofMinc(const fs::path& file, const Hdf5Objects& objects) {
   return out;
 }
 
-// EMD writes nanometres as "[n_m]".
-std::string unitOf(const Hdf5Object& coordinates) {
-  std::string out = coordinates.text("units").value_or("");
-  std::erase_if(out, [](char c) { return c == '[' || c == ']' || c == '_'; });
-  return out;
-}
-
-// Gives an axis the mean distance, the begin and the unit of its coordinates, which may fall.
-bool placeByCoordinates(const std::string& path, const Hdf5Object& coordinates, ArrayAxis& axis,
-                        std::vector<std::string>& notes) {
-  const std::vector<double>& at = coordinates.values;
-  if (at.size() < 2) return false;
-  const double step = (at.back() - at.front()) / static_cast<double>(at.size() - 1);
-  if (step == 0 || !std::isfinite(step)) return false;
-  axis.scale = step;
-  axis.translation = at.front();
-  axis.unit = unitOf(coordinates);
-  bool equal = true;
-  for (std::size_t i = 0; i < at.size(); ++i)
-    equal = equal && std::abs(at.front() + step * static_cast<double>(i) - at[i]) <= std::abs(step) * 1e-3;
-  if (!equal)
-    notes.push_back(
-        fmt::format("the coordinates {} are not equally spaced; their mean distance, {:.6g}{}, is used; "
-                    "--spacing sets another size",
-                    shown(path), step, axis.unit.empty() ? "" : " " + axis.unit));
-  return true;
-}
-
-// True for a coordinate for each voxel. EMD may list the first two alone.
-bool isForAxis(const Hdf5Object* coordinates, std::int64_t voxels, bool is_emd) {
-  if (!coordinates) return false;
-  const std::size_t count = coordinates->values.size();
-  return count == static_cast<std::size_t>(voxels) || (is_emd && count == 2);
-}
-
-std::string parentOf(const std::string& path) {
-  const std::size_t slash = path.find_last_of('/');
-  return slash == 0 ? "" : path.substr(0, slash);
-}
-
-bool isSpaceName(const std::string& name) { return name == "x" || name == "y" || name == "z"; }
-
-// The names of EMD's axes x, y, z, t and c: attributes of dim1, dim2, …. None unless x, y and z are named.
-std::vector<std::string> emdNames(const Hdf5Objects& objects, const std::string& group, std::size_t axes) {
-  std::vector<std::string> out(axes);
-  std::string space;
-  for (std::size_t i = 0; i < axes; ++i) {
-    const Hdf5Object* const dim = objects.find(group + fmt::format("/dim{}", i + 1));
-    const std::string name = lowered(dim ? dim->text("name").value_or("") : "");
-    if (isSpaceName(name)) space += name;
-    if (isSpaceName(name) || name == "t" || name == "c") out[i] = name;
-  }
-  std::sort(space.begin(), space.end());
-  return space == "xyz" ? out : std::vector<std::string>();
-}
-
-// Axes of a data set by the attributes around it: NeXus and EMD (coordinates), h5py (labels), ilastik (element sizes).
-void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
-  const Hdf5Object& dataset = *objects.find(out.path);
-  const std::size_t count = dataset.shape.size();
-  out.axes.resize(count);
-  const std::string group = parentOf(out.path);
-  const Hdf5Object* const above = objects.find(group.empty() ? "/" : group);
-  std::vector<std::string> names = above ? above->texts("axes") : std::vector<std::string>();
-  std::vector<std::string> labels = dataset.texts("DIMENSION_LABELS");
-  if (labels.size() != count) labels = emdNames(objects, group, count);
-  const bool names_space =
-      names.size() != count && labels.size() == count && std::any_of(labels.begin(), labels.end(), isSpaceName);
-  const ArrayAxis* placed = nullptr;
-  std::vector<std::size_t> unplaced;
-  for (std::size_t i = 0; i < count; ++i) {
-    ArrayAxis& axis = out.axes[i];
-    const bool named = names.size() == count;
-    const std::string coordinates = named ? group + "/" + names[i] : group + fmt::format("/dim{}", i + 1);
-    if (named) axis.name = names[i];
-    if (!named && labels.size() == count) axis.name = labels[i];
-    const bool of_space = names_space ? isSpaceName(axis.name) : i + 3 >= count && axis.name != "t" && axis.name != "c";
-    const Hdf5Object* const list = objects.find(coordinates);
-    const bool fits = isForAxis(list, dataset.shape[i], !named);
-    const bool has_place = fits && placeByCoordinates(coordinates, *list, axis, out.notes);
-    if (list && !list->values.empty() && !fits)
-      out.notes.push_back(fmt::format("the coordinates {} are {} numbers for {} voxels and are not used",
-                                      shown(coordinates), list->values.size(), dataset.shape[i]));
-    if (of_space && has_place && !placed) placed = &axis;
-    if (of_space && !has_place) unplaced.push_back(i);
-  }
-  out.has_scale = placed != nullptr;
-  for (const std::size_t i : placed ? unplaced : std::vector<std::size_t>()) {
-    ArrayAxis& axis = out.axes[i];
-    axis.unit = placed->unit;
-    out.notes.push_back(fmt::format(
-        "no coordinates give a distance along the axis {}, which is taken as {}; --spacing sets another size",
-        axis.name.empty() ? std::to_string(i) : inQuotes(axis.name), axis.unit.empty() ? "1" : "1 " + axis.unit));
-  }
-  const std::vector<double> sizes = dataset.numbers("element_size_um");
-  if (sizes.size() == 3 && count >= 3 && std::all_of(sizes.begin(), sizes.end(), [](double s) { return s > 0; })) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      out.axes[count - 3 + i].scale = sizes[i];
-      out.axes[count - 3 + i].unit = "um";
-    }
-    out.has_scale = true;
-  }
-  const std::optional<double> scale = dataset.number("scale_factor"), offset = dataset.number("add_offset");
-  if (scale.value_or(1) != 1 || offset.value_or(0) != 0)
-    out.notes.push_back(
-        fmt::format("the attributes say that values are {} + {} times the stored numbers; the numbers are "
-                    "taken as stored",
-                    offset.value_or(0), scale.value_or(1)));
-}
-
 // NeXus: "default" leads from group to group, "signal" to the data. Source: manual.nexusformat.org, NXdata.
 std::optional<std::string> nexusDefault(const Hdf5Objects& objects) {
   std::string group;
@@ -396,6 +287,14 @@ Hdf5Image ofPath(const Hdf5Objects& objects, const std::string& path) {
 }
 
 }  // namespace
+
+Extent3 extentOf(const fs::path& file, const std::string& path, const Hdf5Objects& objects) {
+  SourceOptions first;
+  first.channel = "0";
+  first.time = 0;
+  const Hdf5Image image = path == kMincImage ? ofMinc(file, objects) : ofPath(objects, path);
+  return volumeOf({file, file, objects.find(path)->shape}, image.axes, image.has_scale, {}, first).geometry.dims;
+}
 
 Hdf5Image findHdf5Image(const fs::path& file, const std::string& path, const Hdf5Objects& objects,
                         const SourceOptions& options) {

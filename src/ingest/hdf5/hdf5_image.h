@@ -30,6 +30,10 @@ struct Hdf5Image {
   std::vector<std::string> notes;
 };
 
+/// Returns the extents of the volume in the data set at `path`, of one channel and time. requires: a data set of
+/// numbers. throws: Error kUnsupported, kFormat if there is no volume in its axes.
+Extent3 extentOf(const std::filesystem::path& file, const std::string& path, const Hdf5Objects& objects);
+
 /// Chooses the data set at `path`, or without a path: BigDataViewer's, Imaris's, MINC's, NeXus's, Data Exchange's, or
 /// the only one of three axes. throws: Error kUsage, listing the data sets, if there are several, or an option does not
 /// apply; kUnsupported, kFormat.

@@ -23,6 +23,11 @@ std::optional<std::string> textOf(const JsonNode& value) {
 
 }  // namespace
 
+std::string parentOf(const std::string& path) {
+  const std::size_t slash = path.find_last_of('/');
+  return slash == 0 ? "" : path.substr(0, slash);
+}
+
 std::optional<std::string> Hdf5Object::text(const std::string& attribute) const {
   const std::optional<JsonNode> found = attributes.find(attribute);
   return found ? textOf(*found) : std::nullopt;
@@ -64,11 +69,12 @@ Hdf5Objects::Hdf5Objects(const std::filesystem::path& file, std::string json, st
   for (const std::string& path : root.keys()) {
     const JsonNode node = root.at(path);
     Hdf5Object object{
-        node.at("kind").text() == "dataset", node.find("link").has_value(), {}, "", {}, node.at("attributes")};
+        node.at("kind").text() == "dataset", node.find("link").has_value(), {}, "", {}, {}, node.at("attributes")};
     if (object.is_dataset) {
       object.shape = node.at("shape").wholes();
       if (const std::optional<JsonNode> type = node.find("type")) object.type = type->at("name").text();
       if (const std::optional<JsonNode> values = node.find("values")) object.values = values->numbers();
+      if (const std::optional<JsonNode> scales = node.find("scales")) object.scales = scales->texts();
     }
     all_.emplace(path, std::move(object));
   }

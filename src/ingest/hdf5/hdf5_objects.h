@@ -12,6 +12,9 @@
 
 namespace kiln {
 
+/// Returns the path of the group that holds an object; empty for the root.
+std::string parentOf(const std::string& path);
+
 struct Hdf5Object {
   bool is_dataset = false;
   /// True for a further name, by a soft link.
@@ -22,6 +25,9 @@ struct Hdf5Object {
   std::string type;
   /// The numbers of a short list, such as the coordinates of an axis.
   std::vector<double> values;
+  /// The paths of the dimension scales, one for each axis, empty for an axis without one; none for a data set without
+  /// scales.
+  std::vector<std::string> scales;
   JsonNode attributes;
 
   std::optional<std::string> text(const std::string& attribute) const;

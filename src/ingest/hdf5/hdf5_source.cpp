@@ -64,8 +64,11 @@ std::vector<ListedVolume> listHdf5(const fs::path& file, const SourceOptions& op
     ListedVolume& volume = out.emplace_back();
     volume.name = path;
     volume.kind = dataset.shape.size() == 3 ? "HDF5" : fmt::format("HDF5 of {} axes", dataset.shape.size());
-    const auto axes = dataset.shape.rbegin();
-    volume.dims = Extent3{axes[0], axes[1], axes[2]};
+    try {
+      volume.dims = extentOf(file, path, objects);
+    } catch (const Error& error) {
+      volume.refusal = error.what();
+    }
     if (const std::optional<StoredNumber> number = storedNumberNamed(dataset.type)) volume.type = number->voxelType();
     volume.option = file.string() + ":" + path;
   }

@@ -157,6 +157,19 @@ void Hdf5File::linkOutside(const std::string& path, const std::string& file, con
   require(H5Lcreate_external(file.c_str(), target.c_str(), file_, path.c_str(), links, H5P_DEFAULT));
 }
 
+void Hdf5File::setScales(const std::string& dataset, const std::vector<std::string>& scales) {
+  std::vector<hobj_ref_t> references(scales.size());
+  std::vector<hvl_t> lists(scales.size());
+  for (std::size_t i = 0; i < scales.size(); ++i) {
+    if (scales[i].empty()) continue;
+    require(H5Rcreate(&references[i], file_, scales[i].c_str(), H5R_OBJECT, -1));
+    lists[i] = {1, &references[i]};
+  }
+  const hsize_t count = scales.size();
+  const Hdf5Id type(H5Tvlen_create(H5T_STD_REF_OBJ), H5Tclose), space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  setAttribute(file_, dataset, "DIMENSION_LIST", type, space, lists.data());
+}
+
 void Hdf5File::setText(const std::string& object, const std::string& name, const std::string& text) {
   const Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
   require(H5Tset_size(type, text.size() + 1));
@@ -171,6 +184,18 @@ void Hdf5File::setTexts(const std::string& object, const std::string& name, cons
   std::vector<const char*> raw;
   for (const std::string& text : texts) raw.push_back(text.c_str());
   setAttribute(file_, object, name, type, space, raw.data());
+}
+
+void Hdf5File::setPaddedTexts(const std::string& object, const std::string& name,
+                              const std::vector<std::string>& texts) {
+  constexpr std::size_t kSize = 8;
+  const Hdf5Id type(H5Tcopy(H5T_FORTRAN_S1), H5Tclose);
+  require(H5Tset_size(type, kSize));
+  const hsize_t count = texts.size();
+  const Hdf5Id space(H5Screate_simple(1, &count, nullptr), H5Sclose);
+  std::string padded;
+  for (const std::string& text : texts) padded += text + std::string(kSize - text.size(), ' ');
+  setAttribute(file_, object, name, type, space, padded.data());
 }
 
 void Hdf5File::setLetters(const std::string& object, const std::string& name, const std::string& text) {

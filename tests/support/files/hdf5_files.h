@@ -56,8 +56,12 @@ class Hdf5File {
   /// A soft link, which may lead nowhere.
   void link(const std::string& path, const std::string& target);
   void linkOutside(const std::string& path, const std::string& file, const std::string& target);
+  /// Makes `scales` the dimension scales of a data set, as NetCDF does; an empty path is none.
+  void setScales(const std::string& dataset, const std::vector<std::string>& scales);
   void setText(const std::string& object, const std::string& name, const std::string& text);
   void setTexts(const std::string& object, const std::string& name, const std::vector<std::string>& texts);
+  /// Texts of one length, padded with spaces, as Fortran writes them.
+  void setPaddedTexts(const std::string& object, const std::string& name, const std::vector<std::string>& texts);
   /// One letter an element, as Imaris writes texts.
   void setLetters(const std::string& object, const std::string& name, const std::string& text);
   void setNumbers(const std::string& object, const std::string& name, const std::vector<double>& numbers);

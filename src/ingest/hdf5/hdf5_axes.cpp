@@ -1,0 +1,212 @@
+// NeXus, EMD and NetCDF give coordinates, h5py names (labels), ilastik names (tags) and element sizes.
+#include "ingest/hdf5/hdf5_axes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.h"
+#include "ingest/source/header_text.h"
+
+namespace kiln {
+namespace {
+
+// EMD writes nanometres as "[n_m]".
+std::string unitOf(const Hdf5Object& coordinates) {
+  std::string out = coordinates.text("units").value_or("");
+  std::erase_if(out, [](char c) { return c == '[' || c == ']' || c == '_'; });
+  return out;
+}
+
+// What a list of coordinates may hold instead of one number for each voxel.
+enum class Coordinates { kOfVoxels, kOrFirstTwo, kOrEdges };
+
+// The names of axes, none or one for each, and the paths of their coordinates, which may lead nowhere.
+struct AxisWords {
+  std::vector<std::string> names, coordinates;
+  Coordinates rule = Coordinates::kOfVoxels;
+};
+
+// Gives an axis the mean distance, the begin and the unit of its coordinates, which may fall.
+bool placeByCoordinates(const std::string& path, const Hdf5Object& coordinates, bool are_edges, ArrayAxis& axis,
+                        std::vector<std::string>& notes) {
+  const std::vector<double>& at = coordinates.values;
+  if (at.size() < 2) return false;
+  const double step = (at.back() - at.front()) / static_cast<double>(at.size() - 1);
+  if (step == 0 || !std::isfinite(step)) return false;
+  axis.scale = step;
+  axis.translation = at.front() + (are_edges ? step / 2 : 0);
+  axis.unit = unitOf(coordinates);
+  bool equal = true;
+  for (std::size_t i = 0; i < at.size(); ++i)
+    equal = equal && std::abs(at.front() + step * static_cast<double>(i) - at[i]) <= std::abs(step) * 1e-3;
+  if (!equal)
+    notes.push_back(
+        fmt::format("the coordinates {} are not equally spaced; their mean distance, {:.6g}{}, is used; "
+                    "--spacing sets another size",
+                    shown(path), step, axis.unit.empty() ? "" : " " + axis.unit));
+  return true;
+}
+
+bool isForAxis(const Hdf5Object* coordinates, std::int64_t voxels, Coordinates rule) {
+  if (!coordinates) return false;
+  const auto count = static_cast<std::int64_t>(coordinates->values.size());
+  return count == voxels || (rule == Coordinates::kOrFirstTwo && count == 2) ||
+         (rule == Coordinates::kOrEdges && count == voxels + 1);
+}
+
+bool isSpaceName(const std::string& name) {
+  const std::string small = lowered(name);
+  return small == "x" || small == "y" || small == "z";
+}
+
+// NeXus: a list of the group, or, before 2014, a text of the data set, "[z:y:x]" or "z,y,x".
+std::vector<std::string> nexusNames(const Hdf5Object* group, const Hdf5Object& dataset) {
+  std::vector<std::string> out = group ? group->texts("axes") : std::vector<std::string>();
+  std::string text = dataset.text("axes").value_or("");
+  if (out.size() == dataset.shape.size() || text.empty()) return out;
+  std::erase_if(text, [](char c) { return c == '[' || c == ']' || c == ' '; });
+  const std::vector<std::string_view> names = splitAt(text, text.find(':') == std::string::npos ? ',' : ':');
+  return {names.begin(), names.end()};
+}
+
+// Keeps x, y, z, t and c of a program's free names; returns none unless x, y and z are among them.
+std::vector<std::string> plainNames(std::vector<std::string> names) {
+  std::string space;
+  for (std::string& name : names) {
+    name = lowered(name);
+    if (isSpaceName(name))
+      space += name;
+    else if (name != "t" && name != "c")
+      name.clear();
+  }
+  std::sort(space.begin(), space.end());
+  return space == "xyz" ? names : std::vector<std::string>();
+}
+
+// EMD: attributes of dim1, dim2, ….
+std::vector<std::string> emdNames(const Hdf5Objects& objects, const std::string& group, std::size_t axes) {
+  std::vector<std::string> out;
+  for (std::size_t i = 0; i < axes; ++i) {
+    const Hdf5Object* const dim = objects.find(group + fmt::format("/dim{}", i + 1));
+    out.push_back(dim ? dim->text("name").value_or("") : "");
+  }
+  return plainNames(std::move(out));
+}
+
+// The axis tags of vigra, which ilastik writes: {"axes": [{"key": "z"}, …]}.
+std::vector<std::string> vigraNames(const Hdf5Object& dataset) {
+  const std::optional<std::string> tags = dataset.text("axistags");
+  std::vector<std::string> out;
+  if (!tags) return out;
+  const JsonNode json(dataset.attributes.file(), *tags, UINT64_MAX);
+  for (const JsonNode& axis : json.at("axes").items(32)) out.push_back(axis.at("key").text());
+  return out;
+}
+
+// Dimension scales of HDF5, which NetCDF names as its dimensions.
+std::vector<std::string> scaleNames(const Hdf5Object& dataset) {
+  std::vector<std::string> out;
+  for (const std::string& path : dataset.scales) out.push_back(path.substr(path.find_last_of('/') + 1));
+  return plainNames(std::move(out));
+}
+
+AxisWords axisWords(const Hdf5Objects& objects, const std::string& path) {
+  const Hdf5Object& dataset = *objects.find(path);
+  const std::size_t count = dataset.shape.size();
+  const std::string group = parentOf(path);
+  const Hdf5Object* const above = objects.find(group.empty() ? "/" : group);
+  AxisWords out;
+  out.names = nexusNames(above, dataset);
+  if (out.names.size() == count) {
+    out.rule = Coordinates::kOrEdges;
+    for (std::string& name : out.names) {
+      out.coordinates.push_back(group + "/" + name);
+      // NeXus: an axis without coordinates.
+      if (name == ".") name.clear();
+    }
+    return out;
+  }
+  out.names = dataset.texts("DIMENSION_LABELS");
+  if (out.names.size() != count) out.names = vigraNames(dataset);
+  if (out.names.size() != count) out.names = emdNames(objects, group, count);
+  if (out.names.size() != count) out.names = scaleNames(dataset);
+  if (out.names.size() != count) out.names.clear();
+  out.coordinates = dataset.scales;
+  if (out.coordinates.size() == count) return out;
+  out.rule = Coordinates::kOrFirstTwo;
+  out.coordinates.clear();
+  for (std::size_t i = 0; i < count; ++i) out.coordinates.push_back(group + fmt::format("/dim{}", i + 1));
+  return out;
+}
+
+// The axes of space: named, or else the last three but for times and channels.
+std::vector<std::size_t> spaceAxes(const std::vector<ArrayAxis>& axes) {
+  const bool named =
+      std::any_of(axes.begin(), axes.end(), [](const ArrayAxis& axis) { return isSpaceName(axis.name); });
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const std::string& name = axes[i].name;
+    if (named ? isSpaceName(name) : i + 3 >= axes.size() && name != "t" && name != "c") out.push_back(i);
+  }
+  return out;
+}
+
+// The size of a voxel along z, y and x, as ilastik writes it.
+void placeByElementSize(const Hdf5Object& dataset, const std::vector<std::size_t>& space, Hdf5Image& out) {
+  const std::vector<double> sizes = dataset.numbers("element_size_um");
+  if (sizes.size() != 3 || space.size() != 3 ||
+      !std::all_of(sizes.begin(), sizes.end(), [](double s) { return s > 0; }))
+    return;
+  for (std::size_t i = 0; i < 3; ++i) {
+    ArrayAxis& axis = out.axes[space[i]];
+    const bool named = isSpaceName(axis.name);
+    axis.scale = sizes[named ? static_cast<std::size_t>('z' - lowered(axis.name)[0]) : i];
+    axis.unit = "um";
+  }
+  out.has_scale = true;
+}
+
+}  // namespace
+
+void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
+  const Hdf5Object& dataset = *objects.find(out.path);
+  const AxisWords words = axisWords(objects, out.path);
+  out.axes.resize(dataset.shape.size());
+  for (std::size_t i = 0; i < words.names.size(); ++i) out.axes[i].name = words.names[i];
+  const std::vector<std::size_t> space = spaceAxes(out.axes);
+  std::vector<std::size_t> unplaced;
+  const ArrayAxis* placed = nullptr;
+  for (std::size_t i = 0; i < out.axes.size(); ++i) {
+    const std::string& coordinates = words.coordinates[i];
+    const Hdf5Object* const list = objects.find(coordinates);
+    const std::int64_t voxels = dataset.shape[i];
+    const bool fits = isForAxis(list, voxels, words.rule);
+    const bool edges = fits && words.rule == Coordinates::kOrEdges && std::ssize(list->values) == voxels + 1;
+    const bool has_place = fits && placeByCoordinates(coordinates, *list, edges, out.axes[i], out.notes);
+    if (list && !list->values.empty() && !fits)
+      out.notes.push_back(fmt::format("the coordinates {} are {} numbers for {} voxels and are not used",
+                                      shown(coordinates), list->values.size(), voxels));
+    if (std::find(space.begin(), space.end(), i) == space.end()) continue;
+    if (has_place && !placed) placed = &out.axes[i];
+    if (!has_place) unplaced.push_back(i);
+  }
+  out.has_scale = placed != nullptr;
+  for (const std::size_t i : placed ? unplaced : std::vector<std::size_t>()) {
+    ArrayAxis& axis = out.axes[i];
+    axis.unit = placed->unit;
+    out.notes.push_back(fmt::format(
+        "no coordinates give a distance along the axis {}, which is taken as {}; --spacing sets another size",
+        axis.name.empty() ? std::to_string(i) : inQuotes(axis.name), axis.unit.empty() ? "1" : "1 " + axis.unit));
+  }
+  placeByElementSize(dataset, space, out);
+  const std::optional<double> scale = dataset.number("scale_factor"), offset = dataset.number("add_offset");
+  if (scale.value_or(1) != 1 || offset.value_or(0) != 0)
+    out.notes.push_back(
+        fmt::format("the attributes say that values are {} + {} times the stored numbers; the numbers are "
+                    "taken as stored",
+                    offset.value_or(0), scale.value_or(1)));
+}
+
+}  // namespace kiln
