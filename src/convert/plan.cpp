@@ -183,17 +183,23 @@ void planDecoding(ConversionPlan& plan, const VolumeSource& source, const Conver
   }
   const std::uint64_t block_bytes = blocks->bytes + BlockCache::kOwnBytes;
   if (options.ranks == nullptr || options.ranks->alone()) {
-    const BrickOrder order = cheapestOrder(lattice, blocks->shape, left / block_bytes);
-    const std::uint64_t tables = tablesOf(info, options, order);
-    if (tables <= plan.index_bytes + left / 16) {
+    const std::uint64_t for_tables = left / 16;
+    const auto tablesBeyond = [&](const BrickOrder& order) {
+      return std::max(tablesOf(info, options, order), plan.index_bytes) - plan.index_bytes;
+    };
+    BrickOrder order = cheapestOrder(lattice, blocks->shape, left / block_bytes);
+    // The tables of this order may take the room of its last blocks.
+    if (decodingCost(order, blocks->shape).blocks_kept * block_bytes + tablesBeyond(order) > left)
+      order = cheapestOrder(lattice, blocks->shape, (left - for_tables) / block_bytes);
+    if (tablesBeyond(order) <= for_tables) {
+      plan.index_bytes += tablesBeyond(order);
       plan.order = order;
-      plan.index_bytes = std::max(plan.index_bytes, tables);
     }
   }
   const std::uint64_t room = options.memory_bytes - plan.total();
   const DecodingCost cost = decodingCost(*plan.order, blocks->shape);
   plan.kept_bytes = std::min(room, cost.blocks_kept * block_bytes);
-  plan.decodings = cost.blocks_kept * block_bytes <= left ? cost.decodings : decodingsUnkept(lattice, blocks->shape);
+  plan.decodings = cost.blocks_kept * block_bytes <= room ? cost.decodings : decodingsUnkept(lattice, blocks->shape);
   plan.once_bytes = plan.source_bytes + usefulLanes(source) * (plan.lane_bytes + fileBytes(info, options)) +
                     plan.index_bytes + allSubRangesBytes(info, options) +
                     leastKeptForOnce(lattice, blocks->shape) * block_bytes;

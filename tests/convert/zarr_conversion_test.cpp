@@ -8,6 +8,7 @@
 #include "convert/foreign_cache.h"
 #include "convert/plan.h"
 #include "convert/store_of_source.h"
+#include "ingest/bytes/block_cache.h"
 #include "ingest/open_source.h"
 #include "store/manifest/read_manifest.h"
 #include "support/files/zarr_files.h"
@@ -180,6 +181,24 @@ TEST_F(ZarrConversion, DecodingsAreAsPlanned) {
     if (less == 0) EXPECT_EQ(report.decodings, 1);
     if (expected.empty()) expected = storeFiles(out);
     EXPECT_TRUE(storeFiles(out) == expected) << less;
+  }
+}
+
+// Known: blocks that do not fit are decoded again, so that a plan with few decodings has room for its blocks.
+TEST_F(ZarrConversion, PlannedDecodings_haveRoomForTheirBlocks) {
+  fs::remove_all(folder());
+  writeZarr(folder(), randomVolume({140, 120, 100}, VoxelType::u8, 54),
+            ofChunks(16, 16, 16, ZarrVersion::kTwo, ZarrCodec::kRaw));
+  const ThreadLimit one(1);
+  const auto source = openSource(folder());
+  const std::uint64_t block_bytes = source->decodedBlocks()->bytes + BlockCache::kOwnBytes,
+                      ample = planConversion(*source, smallBricks()).once_bytes;
+  for (std::uint64_t less = 0; less < 900u << 10; less += 1000) {
+    ConvertOptions options = smallBricks();
+    options.memory_bytes = ample - less;
+    const ConversionPlan plan = planConversion(*source, options);
+    const DecodingCost cost = decodingCost(*plan.order, {16, 16, 16});
+    EXPECT_TRUE(plan.kept_bytes >= cost.blocks_kept * block_bytes || plan.decodings > cost.decodings) << less;
   }
 }
 
