@@ -346,6 +346,12 @@ TEST(IngestHdf5, ImarisHasExtentsAndPaddedData) {
   EXPECT_EQ(at(*source, {0, 0, 0}), glm::dvec3(11, 0.25, -6.5));
   EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(13, 0.75, -5.5));
   EXPECT_EQ(source->info().geometry.unit, "um");
+  const auto named = openSource(part(file, time + "/Channel 1/Data"));
+  EXPECT_TRUE(readWhole(*named) == other.box({{0, 0, 0}, {5, 6, 7}}));
+  EXPECT_EQ(named->info().geometry.world_from_index, source->info().geometry.world_from_index);
+  EXPECT_EQ(volumesIn(file, {}).at(0).dims, (Extent3{5, 6, 7}));
+  // The library takes a doubled slash as one.
+  EXPECT_EQ(openSource(part(file, time + "/Channel 1//Data"))->info().geometry.dims, (Extent3{8, 8, 8}));
 }
 
 TEST(IngestHdf5, BigDataViewerHasItsAffineAndUnsignedNumbers) {

@@ -32,27 +32,19 @@ std::int64_t countOf(const Hdf5Objects& objects, Path path) {
 }
 
 // Imaris: /DataSet/ResolutionLevel R/TimePoint T/Channel C/Data. Source: the description of Imaris 5.5 files.
-Hdf5Image ofImaris(const fs::path& file, const Hdf5Objects& objects, const SourceOptions& options) {
-  const auto level = [](std::int64_t r) { return fmt::format("/DataSet/ResolutionLevel {}", r); };
-  const std::int64_t scale = chosenScale(options, std::max<std::int64_t>(countOf(objects, level), 1), file);
-  const auto time_path = [&](std::int64_t t) { return fmt::format("{}/TimePoint {}", level(scale), t); };
-  const std::int64_t time = chosenTime(options, countOf(objects, time_path), file);
-  const auto channel_path = [&](std::int64_t c) { return fmt::format("{}/Channel {}", time_path(time), c); };
-  std::vector<std::string> names;
-  for (std::int64_t c = 0; c < countOf(objects, channel_path); ++c) {
-    const Hdf5Object* const info = objects.find(fmt::format("/DataSetInfo/Channel {}", c));
-    names.push_back(info ? info->text("Name").value_or("") : "");
-  }
-  const std::int64_t channel = chosenChannel(options, names, file);
-  const std::string group = channel_path(channel);
+bool isImarisData(const std::string& path, const Hdf5Objects& objects) {
+  return path.starts_with("/DataSet/ResolutionLevel ") && path.ends_with("/Data") && objects.find(parentOf(path)) &&
+         objects.find("/DataSetInfo/Image");
+}
+
+Hdf5Image ofImarisData(const fs::path& file, const Hdf5Objects& objects, const std::string& path) {
   Hdf5Image out;
-  out.path = group + "/Data";
-  out.path_chooses = true;
-  out.choice = fmt::format(", Imaris, resolution {}, time {}, channel {}", scale, time, channel);
+  out.path = path;
+  out.choice = ", Imaris";
   if (!objects.hasDataset(out.path)) throw Error(ErrorCode::kFormat, file, out.path, "is missing in this Imaris file");
   const AxisNumbers& shape = objects.find(out.path)->shape;
   if (shape.size() != 3) throw Error(ErrorCode::kFormat, file, out.path, "must have three axes");
-  const Hdf5Object *const sizes = objects.find(group), *const image = objects.find("/DataSetInfo/Image");
+  const Hdf5Object *const sizes = objects.find(parentOf(path)), *const image = objects.find("/DataSetInfo/Image");
   const char* const axis_names[] = {"z", "y", "x"};
   out.used_shape = shape;
   out.axes.resize(3);
@@ -74,6 +66,24 @@ Hdf5Image ofImaris(const fs::path& file, const Hdf5Objects& objects, const Sourc
     out.axes[i].unit = image->text("Unit").value_or("um");
     out.has_scale = true;
   }
+  return out;
+}
+
+Hdf5Image ofImaris(const fs::path& file, const Hdf5Objects& objects, const SourceOptions& options) {
+  const auto level = [](std::int64_t r) { return fmt::format("/DataSet/ResolutionLevel {}", r); };
+  const std::int64_t scale = chosenScale(options, std::max<std::int64_t>(countOf(objects, level), 1), file);
+  const auto time_path = [&](std::int64_t t) { return fmt::format("{}/TimePoint {}", level(scale), t); };
+  const std::int64_t time = chosenTime(options, countOf(objects, time_path), file);
+  const auto channel_path = [&](std::int64_t c) { return fmt::format("{}/Channel {}", time_path(time), c); };
+  std::vector<std::string> names(static_cast<std::size_t>(countOf(objects, channel_path)));
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    const Hdf5Object* const info = objects.find(fmt::format("/DataSetInfo/Channel {}", c));
+    names[c] = info ? info->text("Name").value_or("") : "";
+  }
+  const std::int64_t channel = chosenChannel(options, names, file);
+  Hdf5Image out = ofImarisData(file, objects, channel_path(channel) + "/Data");
+  out.path_chooses = true;
+  out.choice += fmt::format(", resolution {}, time {}, channel {}", scale, time, channel);
   return out;
 }
 
@@ -132,8 +142,8 @@ Hdf5Image ofBigDataViewer(const fs::path& file, const Hdf5Objects& objects, cons
   cells.time = chosenTime(options, countOf(objects, &BdvCells::timeGroup), file);
   const auto setup_path = [](std::int64_t s) { return BdvCells{0, s, 0}.setupGroup(); };
   const std::optional<BdvDescription> xml = readBdvXml(fs::path(file).replace_extension(".xml"));
-  std::vector<std::string> names;
-  for (std::int64_t s = 0; s < countOf(objects, setup_path); ++s) names.push_back(xml ? xml->setupName(s) : "");
+  std::vector<std::string> names(static_cast<std::size_t>(countOf(objects, setup_path)));
+  for (std::size_t s = 0; s < names.size() && xml; ++s) names[s] = xml->setupName(static_cast<std::int64_t>(s));
   cells.setup = chosenChannel(options, names, file);
   const auto scale_path = [&](std::int64_t l) { return BdvCells{cells.time, cells.setup, l}.scaleGroup(); };
   cells.scale = chosenScale(options, std::max<std::int64_t>(countOf(objects, scale_path), 1), file);
@@ -292,8 +302,11 @@ Extent3 extentOf(const fs::path& file, const std::string& path, const Hdf5Object
   SourceOptions first;
   first.channel = "0";
   first.time = 0;
-  const Hdf5Image image = path == kMincImage ? ofMinc(file, objects) : ofPath(objects, path);
-  return volumeOf({file, file, objects.find(path)->shape}, image.axes, image.has_scale, {}, first).geometry.dims;
+  const Hdf5Image image = path == kMincImage            ? ofMinc(file, objects)
+                          : isImarisData(path, objects) ? ofImarisData(file, objects, path)
+                                                        : ofPath(objects, path);
+  const AxisNumbers& shape = image.used_shape.empty() ? objects.find(path)->shape : image.used_shape;
+  return volumeOf({file, file, shape}, image.axes, image.has_scale, {}, first).geometry.dims;
 }
 
 Hdf5Image findHdf5Image(const fs::path& file, const std::string& path, const Hdf5Objects& objects,
@@ -307,6 +320,7 @@ Hdf5Image findHdf5Image(const fs::path& file, const std::string& path, const Hdf
     if (!objects.hasDataset(path))
       throw Error(ErrorCode::kNotFound, file, shown(path),
                   objects.find(path) ? "is no data set of numbers" : "there is no data set of this name");
+    if (isImarisData(path, objects)) return ofImarisData(file, objects, path);
     if (const std::optional<BdvCells> cells = bdvCellsAt(path, objects)) return ofBdvCells(file, objects, *cells);
     return ofPath(objects, path);
   }
