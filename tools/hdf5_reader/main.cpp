@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -184,6 +185,21 @@ json attributesOf(hid_t object) {
   return out;
 }
 
+// Returns the path of an object that `dataset` refers to; empty if there is none. The library walks the file for it,
+// and many data sets share a few scales.
+std::string pathOf(hid_t dataset, const hobj_ref_t& reference) {
+  static std::map<std::pair<unsigned long, hobj_ref_t>, std::string> known;
+  H5O_info_t info;
+  if (H5Oget_info(dataset, &info) < 0) return {};
+  const auto [found, is_new] = known.try_emplace({info.fileno, reference});
+  if (is_new) {
+    char name[4096] = {};
+    H5Rget_name(dataset, H5R_OBJECT, &reference, name, sizeof name);
+    found->second = name;
+  }
+  return found->second;
+}
+
 // The paths of the dimension scales of each axis, as NetCDF writes them; null without scales.
 json scalesOf(hid_t dataset, int axes) {
   if (H5Aexists(dataset, "DIMENSION_LIST") <= 0) return nullptr;
@@ -195,11 +211,8 @@ json scalesOf(hid_t dataset, int axes) {
   std::vector<hvl_t> lists(static_cast<std::size_t>(axes));
   if (H5Aread(attribute, lists_type, lists.data()) < 0) return nullptr;
   json out = json::array();
-  for (const hvl_t& list : lists) {
-    char name[4096] = {};
-    if (list.len > 0) H5Rget_name(dataset, H5R_OBJECT, list.p, name, sizeof name);
-    out.push_back(name);
-  }
+  for (const hvl_t& list : lists)
+    out.push_back(list.len > 0 ? pathOf(dataset, *static_cast<const hobj_ref_t*>(list.p)) : "");
   H5Dvlen_reclaim(lists_type, space, H5P_DEFAULT, lists.data());
   return out;
 }
