@@ -45,9 +45,11 @@ Light lightFrom(const JobObject& object) {
 namespace {
 
 // throws: Error kUsage naming the key.
-TransferFunction pointsFrom(const JobObject& owner, std::string_view key, const std::string& text) {
+TransferFunctionChoice writtenFunction(const JobObject& owner, std::string_view key, const std::string& text) {
   try {
-    return functionOfPoints(text);
+    if (!isPreset(text)) return functionOfPoints(text);
+    requirePresetNumbers(text);
+    return text;
   } catch (const Error& error) {
     owner.complain(key, error.what());
   }
@@ -60,8 +62,7 @@ std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject
   if (!owner.has(key)) return std::nullopt;
   if (!owner.isText(key)) return transferFunctionFrom(*owner.object(key));
   const std::string name = *owner.text(key, "a preset, points, a file or an object");
-  if (isPreset(name)) return name;
-  if (isPointsText(name)) return pointsFrom(owner, key, name);
+  if (isPreset(name) || isPointsText(name)) return writtenFunction(owner, key, name);
   if (name.find_first_of("./") != std::string::npos) return owner.path().parent_path() / name;
   const std::vector<std::string_view> words(presetNames().begin(), presetNames().end());
   owner.complain(key, "'" + name + "' is neither a preset nor a file name with an ending; did you mean '" +

@@ -98,6 +98,7 @@ TEST_F(GalleryCli, StoreWithATrailingSlash_hasItsNameInTheTitle) {
 
 TEST_F(GalleryCli, WrongRequests_areOneLine) {
   refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--tf", "ct-bones"}, 2, "--tf: 'ct-bones' is no preset");
+  refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--tf", "iso:x"}, 2, "--tf: 'iso:x'");
   refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--look", "grand"}, 2, "--look");
   refused({"gallery", in("h.kiln"), "-o", in("sheet.png"), "--look", "studoi"}, 2,
           "--look: expected one of plain, studio, found 'studoi'; did you mean 'studio'?\n");

@@ -72,7 +72,8 @@ TEST_F(SceneCli, TransferFunctionsOfEveryKind) {
                 "--tf: 'viridi' is neither a file nor points VALUE:OPACITY[:COLOR],... nor one of auto, ");
   expectRefused({"--tf", "ct-bonne"}, "iso:VALUE,... or solid:VALUE; did you mean 'ct-bone'?");
   expectRefused({"--tf", "quux"}, "iso:VALUE,... or solid:VALUE\n");
-  expectRefused({"--tf", "iso:high"}, "iso:high");
+  expectRefused({"--tf", "iso:high"}, "--tf: 'iso:high': expected surfaces");
+  expectRefused({"--tf", "solid:high"}, "--tf: 'solid:high': expected a number");
   expectRefused({"--window", "3"}, "--window: expected CENTRE,WIDTH");
   expectRefused({"--window", "3,0"}, "--window");
 }

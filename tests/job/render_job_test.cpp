@@ -277,6 +277,7 @@ const WrongJob kWrongJobs[] = {
      "outputs[0].path: expected a file name without a NUL"},
     {R"("exr": {"owner": "\u0000"})", ErrorCode::kUsage, "exr.owner: expected a name without a NUL"},
     {R"("transferFunction": "f\u0000.json")", ErrorCode::kUsage, "transferFunction: expected a preset"},
+    {R"("transferFunction": "iso:high")", ErrorCode::kUsage, "transferFunction: 'iso:high': expected surfaces"},
     {R"("threads": 1, "threads": 2)", ErrorCode::kFormat, "'threads' is given twice"},
     {"\"threads\": 1,\n\"level\" 0", ErrorCode::kFormat, "job.json: line 2, column 9"},
     {"\"memory\": 1e999", ErrorCode::kFormat, "line 1"},

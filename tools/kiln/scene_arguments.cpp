@@ -12,9 +12,11 @@
 namespace kiln::tool {
 namespace {
 
-TransferFunction pointsOfOption(const std::string& text, const char* option) {
+TransferFunctionChoice writtenFunction(const std::string& text, const char* option) {
   try {
-    return functionOfPoints(text);
+    if (!isPreset(text)) return functionOfPoints(text);
+    requirePresetNumbers(text);
+    return text;
   } catch (const Error& error) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: {}", option, error.what()));
   }
@@ -23,8 +25,7 @@ TransferFunction pointsOfOption(const std::string& text, const char* option) {
 }  // namespace
 
 TransferFunctionChoice transferFunctionNamed(const std::string& text, const char* option) {
-  if (isPreset(text)) return text;
-  if (isPointsText(text)) return pointsOfOption(text, option);
+  if (isPreset(text) || isPointsText(text)) return writtenFunction(text, option);
   std::error_code ignored;
   if (std::filesystem::is_directory(fileOf(text), ignored))
     throw Error(ErrorCode::kUsage, fmt::format("{}: '{}' is a folder; name a file of a transfer function or one of {}",

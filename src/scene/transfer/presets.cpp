@@ -214,20 +214,23 @@ TransferFunction automatic(const Manifest& manifest) {
   return surfaceOf(manifest);
 }
 
-// Solid from the number `text` on. A ramp of a hundredth of the range suffices for shading without steps.
-TransferFunction solidFrom(std::string_view text, const Manifest& manifest) {
-  const std::optional<double> number = numberOf<double>(text);
+constexpr std::string_view kSolidFrom = "solid:";
+
+// Number of a "solid:" name. throws: Error kUsage.
+double solidValue(std::string_view name) {
+  const std::optional<double> number = numberOf<double>(name.substr(kSolidFrom.size()));
   if (!number || !(std::abs(*number) <= kLargestValue))
-    throw Error(ErrorCode::kUsage,
-                "'solid:" + std::string(text) + "': expected a number after solid:, such as solid:300");
-  const double value = *number;
+    throw Error(ErrorCode::kUsage, "'" + std::string(name) + "': expected a number after solid:, such as solid:300");
+  return *number;
+}
+
+// Solid from `value` on. A ramp of a hundredth of the range suffices for shading without steps.
+TransferFunction solidFrom(double value, const Manifest& manifest) {
   const ValueRange range = usableRange(manifest);
   const double half = std::max(0.005 * (range.hi - range.lo), 1e-9 * std::abs(value));
   const glm::dvec3 color = IsoSurface().color;
   return {0, {{value - half, color, 0}, {value + half, color, 0.97}}};
 }
-
-constexpr std::string_view kSolidFrom = "solid:";
 
 }  // namespace
 
@@ -304,6 +307,11 @@ bool isPreset(std::string_view name) {
          std::find(presetNames().begin(), presetNames().end(), name) != presetNames().end();
 }
 
+void requirePresetNumbers(std::string_view name) {
+  if (name.starts_with(kIso)) isoSurfaces(name.substr(kIso.size()));
+  if (name.starts_with(kSolidFrom)) solidValue(name);
+}
+
 TransferFunction presetFor(std::string_view name, const Manifest& manifest) {
   if (name == "auto") return automatic(manifest);
   if (const CtPreset* const preset = ctPresetNamed(name)) return computedTomography(*preset, manifest);
@@ -315,7 +323,7 @@ TransferFunction presetFor(std::string_view name, const Manifest& manifest) {
   if (name == "levelset") return levelSet(manifest);
   if (name == "grayscale") return grayscale(manifest);
   if (name.starts_with(kIso)) return isoSurfaces(name.substr(kIso.size()));
-  if (name.starts_with(kSolidFrom)) return solidFrom(name.substr(kSolidFrom.size()), manifest);
+  if (name.starts_with(kSolidFrom)) return solidFrom(solidValue(name), manifest);
   if (isPreset(name)) return colored(name, manifest);
   throw Error(ErrorCode::kUsage, "'" + std::string(name) + "' is not a transfer function preset; there are " +
                                      presetList() + presetHint(name));

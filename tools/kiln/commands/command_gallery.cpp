@@ -15,6 +15,7 @@
 #include "output_files.h"
 #include "say.h"
 #include "scene/transfer/presets.h"
+#include "scene_arguments.h"
 #include "sequence/sheet/gallery.h"
 #include "source_arguments.h"
 #include "store/store_reader.h"
@@ -32,6 +33,7 @@ void requirePreset(const std::string& name) {
   if (!isPreset(name))
     throw Error(ErrorCode::kUsage,
                 fmt::format("--tf: '{}' is no preset; there are {}{}", name, presetList(), presetHint(name)));
+  transferFunctionNamed(name, "--tf");
 }
 
 void run(const GalleryArguments& a, Context& context) {
