@@ -42,63 +42,138 @@ bool hasMiddle(const RayFrame& frame, const DepthSpan& part) {
 
 // Returns a slab that covers all of `whole` if `whole` passes between the samples of all zones, as in a clip region
 // thinner than the sample distance. The slab's sample is at the middle of `whole`.
-std::optional<SlabZone> shortRay(const RayFrame& frame, const DepthSpan& whole) {
+std::optional<RayZone> shortRay(const RayFrame& frame, const DepthSpan& whole) {
   if (whole.empty() || hasMiddle(frame, whole)) return std::nullopt;
-  const SlabZone slab{whole.near, whole.far, whole.far - whole.near, 1};
+  const RayZone slab{{whole.near, whole.far, whole.far - whole.near, 1}};
   const double middle = whole.near + 0.5 * slab.thickness;
   const bool drawn = std::any_of(frame.zones.begin(), frame.zones.end(),
                                  [&](const SlabZone& zone) { return zone.near <= middle && middle < zone.far; });
   return drawn ? std::optional(slab) : std::nullopt;
 }
 
-// Returns the weight of a sample in a mean: the slab's thickness, or for the first and last slab of a ray the part
-// inside `whole`.
-double lengthOf(const SlabZone& zone, int slab, const DepthSpan& whole) {
-  const double begin = zone.near + slab * zone.thickness, end = begin + zone.thickness;
-  const bool first = begin - 0.5 * zone.thickness < whole.near, last = end + 0.5 * zone.thickness >= whole.far;
-  return (last ? whole.far : end) - (first ? whole.near : begin);
-}
+// The depths of a ray for which a sample in the middle of a slab stands: the slab, and for the first and the last slab
+// of a ray all that is left of the ray.
+struct Piece {
+  double begin, middle, end;
+  bool first, last;
+};
 
-enum class Rule { kMean, kAttenuated };
-
-// Takes a sample of a mean or of an attenuated maximum. `length`: of the sample, along the ray. Equations (5), (7).
-template <Rule kRule>
-bool takeSample(const Attenuation& attenuation, double value, double length, double& held, double& sum) {
-  if constexpr (kRule == Rule::kMean) {
-    held += value * length;
-    sum += length;
-    return true;
-  } else {
-    const double share = attenuation.share(value), depth = attenuation.per_length * length * share;
-    const double weighted = share * std::exp(-(sum + 0.5 * depth));
-    sum += depth;
-    const bool changes = weighted > held;
-    held = changes ? weighted : held;
-    return changes || depth > 0;
+// The pieces of a ray in a zone.
+class Pieces {
+ public:
+  // `whole`: the ray's interval in the whole volume.
+  Pieces(const RayZone& zone, const DepthSpan& whole) : zone_(zone), whole_(whole) {
+    // Operations of slabFrom, so that the first and the last slab of every ray are recognised.
+    const auto slabsTo = [&](double depth) { return (depth - zone.near) / zone.thickness - 0.5; };
+    from_ = slabsTo(whole.near), to_ = slabsTo(whole.far);
   }
-}
 
-// Weights of a mean are depths; attenuation has lengths along the ray.
-template <Rule kRule>
-double sampleLength(const PixelRay& ray, double depth) {
-  return kRule == Rule::kAttenuated ? depth * ray.oblique() : depth;
-}
+  double middle(int slab) const { return zone_.near + (slab + 0.5) * zone_.thickness; }
+  Piece at(int slab) const {
+    const double begin = zone_.near + slab * zone_.thickness;
+    const bool first = slab == 0 ? zone_.before < whole_.near : slab - 1 < from_;
+    const bool last = slab + 1 == zone_.slabs ? zone_.after >= whole_.far : slab + 1 >= to_;
+    return {first ? whole_.near : begin, middle(slab), last ? whole_.far : begin + zone_.thickness, first, last};
+  }
+
+ private:
+  const RayZone& zone_;
+  const DepthSpan whole_;
+  double from_, to_;
+};
+
+// Means of values, weighted by depth. Equation (5).
+class MeanRule {
+ public:
+  MeanRule(const Attenuation&, const PixelRay&) {}
+
+  bool endsRay(double, double) const { return false; }
+  bool raises(const ValueRange&, double, double) const { return true; }
+  // Bound of the weight that values of pieces from here on have.
+  double weightBehind(double) const { return 1; }
+  // Takes a piece; `field` has the values. `weight`: as above; 0 if no value raises the pixel. Returns true if the
+  // pixel changes.
+  template <class Field>
+  bool take(const Field& field, const PixelRay& ray, const Piece& piece, double, double& held, double& length) const {
+    const double value = field.valueAt(ray.inIndexSpace().at(piece.middle));
+    if (std::isnan(value)) return false;
+    held += value * (piece.end - piece.begin);
+    length += piece.end - piece.begin;
+    return true;
+  }
+};
+
+// Attenuated maxima. The middle of a piece gives the piece's attenuation, which grows evenly along the piece. Equation
+// (7).
+class AttenuatedRule {
+ public:
+  AttenuatedRule(const Attenuation& attenuation, const PixelRay& ray)
+      : attenuation_(attenuation), per_depth_(attenuation.per_length * ray.oblique()) {}
+
+  double weightBehind(double sum) const { return std::exp(-sum); }
+  bool endsRay(double held, double weight) const { return !(weight > held); }
+  bool raises(const ValueRange& range, double held, double weight) const {
+    return attenuation_.share(range.hi) * weight > held;
+  }
+  template <class Field>
+  bool take(const Field& field, const PixelRay& ray, const Piece& piece, double weight, double& held,
+            double& sum) const {
+    const double value = field.valueAt(ray.inIndexSpace().at(piece.middle));
+    if (std::isnan(value)) return false;
+    const double share = attenuation_.share(value), depth = per_depth_ * (piece.end - piece.begin) * share;
+    const double before = held;
+    if (weight > held) raise(field, ray, piece, {share, depth, sum, weight}, held);
+    sum += depth;
+    return held > before || depth > 0;
+  }
+
+ private:
+  struct Middle {
+    double share, depth, sum, weight;
+  };
+  // Compares values in the middle of a piece, at ends of a ray, and on planes of voxels, where the field has its bends
+  // and most of its maxima.
+  template <class Field>
+  void raise(const Field& field, const PixelRay& ray, const Piece& piece, const Middle& middle, double& held) const {
+    const IndexRay& line = ray.inIndexSpace();
+    const double rate = middle.depth / (piece.end - piece.begin);
+    const auto compare = [&](double at, double share) {
+      // The first test spares most exponentials.
+      if (share * middle.weight > held)
+        held = std::max(held, share * std::exp(-(middle.sum + (at - piece.begin) * rate)));
+    };
+    const auto compareAt = [&](double at) { compare(at, attenuation_.share(field.valueAt(line.at(at)))); };
+    compare(piece.middle, middle.share);
+    if (piece.first) compareAt(piece.begin);
+    if (piece.last) compareAt(piece.end);
+    const glm::dvec3 from = line.at(piece.begin), to = line.at(piece.end);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double plane = std::floor(std::max(from[axis], to[axis]));
+      if (plane > std::min(from[axis], to[axis])) compareAt((plane - line.base[axis]) / line.slope[axis]);
+    }
+  }
+
+  const Attenuation& attenuation_;
+  const double per_depth_;
+};
 
 // Takes the samples of a brick along rays, front to back.
-template <class T, Rule kRule>
+template <class T, class Rule>
 class BrickSamples {
  public:
   BrickSamples(const BrickBlock& block, bool all, const Attenuation& attenuation, DrawCounts& counts)
       : attenuation_(attenuation), cells_(block), field_(block), all_(all), counts_(counts) {}
 
   // Takes the samples of `span`. `whole`: the ray's interval in the whole volume.
-  void take(const PixelRay& ray, const DepthSpan& whole, const SlabZone& zone, const SlabSpan& span, double& held,
+  void take(const PixelRay& ray, const DepthSpan& whole, const RayZone& zone, const SlabSpan& span, double& held,
             double& length) noexcept {
     counts_.visited += static_cast<std::uint64_t>(span.end - span.first);
     const glm::dvec3 base = cells_.placeOf(ray.base()), inverse = 1.0 / ray.slope();
     const double slabs_per_depth = 1 / zone.thickness;
+    const Rule rule(attenuation_, ray);
+    const Pieces pieces(zone, whole);
     for (int slab = span.first; slab < span.end;) {
-      const glm::dvec3 place = base + depthOf(zone, slab) * ray.slope();
+      const glm::dvec3 place = base + pieces.middle(slab) * ray.slope();
       int cell[3];
       double leaves_at = kInfinity;
       for (int axis = 0; axis < 3; ++axis) {
@@ -110,30 +185,34 @@ class BrickSamples {
       const double beyond = std::clamp((leaves_at - zone.near) * slabs_per_depth + 0.5, slab + 1.0, span.end + 0.0);
       const int leaves = static_cast<int>(beyond);
       ++counts_.nodes_tested;
-      if (kRule == Rule::kAttenuated && !all_ && !(std::exp(-length) > held)) return;
-      if (cells_.range(cell).empty()) {
+      double weight = rule.weightBehind(length);
+      if (!all_ && rule.endsRay(held, weight)) return;
+      const ValueRange& range = cells_.range(cell);
+      if (range.empty()) {
         ++counts_.nodes_hidden;
         slab = leaves;
         continue;
       }
+      if (!all_ && !rule.raises(range, held, weight)) weight = 0;
       counts_.splats += static_cast<std::uint64_t>(leaves - slab);
       for (; slab < leaves; ++slab) {
-        const double value = field_.valueAt(ray.base() + depthOf(zone, slab) * ray.slope());
-        if (std::isnan(value)) continue;
-        const double part = sampleLength<kRule>(ray, lengthOf(zone, slab, whole));
-        if (takeSample<kRule>(attenuation_, value, part, held, length)) counts_.changed = true;
+        if (rule.take(field_, ray, pieces.at(slab), weight, held, length)) counts_.changed = true;
       }
     }
   }
 
  private:
-  static double depthOf(const SlabZone& zone, int slab) { return zone.near + (slab + 0.5) * zone.thickness; }
-
   const Attenuation& attenuation_;
   const BrickCells cells_;
   const InterpolatedBrick<T> field_;
   const bool all_;
   DrawCounts& counts_;
+};
+
+// The field of a brick of one value.
+struct ConstantField {
+  double value;
+  double valueAt(const glm::dvec3&) const { return value; }
 };
 
 // Calls visit(ray, part, held, place in the row) for each pixel of `rect` whose ray has a part in `core`, unless the
@@ -164,14 +243,14 @@ void forEachSpan(const RayFrame& frame, const VoxelBox& core, const PixelRect& r
     const DepthSpan whole = partIn(frame, ray, boxOf(frame.dims));
     double& length = *values.length(x, y);
     bool taken = false;
-    for (const SlabZone& zone : frame.zones) {
+    for (const RayZone& zone : frame.zones) {
       const SlabSpan span = slabsOf(zone, part);
       if (span.empty()) continue;
       take(ray, whole, zone, span, held, length);
       taken = true;
     }
     if (taken) return;
-    const std::optional<SlabZone> slab = shortRay(frame, whole);
+    const std::optional<RayZone> slab = shortRay(frame, whole);
     if (slab && !slabsOf(*slab, part).empty()) take(ray, whole, *slab, {0, 1}, held, length);
   };
   forEachRay(
@@ -212,7 +291,7 @@ void projectBrick(const RayFrame& frame, const BrickBlock& block, double bound, 
   withVoxelType(block.type, [&]<class T>(std::type_identity<T>) {
     const auto sample = [&](auto rays) {
       forEachSpan(frame, block.core, rect, values,
-                  [&](const PixelRay& ray, const DepthSpan& whole, const SlabZone& zone, const SlabSpan& span,
+                  [&](const PixelRay& ray, const DepthSpan& whole, const RayZone& zone, const SlabSpan& span,
                       double& held, double& length) { rays.take(ray, whole, zone, span, held, length); });
     };
     const auto raise = [&](auto extremum) {
@@ -222,9 +301,9 @@ void projectBrick(const RayFrame& frame, const BrickBlock& block, double bound, 
     };
     switch (values.rule()) {
       case PixelValue::kMean:
-        return sample(BrickSamples<T, Rule::kMean>(block, all, values.attenuation(), counts));
+        return sample(BrickSamples<T, MeanRule>(block, all, values.attenuation(), counts));
       case PixelValue::kAttenuated:
-        return sample(BrickSamples<T, Rule::kAttenuated>(block, all, values.attenuation(), counts));
+        return sample(BrickSamples<T, AttenuatedRule>(block, all, values.attenuation(), counts));
       case PixelValue::kGreatest:
         return raise(BrickExtremum<T, false>(block, all, counts));
       case PixelValue::kLeast:
@@ -244,21 +323,24 @@ void projectConstant(const RayFrame& frame, const VoxelBox& core, double value, 
                             held = bound;
                           });
   }
-  forEachSpan(frame, core, rect, values,
-              [&](const PixelRay& ray, const DepthSpan& whole, const SlabZone& zone, const SlabSpan& span, double& held,
-                  double& length) {
-                counts.visited += static_cast<std::uint64_t>(span.end - span.first);
-                counts.changed = true;
-                // Add sample by sample as projectBrick would, for equal bits.
-                for (int slab = span.first; slab < span.end; ++slab) {
-                  const double part = lengthOf(zone, slab, whole);
-                  if (values.mean())
-                    takeSample<Rule::kMean>(values.attenuation(), value, part, held, length);
-                  else
-                    takeSample<Rule::kAttenuated>(values.attenuation(), value,
-                                                  sampleLength<Rule::kAttenuated>(ray, part), held, length);
-                }
-              });
+  const ConstantField field{value};
+  const auto draw = [&]<class Rule>(std::type_identity<Rule>) {
+    forEachSpan(frame, core, rect, values,
+                [&](const PixelRay& ray, const DepthSpan& whole, const RayZone& zone, const SlabSpan& span,
+                    double& held, double& length) {
+                  const Rule rule(values.attenuation(), ray);
+                  const Pieces pieces(zone, whole);
+                  counts.visited += static_cast<std::uint64_t>(span.end - span.first);
+                  counts.changed = true;
+                  // Add piece by piece as projectBrick would, for equal bits.
+                  for (int slab = span.first; slab < span.end; ++slab)
+                    rule.take(field, ray, pieces.at(slab), rule.weightBehind(length), held, length);
+                });
+  };
+  if (values.mean())
+    draw(std::type_identity<MeanRule>());
+  else
+    draw(std::type_identity<AttenuatedRule>());
 }
 
 }  // namespace kiln

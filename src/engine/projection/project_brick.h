@@ -1,12 +1,13 @@
 // Projects the values of one brick into one tile: kernel of `--mode mip|minip|average|attenuated-mip`.
 // Method. An extremum is exact (engine/shared/brick_extremum.h). Means and attenuated maxima take samples in the middle
-// of slabs, which are as thick as the distance of samples. A ray whose whole interval inside the clip region lies
-// between two samples has a single sample, in the interval's middle.
+// of slabs, which are as thick as the distance of samples; an attenuated maximum also on planes of voxels. A ray whose
+// whole interval inside the clip region lies between two samples has a single sample, in the interval's middle.
 // Invariant. Positions are counted in the level's index space and slabs in the zone, so that a value has equal bits in
 // every brick and tile. A pixel's samples of a brick are taken front to back, so that sums are, too, if bricks are.
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <limits>
 #include <vector>
 
 #include "engine/projection/pixel_slabs.h"
@@ -18,10 +19,15 @@
 
 namespace kiln {
 
+/// A zone, and the depths of the nearest samples in the zones in front and behind; infinite if there are none.
+struct RayZone : SlabZone {
+  double before = -std::numeric_limits<double>::infinity(), after = std::numeric_limits<double>::infinity();
+};
+
 /// Parameters that all bricks and tiles of a level share.
 struct RayFrame {
   const Silhouette* outline = nullptr;   // the frame's; decides the place of each pixel's ray
-  std::vector<SlabZone> zones;           // zones of the level, near to far; samples are in the middle of slabs
+  std::vector<RayZone> zones;            // zones of the level, near to far; samples are in the middle of slabs
   std::vector<DepthSpan> depths;         // depths of these zones
   const Projector* projector = nullptr;  // belongs to the level
   const ClipRegion* clip = nullptr;      // belongs to the level

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -32,10 +31,23 @@ std::vector<SlabZone> rayZones(const Manifest& volume, const View& view, const P
   return out;
 }
 
+// The zones of a level among all zones.
+std::vector<RayZone> zonesOf(int level, const std::vector<SlabZone>& zones) {
+  std::vector<RayZone> out;
+  for (std::size_t i = 0; i < zones.size(); ++i) {
+    if (zones[i].level != level) continue;
+    RayZone zone{zones[i]};
+    if (i > 0) zone.before = zones[i - 1].far - 0.5 * zones[i - 1].thickness;
+    if (i + 1 < zones.size()) zone.after = zones[i + 1].near + 0.5 * zones[i + 1].thickness;
+    out.push_back(zone);
+  }
+  return out;
+}
+
 // Adjacent zones are one span.
-std::vector<DepthSpan> depthsOf(const std::vector<SlabZone>& zones) {
+std::vector<DepthSpan> depthsOf(const std::vector<RayZone>& zones) {
   std::vector<DepthSpan> out;
-  for (const SlabZone& zone : zones) {
+  for (const RayZone& zone : zones) {
     if (!out.empty() && out.back().far == zone.near)
       out.back().far = zone.far;
     else
@@ -69,9 +81,9 @@ ValueProjection::ValueProjection(const BrickedVolume& store, const FrameLevels& 
       zones_(levels, rayZones(store.manifest(), view, options, levels.projector(levels.finest()).nearDepth())),
       outline_(levels.projector(levels.finest()), levels.clipRegion(levels.finest()), endOf(levels.finest())) {
   for (int l = levels.finest(); l <= levels.coarsest(); ++l) {
-    RayFrame frame{&outline_, {}, {}, &levels.projector(l), &levels.clipRegion(l), levels.dims(l), endOf(l)};
-    std::copy_if(zones_.zones().begin(), zones_.zones().end(), std::back_inserter(frame.zones),
-                 [&](const SlabZone& zone) { return zone.level == l; });
+    RayFrame frame{
+        &outline_, zonesOf(l, zones_.zones()), {}, &levels.projector(l), &levels.clipRegion(l), levels.dims(l),
+        endOf(l)};
     frame.depths = depthsOf(frame.zones);
     frames_.push_back(std::move(frame));
   }
