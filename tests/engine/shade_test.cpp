@@ -12,7 +12,9 @@ namespace {
 const glm::vec3 kToEye(0, 0, -1);
 // A unit normal with a cosine to the eye.
 glm::vec3 normalAt(float cosine) { return {std::sqrt(1 - cosine * cosine), 0, -cosine}; }
-glm::vec3 seenAt(float cosine) { return seenNormal(normalAt(cosine), cosine, kToEye); }
+glm::vec3 seenAt(float cosine, const GrazingNormal& grazing = {}) {
+  return seenNormal(normalAt(cosine), cosine, kToEye, grazing);
+}
 
 TEST(SeenNormal, IsTheNormalInFrontOfASilhouette) {
   for (const float cosine : {0.0f, 0.1f, 0.7f, 1.0f}) EXPECT_EQ(seenAt(cosine), normalAt(cosine));
@@ -27,6 +29,13 @@ TEST(SeenNormal, IsMirroredJustBehindASilhouette) {
 
 TEST(SeenNormal, IsReversedWhereTheEyeIsInside) {
   for (const float cosine : {GrazingNormal::kReversed, -0.5f, -1.0f}) EXPECT_EQ(seenAt(cosine), -normalAt(cosine));
+}
+
+TEST(SeenNormal, OfOpaqueMatterIsMirroredAtEveryCosine) {
+  for (const float cosine : {0.0f, -0.1f, -0.5f, -0.9f, -1.0f}) {
+    const glm::vec3 mirrored(normalAt(cosine).x, 0, cosine);
+    EXPECT_LT(glm::distance(seenAt(cosine, GrazingNormal::ofOpaque()), mirrored), 1e-5f) << cosine;
+  }
 }
 
 TEST(SeenNormal, TurnsWithoutAJumpAndNeverFromTheEye) {

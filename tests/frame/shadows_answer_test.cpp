@@ -407,6 +407,33 @@ TEST(Silhouettes, OfTheVolumesBorderAreNotDark) {
   EXPECT_GT(least, 0.8);
 }
 
+// At a sharp edge between a face that the light reaches and a hidden face, samples of rays that graze the edge have
+// normals that point far away from the eye.
+TEST(Silhouettes, OfSharpEdgesOfLabelsAreNotDark) {
+  const auto within = [](auto i) { return i >= 16 && i < 48; };
+  const DenseVolume box = fill({{kEdge, kEdge, kEdge}, VoxelType::u8},
+                               [&](auto i, auto j, auto k) { return within(i) && within(j) && within(k) ? 1 : 0; });
+  FrameRequest request;
+  Camera camera;
+  camera.target = glm::dvec3(32), camera.eye = {92, -118, 92}, camera.up = {0, 0, 1};
+  camera.fov_deg = 30;
+  request.view = resolve(camera, {320, 320});
+  request.transfer_function.labels = {{1, "box", glm::dvec3(1), 1}};
+  request.shading.lights = {{.kind = LightKind::kCamera, .place = {-1, 1, 1}}};
+  const Image image = draw(makeStore(box, "box_of_a_label", 32, true), request);
+  const auto light = [&](int x, int y) { return image.pixel(x, y)[0] / image.pixel(x, y)[3]; };
+  int columns = 0;
+  for (int x = 0; x < image.width; ++x) {
+    int y = 0;
+    while (y < image.height && image.pixel(x, y)[3] < 0.05f) ++y;
+    // Columns that enter the box through its upper face.
+    if (y > image.height / 2 - 40) continue;
+    ++columns;
+    EXPECT_GT(light(x, y), 0.85f * light(x, y + 4)) << x;
+  }
+  EXPECT_GT(columns, 60);
+}
+
 TEST(AmbientOcclusion, OfStrengthZeroChangesNoBit) {
   const auto store = makeStore(floorUnderLayer(), "layer", 32);
   FrameRequest request = floorRequest(0.1);

@@ -70,7 +70,7 @@ class SampleLight {
     normal = scaled(normal, hn::Or(inverse, hn::And(facing, hn::SignBit(d))));
     for (V* axis : {&normal.x, &normal.y, &normal.z}) *axis = hn::IfThenElseZero(directed, *axis);
     const M behind = hn::And(hn::AndNot(on_face, directed),
-                             hn::And(hn::Lt(facing, zero), hn::Gt(facing, hn::Set(d, GrazingNormal::kReversed))));
+                             hn::And(hn::Lt(facing, zero), hn::Gt(facing, hn::Set(d, s_.grazing.reversed))));
     if (!hn::AllFalse(d, behind)) normal = atSilhouette(normal, facing, to_eye, behind);
     const V cosine = hn::Min(hn::Abs(facing), one);
 
@@ -126,10 +126,10 @@ class SampleLight {
  private:
   // The vector form of seenNormal, of normals that were reversed: a sum of the normal and the direction to the eye,
   // whose length follows from `facing`.
-  static HWY_INLINE Vector atSilhouette(const Vector& reversed, V facing, const Vector& to_eye, M behind) {
+  HWY_INLINE Vector atSilhouette(const Vector& reversed, V facing, const Vector& to_eye, M behind) const {
     const D d;
     const V one = hn::Set(d, 1.0f), squared = hn::Mul(facing, facing);
-    const V turning = fused(hn::Set(d, GrazingNormal::kSlope), facing, hn::Set(d, GrazingNormal::kOffset));
+    const V turning = fused(hn::Set(d, s_.grazing.slope), facing, hn::Set(d, s_.grazing.offset));
     const V across = hn::Min(turning, one);
     const V length = hn::Sqrt(fused(hn::Mul(across, across), hn::Sub(one, squared), squared));
     const V scale = hn::Div(hn::Set(d, -1.0f), length);

@@ -14,6 +14,7 @@ struct GradientSense {
   float noise = 0;          // shorter gradients have no direction. unit: value per voxel
   float size = 0;           // short gradients of the volume; 0: unknown. unit: value per voxel
   float outward_sign = -1;  // the factor that turns gradients out of matter
+  bool opaque = false;      // rays see matter from its outside only
 };
 
 /// Scale and noise threshold of gradients. Gradients are multiplied by `factor`, a power of two with a sign, so that

@@ -29,6 +29,7 @@ Shader::Shader(const Shading& shading, const View& view, const GradientSense& gr
     m_.phase = {1 - g * g, 1 + g * g, 2 * g};
   }
   m_.gradient = GradientScale(gradients);
+  if (gradients.opaque) m_.grazing = GrazingNormal::ofOpaque();
   m_.view_from_index_gradient = withoutLength(level.viewFromIndexGradient());
   for (std::size_t i = 0; i < shading.lights.size(); ++i) {
     const Light& light = shading.lights[i];

@@ -41,10 +41,18 @@ inline float outwardSignOf(const TransferFunction& function) {
   return !points.empty() && points.back().opacity < points.front().opacity ? 1.0f : -1.0f;
 }
 
+/// Returns true if all labels that are shown, or all surfaces, are opaque. The points of a function always have a
+/// translucent part.
+inline bool showsOutsidesOnly(const TransferFunction& function) {
+  const auto opaque = [](const auto& shown) { return shown.opacity == 0 || shown.opacity >= 1; };
+  return !(function.labels.empty() && function.surfaces.empty()) && std::ranges::all_of(function.labels, opaque) &&
+         std::ranges::all_of(function.surfaces, opaque);
+}
+
 inline GradientSense gradientSenseOf(const Manifest& manifest, const TransferFunction& function) {
   const float size = gradientSizeOf(manifest, function);
   // A surface has a direction wherever its values differ.
-  return {function.surfaces.empty() ? size : 0, size, outwardSignOf(function)};
+  return {function.surfaces.empty() ? size : 0, size, outwardSignOf(function), showsOutsidesOnly(function)};
 }
 
 /// Cosines to the eye of normals that point away from the eye, but are lit as at a silhouette. A ray that grazes a ball
@@ -52,17 +60,23 @@ inline GradientSense gradientSenseOf(const Manifest& manifest, const TransferFun
 /// the normal turns. Figures: engine/shared/decisions/light.md.
 struct GrazingNormal {
   static constexpr float kKept = -0.15f, kReversed = -0.3f;
-  /// The factor on a normal's part across the view, between kReversed and 0: from -1 to 1.
-  static constexpr float kSlope = 2 / (kKept - kReversed), kOffset = 1 - kSlope * kKept;
+
+  float reversed = kReversed;
+  /// The factor on a normal's part across the view, between `reversed` and 0: from -1 to 1.
+  float slope = 2 / (kKept - kReversed), offset = 1 - slope * kKept;
+
+  /// Opaque matter has no inside that is seen: at a sharp edge a ray has its sample behind the contour at any cosine.
+  static constexpr GrazingNormal ofOpaque() { return {-2, 0, 1}; }
 };
 
 /// Returns the normal with which a sample is lit. `outward`: unit normal out of matter; `facing`: its cosine to the
 /// eye. Behind a silhouette the reversed normal would point into matter, where no light is: there the normal is
 /// mirrored at the plane across the view. Continuous.
-inline glm::vec3 seenNormal(const glm::vec3& outward, float facing, const glm::vec3& to_eye) {
+inline glm::vec3 seenNormal(const glm::vec3& outward, float facing, const glm::vec3& to_eye,
+                            const GrazingNormal& grazing) {
   if (facing >= 0) return outward;
-  if (facing <= GrazingNormal::kReversed) return -outward;
-  const float across = std::min(GrazingNormal::kSlope * facing + GrazingNormal::kOffset, 1.0f);
+  if (facing <= grazing.reversed) return -outward;
+  const float across = std::min(grazing.slope * facing + grazing.offset, 1.0f);
   return glm::normalize(across * (outward - facing * to_eye) - facing * to_eye);
 }
 
@@ -102,6 +116,7 @@ class Shader {
     bool dims_flat = false;  // shadows and occlusion take light away from samples without direction
     float ambient = 0, diffuse = 0, specular = 0, power = 0;
     GradientScale gradient;
+    GrazingNormal grazing;
     glm::mat3 view_from_index_gradient{1};
     glm::vec3 headlight{0};  // sum of all headlights
     std::vector<PlacedLight> lights;
@@ -123,7 +138,7 @@ class Shader {
     if (!m_.phong) return {material.r, material.g, material.b};
     if (m_.scatters) return scattered(material, view_point);
     if (!(glm::dot(scaled, scaled) > m_.gradient.least_squared)) return withoutDirection(material, view_point);
-    return lit(material, scaled, view_point, &seenNormal);
+    return lit(material, scaled, view_point, m_.grazing);
   }
 
   /// Light of a sample on a cut face. `index_normal` is the clip plane's normal, so no noise threshold applies.
@@ -131,7 +146,8 @@ class Shader {
   Color onCut(const Material& material, const glm::vec3& index_normal, const glm::dvec3& view_point) const {
     if (!m_.phong) return {material.r, material.g, material.b};
     if (m_.scatters) return scattered(material, view_point);
-    return lit(material, index_normal, view_point, &towardsEye);
+    // A face that looks away from the eye is reversed.
+    return lit(material, index_normal, view_point, {.reversed = 0});
   }
 
   /// Unit normal in view space, turned towards the eye; 0 if the gradient has no direction.
@@ -142,15 +158,10 @@ class Shader {
   }
   glm::vec3 normalOnCut(const glm::vec3& index_normal, const glm::dvec3& view_point) const {
     const glm::vec3 out = glm::normalize(m_.view_from_index_gradient * index_normal), to_eye = toEye(view_point);
-    return towardsEye(out, glm::dot(out, to_eye), to_eye);
+    return glm::dot(out, to_eye) < 0 ? -out : out;
   }
 
  private:
-  using Turned = glm::vec3(const glm::vec3& normal, float facing, const glm::vec3& to_eye);
-  static glm::vec3 towardsEye(const glm::vec3& normal, float facing, const glm::vec3&) {
-    return facing < 0 ? -normal : normal;
-  }
-
   Color scattered(const Material& material, const glm::dvec3& view_point) const {
     const glm::vec3 at(view_point), to_eye = toEye(view_point);
     glm::vec3 light = glm::vec3(m_.ambient * m_.occlusion(at, glm::vec3(0))) + m_.diffuse * m_.phase(-1) * m_.headlight;
@@ -184,13 +195,13 @@ class Shader {
   }
 
   Color lit(const Material& material, const glm::vec3& index_gradient, const glm::dvec3& view_point,
-            Turned* turned) const {
+            const GrazingNormal& grazing) const {
     glm::vec3 normal = m_.view_from_index_gradient * index_gradient;
     const glm::vec3 to_eye = toEye(view_point);
     const float length = glm::length(normal), facing = glm::dot(normal, to_eye) / length;
     const float cosine = std::min(std::abs(facing), 1.0f);
     const bool needs_normal = !m_.lights.empty() || !m_.occlusion.none();
-    if (needs_normal) normal = turned(normal / length, facing, to_eye);
+    if (needs_normal) normal = seenNormal(normal / length, facing, to_eye, grazing);
     const float open = m_.occlusion(glm::vec3(view_point), normal);
     const float diffuse = m_.occludes_diffuse ? m_.diffuse * open : m_.diffuse;
     glm::vec3 matte = glm::vec3(m_.ambient * open) + diffuse * cosine * m_.headlight;

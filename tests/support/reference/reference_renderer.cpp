@@ -100,6 +100,8 @@ struct Scene {
     if (!function.labels.empty()) {
       labels.emplace(volume, function, settings.interpolation, settings.label_smoothing);
       gradient_noise = kGradientNoise;
+      opaque =
+          std::ranges::all_of(function.labels, [](const LabelStyle& l) { return l.opacity == 0 || l.opacity == 1; });
     }
     if (settings.skip_empty && !labels) {
       empty_blocks.emplace(
@@ -130,6 +132,7 @@ struct Scene {
   glm::dmat3 gradient_world_from_index;
   std::vector<Face> faces, border;
   double gradient_noise = 0, outward_sign = -1, step_world = 1, unit_world = 1;
+  bool opaque = false;  // only outsides of labels are seen
   std::optional<EmptyBlocks> empty_blocks;
 };
 
@@ -211,13 +214,13 @@ Normal normalAt(const Scene& scene, const glm::dvec3& index, const glm::dvec3& t
 }
 
 /// Returns the normal with which a sample is lit: see seenNormal in engine/shared/shade.h.
-glm::dvec3 seenFrom(const Normal& at, const glm::dvec3& to_eye) {
+glm::dvec3 seenFrom(const Scene& scene, const Normal& at, const glm::dvec3& to_eye) {
   constexpr double kKept = 0.15, kReversed = 0.3;
   const double facing = glm::dot(at.normal, to_eye);
   if (facing >= 0) return at.normal;
-  if (at.of_face || facing <= -kReversed) return -at.normal;
+  if (at.of_face || (!scene.opaque && facing <= -kReversed)) return -at.normal;
   const glm::dvec3 along = facing * to_eye;
-  const double across = std::min(1 + 2 * (facing + kKept) / (kReversed - kKept), 1.0);
+  const double across = scene.opaque ? 1 : std::min(1 + 2 * (facing + kKept) / (kReversed - kKept), 1.0);
   return glm::normalize(across * (at.normal - along) - along);
 }
 
@@ -345,7 +348,7 @@ glm::dvec3 shaded(Scenes scenes, const Scene& scene, const Shading& shading, con
     if (all == reaching) return color;
     return color * (shading.ambient * all + shading.diffuse * reaching) / ((shading.ambient + shading.diffuse) * all);
   }
-  const glm::dvec3 seen = seenFrom(found, to_eye);
+  const glm::dvec3 seen = seenFrom(scene, found, to_eye);
   glm::dvec3 matte(shading.ambient * ambientShare(scenes, shading, world, seen)), gloss(0);
   for (const Light& light : shading.lights) {
     const glm::dvec3 to_light = directionOf(light);
