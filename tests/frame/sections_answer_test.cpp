@@ -374,6 +374,37 @@ TEST(Sections, OfSeveralVolumesAreLikeTheReference) {
   compare(of_first[0].section, of_second[0].section);
 }
 
+// A volume without a section has matter in the slabs of the other volume's face, a varying part of each slab behind it.
+TEST(Sections, AreNotTintedByOtherVolumes) {
+  const DenseVolume values = cheese({{40, 44, 42}, VoxelType::i16}, 5, usualRange(VoxelType::i16));
+  const DenseVolume solid = fill({{40, 44, 42}, VoxelType::u8}, [](auto, auto, auto) { return 1; });
+  const std::vector<std::filesystem::path> stores = {makeStore(values, "values", 16),
+                                                     makeStore(solid, "solid", 16, true)};
+  FrameRequest request = answerRequest(values.geometry, {0.5, -0.9, 0.4}, Projection::kPerspective, 80);
+  request.aovs = {};
+  Clipping cut, with_face;
+  cut.planes = with_face.planes = {planeThrough({20, 20, 20}, {-0.3, 0.9, -0.3})};
+  with_face.section = grayWindow(values.range().lo, values.range().hi);
+  TransferFunction label;
+  label.labels = {{1, "", {0, 1, 0}, 1}};
+  request.transfer_function = sectionCases(values.range())[0].function;
+  request.clipping = with_face;
+  for (const double distance : {0.25, 0.5, 1.0}) {
+    request.sample_distance = distance;
+    request.volumes = {};
+    const Image alone = draw(stores[0], request);
+    request.volumes = {{request.transfer_function, {}, with_face}, {label, {}, cut}};
+    const Image both = draw(stores, request);
+    int seen = 0;
+    forEachPixel(request, values.geometry, [&](int x, int y, const std::optional<FacePoint>& at) {
+      if (!at || at->margin < 0.6) return;
+      ++seen;
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(both.pixel(x, y)[c], alone.pixel(x, y)[c], 2e-4) << x << ' ' << y;
+    });
+    EXPECT_GT(seen, 1000) << distance;
+  }
+}
+
 // The plane lies in the first of eight layers of 64 bricks. Readers are at most eight bricks ahead of the drawing, so
 // that they read some bricks that turn out to be hidden.
 TEST(Sections, HideBricksBehindThem) {

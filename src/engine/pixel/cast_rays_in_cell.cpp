@@ -67,6 +67,8 @@ class CellCaster {
  private:
   // Thickness of a surface in a shadow map, which holds no steps. unit: slabs.
   static constexpr double kShadowLayer = 0.25;
+  // Optical depth of an opaque face beside other volumes, far above the depth of a slab of opaque matter (10).
+  static constexpr float kOpaqueFace = 1e5f;
   static constexpr std::size_t kLanes = CellSamples::kLanes, kLit = CellSamples::kLit;
   static constexpr int kPlane = CellInput::kPlane;
 
@@ -212,11 +214,12 @@ class CellCaster {
     }
   }
 
-  // Keeps crossings with the optical depths of their opacities.
+  // Keeps crossings with the optical depths of their opacities. An opaque face hides what other volumes have in its
+  // slab.
   void sumSurfaces() {
     for (std::size_t n = 0; n < kept_; ++n) {
-      const float before = p_.pixelOf(s_.kept_code[n] & CellPlaces::kPixel)[3];
-      s_.opacity[n] = static_cast<float>(extinctionOf(opacityIn(n, before), 1));
+      const float opacity = opacityIn(n, p_.pixelOf(s_.kept_code[n] & CellPlaces::kPixel)[3]);
+      s_.opacity[n] = on_face_ && opacity >= 1 ? kOpaqueFace : static_cast<float>(extinctionOf(opacity, 1));
     }
     keepAll();
   }
