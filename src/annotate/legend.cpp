@@ -9,6 +9,7 @@
 #include "annotate/font.h"
 #include "annotate/places.h"
 #include "annotate/round_numbers.h"
+#include "base/number_text.h"
 
 namespace kiln {
 namespace {
@@ -35,6 +36,16 @@ ValueRange valuesOf(const ShownFunction& of, bool projected) {
 std::string tickText(const ColorBar& bar, double tick) {
   const double step = bar.ticks.size() > 1 ? bar.ticks[1] - bar.ticks[0] : std::abs(tick);
   return textOfNumber(tick, step);
+}
+
+// The least distance between two surfaces; 0 if there are fewer. requires: sorted by value.
+double leastStepOf(const std::vector<IsoSurface>& surfaces) {
+  double out = 0;
+  for (std::size_t i = 1; i < surfaces.size(); ++i) {
+    const double step = surfaces[i].value - surfaces[i - 1].value;
+    if (step > 0 && (out == 0 || step < out)) out = step;
+  }
+  return out;
 }
 
 LegendEntry countOfOthers(std::size_t others) { return {glm::dvec3(-1), fmt::format("+{} more", others)}; }
@@ -311,15 +322,16 @@ std::vector<FreeEdges> legendEdges(AnnotatedPicture picture) {
 std::vector<LegendEntry> legendEntries(const ShownFunction& shown, std::size_t most) {
   const TransferFunction& function = shown.function;
   std::vector<LegendEntry> out;
+  const double step = leastStepOf(function.surfaces);
   for (auto surface = function.surfaces.rbegin(); surface != function.surfaces.rend(); ++surface) {
-    if (surface->opacity > 0) out.push_back({surface->color, fmt::format("{:g}", surface->value)});
+    if (surface->opacity > 0) out.push_back({surface->color, numberText(surface->value, step)});
   }
   const auto exists = [&](double label) {
     return !shown.labels || std::binary_search(shown.labels->begin(), shown.labels->end(), label);
   };
   for (const LabelStyle& label : function.labels) {
     if (label.opacity > 0 && exists(label.label))
-      out.push_back({label.color, label.name.empty() ? fmt::format("{:g}", label.label) : label.name});
+      out.push_back({label.color, label.name.empty() ? fmt::format("{:.0f}", label.label) : label.name});
   }
   for (const GradientRegion& region : function.regions) {
     if (region.color)

@@ -28,7 +28,7 @@ ScaleBar scaleBarOf(const AnnotatedPicture& picture) {
   out.length_px = out.length * px_per_length;
   out.unit = shownUnit(picture.box.unit);
   if (out.unit.empty()) out.unit = "units";
-  out.label = (given ? fmt::format("{:g}", out.length) : textOfNumber(out.length, out.length)) + " " + out.unit;
+  out.label = (given ? fmt::format("{}", out.length) : textOfNumber(out.length, out.length)) + " " + out.unit;
   return out;
 }
 

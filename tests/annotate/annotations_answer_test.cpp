@@ -538,6 +538,19 @@ TEST(Legend, SurfacesAndLabels_areEntries) {
   EXPECT_EQ(there[1].text, "7");
 }
 
+// Six digits would give neighbours one text.
+TEST(Legend, LargeNumbers_differFromTheirNeighbours) {
+  TransferFunction function;
+  function.labels = {{8388607, "", glm::dvec3(0.5), 1}, {8388608, "", glm::dvec3(0.2), 1}};
+  function.surfaces = {{1234567, {1, 0, 0}, 1}, {1234568, {0, 1, 0}, 1}};
+  const std::vector<LegendEntry> entries = legendEntries({"", function, {}, {}}, kMostEntries);
+  ASSERT_EQ(entries.size(), 4u);
+  EXPECT_EQ(entries[0].text, "1234568");
+  EXPECT_EQ(entries[1].text, "1234567");
+  EXPECT_EQ(entries[2].text, "8388607");
+  EXPECT_EQ(entries[3].text, "8388608");
+}
+
 TEST(Legend, RegionsOfAColour_areEntries) {
   TransferFunction function = functionOfTest();
   function.regions.push_back({.values = {0, 300}, .gradients = {0, 40}});
@@ -809,6 +822,8 @@ TEST(ScaleBar, OfAGivenLength_hasThisLength) {
   EXPECT_FALSE(scaleBarRoom(picture, Style(picture)).empty());
   picture.annotations.scale_bar_length = 500;
   EXPECT_TRUE(scaleBarRoom(picture, Style(picture)).empty());
+  picture.annotations.scale_bar_length = 1234567;
+  EXPECT_EQ(scaleBarOf(picture).label, "1234567 µm");
 }
 
 TEST(RoundNumbers, TextsAndTicks) {

@@ -253,6 +253,14 @@ TEST_F(AnnotationsCli, UnitsOfTexts_areNamedAlsoIfUnknown) {
   EXPECT_NE(text("n.kiln").find("in world units."), std::string::npos);
 }
 
+// A range of labels or counts beyond a million keeps its last digit.
+TEST_F(AnnotationsCli, RangeOfWholeValues_isExact) {
+  writeText(in("n.nrrd"), "NRRD0004\ntype: uint32\ndimension: 3\nsizes: 1 1 2\nencoding: text\n\n1234567 1234568\n");
+  done({"convert", in("n.nrrd"), in("n.kiln")});
+  done({"render", in("n.kiln"), "-o", in("n.exr"), "--size", "96x64", "--text", "{minimum} to {maximum}"});
+  EXPECT_NE(readImageText(in("n.exr")).at("kiln:job").find("1234567 to 1234568"), std::string::npos);
+}
+
 TEST_F(AnnotationsCli, BothEyesAreAnnotated) {
   const std::vector<std::string> pair = {"--stereo", "both", "--interocular", "4"};
   drawn("both.png", pair);

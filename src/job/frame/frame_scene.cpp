@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "base/error.h"
+#include "base/number_text.h"
 #include "engine/shown_box.h"
 #include "grid/length_unit.h"
 #include "job/animation.h"
@@ -140,12 +141,14 @@ std::string unitOf(const VolumeGeometry& volume) {
 PlaceholderTexts textsOfFrame(const RenderJob& job, int frame, const Manifest& manifest) {
   const double time_s = (frame - 1) / job.output.video.rate.perSecond();
   const Extent3& dims = manifest.geometry().dims;
+  const ValueRange& range = manifest.range;
+  const double step = isFloating(manifest.type) ? (range.hi - range.lo) / 1000 : 1;
   return {fmt::format("{}", frame),
           fmt::format("{:.2f}", time_s),
           volumeNameOf(job.volume),
           unitOf(manifest.geometry()),
-          fmt::format("{:g}", manifest.range.lo),
-          fmt::format("{:g}", manifest.range.hi),
+          numberText(range.lo, step),
+          numberText(range.hi, step),
           fmt::format("{} × {} × {}", dims.x, dims.y, dims.z)};
 }
 
