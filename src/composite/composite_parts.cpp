@@ -34,6 +34,7 @@ struct Part {
   ordered_json volume;
   std::uint64_t damaged_bricks = 0;
   std::map<std::string, std::string> text;  // of the header
+  PixelLayout layout;
 };
 
 VolumeGeometry geometryOf(const ordered_json& volume) {
@@ -52,7 +53,7 @@ Part partFrom(const fs::path& path, std::uint64_t memory_bytes) {
     throw Error(ErrorCode::kUnsupported, path, name,
                 "is not in the header; expected an image that kiln render --part drew");
   };
-  Part out{path, {}, {}, {}, {}, 0, {}};
+  Part out{path, {}, {}, {}, {}, 0, {}, {}};
   try {
     out.look = ordered_json::parse(of(ImageMetadata::kJob));
     out.volume = ordered_json::parse(of("kiln:volume"));
@@ -61,7 +62,8 @@ Part partFrom(const fs::path& path, std::uint64_t memory_bytes) {
     throw Error(ErrorCode::kFormat, path, ImageMetadata::kJob + std::string(" or kiln:volume"),
                 readableJsonError(error.what()) + "; draw the part again");
   }
-  if (readPixelLayout(path).deep)
+  out.layout = readPixelLayout(path);
+  if (out.layout.deep)
     throw Error(ErrorCode::kUnsupported, path, "",
                 "compositing would flatten its deep samples; draw the parts without --deep, or merge deep parts with "
                 "oiiotool --deepmerge");
@@ -80,6 +82,21 @@ Part partFrom(const fs::path& path, std::uint64_t memory_bytes) {
     std::from_chars(damaged->second.data(), damaged->second.data() + damaged->second.size(), out.damaged_bricks);
   out.text = std::move(text);
   return out;
+}
+
+// Other programs may have moved a part, cut it, or left out its alpha, and keep its header.
+void requireSamples(const Part& part, const PixelRect& samples) {
+  const PixelLayout& found = part.layout;
+  for (const char* const name : {"R", "G", "B", "A"}) {
+    if (std::ranges::find(found.channels, name, &std::pair<std::string, std::string>::first) == found.channels.end())
+      throw Error(ErrorCode::kFormat, part.path, fmt::format("channel {}", name), "is missing; draw the part again");
+  }
+  if (found.width != samples.width() || found.height != samples.height() || found.x != samples.x0 ||
+      found.y != samples.y0)
+    throw Error(ErrorCode::kFormat, part.path, "dataWindow",
+                fmt::format("{} x {} samples from ({}, {}) on, expected {} x {} from ({}, {}) on; draw the part again",
+                            found.width, found.height, found.x, found.y, samples.width(), samples.height(), samples.x0,
+                            samples.y0));
 }
 
 void requireSameScene(const Part& first, const Part& other) {
@@ -173,6 +190,7 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   const View view = resolve(camera, picture.stereo, picture.size);
   const SampleWindow window = sampleWindowOf(picture);
   const PixelRect& samples = window.samples;
+  for (const Part& part : parts) requireSamples(part, samples);
   CompositedParts out;
   Image made = emptyPart(samples, picture.aovs);
   // Pixels are allocated after the last part is freed, and take no more memory than a part's samples.
@@ -187,9 +205,6 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   for (const Part& part : inOrder(std::move(parts), view, volume)) {
     progress.throwIfCancelled("compositing");
     Image image = readImage(part.path, planes, memory_bytes - made_bytes);
-    if (image.width != made.width || image.height != made.height)
-      throw Error(ErrorCode::kFormat, part.path, "dataWindow",
-                  fmt::format("{} x {} samples, expected {} x {}", image.width, image.height, made.width, made.height));
     layBehind(image, picture.aovs, 0, 0, opacity_threshold, made);
     voxels += part.box.count();
     progress.advance("compositing", "parts", ++done, paths.size());

@@ -245,5 +245,26 @@ TEST_P(PartialImages, ThatDoNotBelongTogetherAreRefused) {
   expectRefused({directory_ / "whole.exr"}, "whole.exr: kiln:volume: is not in the header");
 }
 
+// Other programs keep the header of a picture that they move or whose alpha they leave out.
+TEST_P(PartialImages, ThatOtherProgramsChanged_areRefused) {
+  job_.picture.size = {8, 6};
+  const fs::path part = drawnPart({{0, 0, 0}, {40, 51, 20}}), changed = directory_ / "changed.exr";
+  Image image = readImage(part);
+  ImageMetadata metadata;
+  metadata.text = readImageText(part);
+  for (const char* const own : {"name", "type"}) metadata.text.erase(own);
+  metadata.whole = {0, 0, 8, 6};
+  writeImage(image, metadata, {true}, changed);
+  EXPECT_EQ(compositeParts({changed}, silent_).image.rgba, compositeParts({part}, silent_).image.rgba);
+  metadata.whole = {2, 1, 16, 16};
+  writeImage(image, metadata, {true}, changed);
+  expectRefused({changed}, "dataWindow: 8 x 6 samples from (2, 1) on, expected 8 x 6 from (0, 0) on");
+  metadata.whole = {0, 0, 8, 6};
+  image.rgba = {};
+  for (const char* const name : {"R", "G", "B"}) image.planes.push_back({name, ZeroPages<float>(48)});
+  writeImage(image, metadata, {true}, changed);
+  expectRefused({changed}, "changed.exr: channel A: is missing");
+}
+
 }  // namespace
 }  // namespace kiln::test
