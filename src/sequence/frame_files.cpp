@@ -187,8 +187,9 @@ OutputFile keptFrame(const VideoOptions& video) { return {keptFramesOf(video) / 
 // Returns whether a video can use the file. A stereo video needs both eyes in one picture; an EXR has two pictures.
 bool isVideoFrame(const OutputFile& file, const RenderJob& job) {
   const bool in_two = drawsBothEyes(job.picture.stereo) && isExrPath(file.path);
-  // An EXR holds light, and a video is shown.
-  const bool is_light = isExrPath(file.path) && !showsAsDrawn(displayOf(job.picture));
+  // An EXR holds light, its annotations beside, and a video is shown.
+  const bool is_light =
+      isExrPath(file.path) && (!showsAsDrawn(displayOf(job.picture)) || job.picture.annotations.any());
   return holdsColors(file.content) && !file.eye && !in_two && !is_light;
 }
 

@@ -308,7 +308,6 @@ TEST_F(SequenceCli, PlacesOfEyes_areInNamesOfPicturesAlone) {
   EXPECT_FALSE(fs::exists(in("v_%V.mp4.frames")));
 }
 
-// An empty or relative element of PATH means the working directory, in which others may have put a program.
 // A video has no transparency: annotations are those of a black background, and dark on the paper of a picture.
 TEST_F(SequenceCli, AnnotationsOfAVideo_areThoseOfBlack) {
   const PathOf stand_in(pathWithFfmpeg());
@@ -329,6 +328,23 @@ TEST_F(SequenceCli, AnnotationsOfAVideo_areThoseOfBlack) {
   EXPECT_NEAR(static_cast<double>(whiteOf(videoOf({}))), static_cast<double>(expected), 6);
 }
 
+// Known: the frames of both videos have the same options. The annotations of an EXR lie beside its colours.
+TEST_F(SequenceCli, AnnotationsOfAVideo_areDrawnBesideFramesOfLight) {
+  const PathOf stand_in(pathWithFfmpeg());
+  const auto videoOf = [&](const std::string& name, const std::string& outputs) {
+    writeText(in("job.json"), R"({"kiln": 2, "volume": "h.kiln", "output": ")" + name + R"(", "outputs": [)" + outputs +
+                                  R"(], "image": {"width": 160, "height": 120, "background": "black"},
+                     "annotations": {"scaleBar": true}, "camera": {"turntable": {"frames": 2}}})");
+    done({"render", in("job.json")});
+    EXPECT_FALSE(fs::exists(in(name + ".frames")));
+    return readFile(in(name));
+  };
+  const std::vector<std::byte> alone = videoOf("a.mp4", "");
+  EXPECT_TRUE(videoOf("b.mp4", R"({"path": "b_#.exr"})") == alone);
+  EXPECT_TRUE(videoOf("c.mp4", R"({"path": "c_#.exr"}, {"path": "c_#.png"})") == alone);
+}
+
+// An empty or relative element of PATH means the working directory, in which others may have put a program.
 TEST_F(SequenceCli, Ffmpeg_InTheWorkingDirectory_IsNotRun) {
   pathWithFfmpeg();
   writeTurn(2);
