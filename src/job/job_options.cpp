@@ -24,6 +24,8 @@
 namespace kiln {
 namespace {
 
+using JobRow = Option<RenderJob>;
+
 using enum OptionGroup;
 
 using nlohmann::json;
@@ -197,22 +199,23 @@ OptionForm sizeForm() {
 }
 
 Options<RenderJob> imageOptions() {
-  using Row = Option<RenderJob>;
   return {
-      Row("", "--size", kOutput, OptionValue<RenderJob>::custom(sizeForm(), nullptr),
-          "Width and height in pixels. Default: 1024x1024; of a panorama 2048x1024."),
-      Row("width", {KILN_MEMBER(picture.size.width), Whole{1, kLargestSide_px, "pixels"}, kAlways},
-          "Width of the picture."),
-      Row("height", {KILN_MEMBER(picture.size.height), Whole{1, kLargestSide_px, "pixels"}, kAlways},
-          "Height of the picture."),
-      Row("background", "--background", kLight, {KILN_MEMBER(picture.background), BackgroundColors{}, kAlways},
-          "Background: transparent (default), one colour, or two from top to bottom. A colour is R,G,B in linear "
-          "light, a name such as navy, #rgb or #rrggbb. With --mode mip, minip or average the default is the "
-          "transfer function's colour for the least value, black in grey."),
-      Row("crop", "--crop", kOutput, {KILN_MEMBER(picture.crop), PixelBox{}, kAlways},
+      JobRow("", "--size", kOutput, OptionValue<RenderJob>::custom(sizeForm(), nullptr),
+             "Width and height in pixels. Default: 1024x1024; of a panorama 2048x1024."),
+      JobRow("width", {KILN_MEMBER(picture.size.width), Whole{1, kLargestSide_px, "pixels"}, kAlways},
+             "Width of the picture."),
+      JobRow("height", {KILN_MEMBER(picture.size.height), Whole{1, kLargestSide_px, "pixels"}, kAlways},
+             "Height of the picture."),
+      JobRow("background", "--background", kLight, {KILN_MEMBER(picture.background), BackgroundColors{}, kAlways},
+             "Background: transparent (default), one colour, or two from top to bottom. A colour is R,G,B in linear "
+             "light, a name such as navy, #rgb or #rrggbb. With --mode mip, minip or average the default is the "
+             "transfer function's colour for the least value, black in grey."),
+      JobRow(
+          "crop", "--crop", kOutput, {KILN_MEMBER(picture.crop), PixelBox{}, kAlways},
           "Draw these pixels of the picture only. Each is equal to that of the whole picture, except with --visibility "
           "quadtree."),
-      Row("aov", "--aov", kOutput, {KILN_MEMBER(picture.aovs), AovList{}, kAlways},
+      JobRow(
+          "aov", "--aov", kOutput, {KILN_MEMBER(picture.aovs), AovList{}, kAlways},
           "Add channels to the EXR: depth (Z, where alpha passes one half, and depth.mean; along the view, infinite "
           "where nothing is seen), normal (N.X, N.Y, N.Z in the world), or value of --mode mip, minip or average (NaN "
           "where there is none)."),
@@ -220,52 +223,51 @@ Options<RenderJob> imageOptions() {
 }
 
 Options<RenderJob> stereoObjectOptions() {
-  using Row = Option<RenderJob>;
   Options<RenderJob> out = optionsIn<RenderJob>(stereoOptions(), KILN_MEMBER(picture.stereo));
-  out.push_back(Row("keyframes", custom(keyframesSchema("stereoKeyframe"), [](const JobObject&, RenderJob&) {}),
-                    "Distances of the eyes at some frames."));
+  out.push_back(JobRow("keyframes", custom(keyframesSchema("stereoKeyframe"), [](const JobObject&, RenderJob&) {}),
+                       "Distances of the eyes at some frames."));
   return out;
 }
 
 Options<RenderJob> visibilityOptions() {
-  using Row = Option<RenderJob>;
   return {
-      Row("threshold", "--opacity-threshold", kQuality,
-          {KILN_MEMBER(picture.opacity_threshold), Number{{0, 1, true}}, kAlways},
-          "Alpha at which a pixel takes no more light."),
-      Row("method", "--visibility", kCost, {KILN_MEMBER(speed.visibility.method), Word{kVisibilityNames}, ofQuadtree},
-          "Method that finds hidden bricks. All but quadtree give the same picture."),
-      Row("area", "--projected-area", kCost,
+      JobRow("threshold", "--opacity-threshold", kQuality,
+             {KILN_MEMBER(picture.opacity_threshold), Number{{0, 1, true}}, kAlways},
+             "Alpha at which a pixel takes no more light."),
+      JobRow("method", "--visibility", kCost,
+             {KILN_MEMBER(speed.visibility.method), Word{kVisibilityNames}, ofQuadtree},
+             "Method that finds hidden bricks. All but quadtree give the same picture."),
+      JobRow(
+          "area", "--projected-area", kCost,
           {KILN_MEMBER(speed.visibility.area), Word{kProjectedAreaNames}, ofQuadtree},
           "Shape whose projection is tested for a node of the octree: its box, the tightest, or its sphere, as by Lee "
           "and Ihm."),
-      Row("epsilon", "--quadtree-epsilon", kCost,
-          {KILN_MEMBER(speed.visibility.epsilon_px), Whole{0, kLargestEpsilon, "pixels"}, ofQuadtree},
-          "Enlarge projected areas on every side, for --visibility quadtree."),
-      Row("samples", "--test-nodes-only", kCost,
-          {KILN_MEMBER(speed.visibility.test_samples), WordOfFlag{{kSampleTestNames}, kSampleTestNames[0]}},
-          "Test nodes of the octree, and not each sample, as by Lee and Ihm."),
+      JobRow("epsilon", "--quadtree-epsilon", kCost,
+             {KILN_MEMBER(speed.visibility.epsilon_px), Whole{0, kLargestEpsilon, "pixels"}, ofQuadtree},
+             "Enlarge projected areas on every side, for --visibility quadtree."),
+      JobRow("samples", "--test-nodes-only", kCost,
+             {KILN_MEMBER(speed.visibility.test_samples), WordOfFlag{{kSampleTestNames}, kSampleTestNames[0]}},
+             "Test nodes of the octree, and not each sample, as by Lee and Ihm."),
   };
 }
 
 Options<RenderJob> exrOptions() {
-  using Row = Option<RenderJob>;
   return {
-      Row("type", "--exr-type", kOutput, {KILN_MEMBER(output.exr_float), Word{kExrTypeNames}}, "Numbers of an EXR."),
-      Row("compression", "--compression", kOutput, {KILN_MEMBER(output.exr_compression), Word{kExrCompressionNames}},
-          "Compression of an EXR. dwaa and dwab are lossy."),
-      Row("owner", "--owner", kOutput, {KILN_MEMBER(output.owner), Text{"a name"}}, "Attribute owner of an EXR."),
-      Row("comments", "--comments", kOutput, {KILN_MEMBER(output.comments), Text{"a text"}},
-          "Attribute comments of an EXR."),
-      Row("statistics", "--exr-statistics", kOutput, {KILN_MEMBER(output.statistics_in_header), Switch{}},
-          "Write the statistics of --stats as attribute kiln:statistics of the EXR."),
-      Row("deep", "--deep", kOutput, {KILN_MEMBER(output.deep), Switch{}},
-          "Write a deep EXR: RGBA, Z and ZBack of each slab, without background, for compositing."),
-      Row("deepSamples", "--deep-samples", kOutput,
-          {KILN_MEMBER(output.deep_bound.samples), Whole{1, DeepBound::kMostSamples, "samples"}},
-          "Most deep samples of a pixel; neighbours that differ least are merged."),
-      Row("deepError", "--deep-error", kOutput, {KILN_MEMBER(output.deep_bound.error), Number{{0, 1}}},
-          "Merge neighbouring deep samples while a cut at any depth changes the colour by at most this."),
+      JobRow("type", "--exr-type", kOutput, {KILN_MEMBER(output.exr_float), Word{kExrTypeNames}}, "Numbers of an EXR."),
+      JobRow("compression", "--compression", kOutput, {KILN_MEMBER(output.exr_compression), Word{kExrCompressionNames}},
+             "Compression of an EXR. dwaa and dwab are lossy."),
+      JobRow("owner", "--owner", kOutput, {KILN_MEMBER(output.owner), Text{"a name"}}, "Attribute owner of an EXR."),
+      JobRow("comments", "--comments", kOutput, {KILN_MEMBER(output.comments), Text{"a text"}},
+             "Attribute comments of an EXR."),
+      JobRow("statistics", "--exr-statistics", kOutput, {KILN_MEMBER(output.statistics_in_header), Switch{}},
+             "Write the statistics of --stats as attribute kiln:statistics of the EXR."),
+      JobRow("deep", "--deep", kOutput, {KILN_MEMBER(output.deep), Switch{}},
+             "Write a deep EXR: RGBA, Z and ZBack of each slab, without background, for compositing."),
+      JobRow("deepSamples", "--deep-samples", kOutput,
+             {KILN_MEMBER(output.deep_bound.samples), Whole{1, DeepBound::kMostSamples, "samples"}},
+             "Most deep samples of a pixel; neighbours that differ least are merged."),
+      JobRow("deepError", "--deep-error", kOutput, {KILN_MEMBER(output.deep_bound.error), Number{{0, 1}}},
+             "Merge neighbouring deep samples while a cut at any depth changes the colour by at most this."),
   };
 }
 
@@ -351,29 +353,25 @@ void readLook(const JobObject& root, std::string_view key, RenderJob& job) {
 }
 
 Options<RenderJob> displayOptions() {
-  using Row = Option<RenderJob>;
   return {
-      Row("exposure", "--exposure", kLight,
+      JobRow(
+          "exposure", "--exposure", kLight,
           {KILN_MEMBER(picture.display.exposure), Number{{-20, 20}, "stops"},
            [](const RenderJob& job) { return job.picture.display.exposure != 0; }},
           "Exposure of the volume's light in PNG and video: 1 doubles the light. The background keeps its colour, and "
-          "an "
-          "EXR its light."),
-      Row("tone", "--tone", kLight,
-          {KILN_MEMBER(picture.display.tone), Word{kToneNames},
-           [](const RenderJob& job) { return job.picture.display.tone != Tone::kClip; }},
-          "Light beyond white in PNG and video. clip: white, channel by channel. soft: bright colours keep their "
-          "hue and stay below white. An EXR keeps its light."),
+          "an EXR its light."),
+      JobRow("tone", "--tone", kLight,
+             {KILN_MEMBER(picture.display.tone), Word{kToneNames},
+              [](const RenderJob& job) { return job.picture.display.tone != Tone::kClip; }},
+             "Light beyond white in PNG and video. clip: white, channel by channel. soft: bright colours keep their "
+             "hue and stay below white. An EXR keeps its light."),
   };
 }
 
-Options<RenderJob> rootOptions() {
-  using Row = Option<RenderJob>;
-  Options<RenderJob> out;
-  const auto add = [&](Option<RenderJob> option) { out.push_back(std::move(option)); };
-  add(Row("kiln", formatValue<RenderJob>().resolvedIf(kAlways), "Version of the job format.",
-          "add \"kiln\": 2, the version of the job format"));
-  add(Row(
+void addVolumes(Options<RenderJob>& out) {
+  out.push_back(JobRow("kiln", formatValue<RenderJob>().resolvedIf(kAlways), "Version of the job format.",
+                       "add \"kiln\": 2, the version of the job format"));
+  out.push_back(JobRow(
       "$schema",
       custom({{"type", "string"}}, [](const JobObject& root, const RenderJob&) { root.text("$schema", "an address"); }),
       "Address of this schema, which editors read; no effect on the picture."));
@@ -383,14 +381,17 @@ Options<RenderJob> rootOptions() {
     for (const VolumeOptions& volume : job.volumes) list.push_back(resolvedJson(volumeOptions(), volume));
     return list;
   };
-  add(Row("volumes", std::move(volumes).resolvedIf([](const RenderJob& job) { return !ofOneVolume(job); }),
-          "Several volumes in one picture, each placed by its own affine; instead of volume."));
-  add(Row("volume", {KILN_MEMBER(volume), FileName{}, ofOneVolume},
-          "A store, or a volume file that is converted to a store beside it first."));
+  out.push_back(JobRow("volumes", std::move(volumes).resolvedIf([](const RenderJob& job) { return !ofOneVolume(job); }),
+                       "Several volumes in one picture, each placed by its own affine; instead of volume."));
+  out.push_back(JobRow("volume", {KILN_MEMBER(volume), FileName{}, ofOneVolume},
+                       "A store, or a volume file that is converted to a store beside it first."));
   OptionValue<RenderJob> mask = maskValue<RenderJob>(), color_by = colorByValue<RenderJob>();
   putMaskText(mask.form), putColorByText(color_by.form);
-  add(Row("mask", "--mask", kShown, std::move(mask), kMaskHelp));
-  add(Row("colorBy", "--color-by", kTransferFunction, std::move(color_by), kColorByHelp));
+  out.push_back(JobRow("mask", "--mask", kShown, std::move(mask), kMaskHelp));
+  out.push_back(JobRow("colorBy", "--color-by", kTransferFunction, std::move(color_by), kColorByHelp));
+}
+
+void addFiles(Options<RenderJob>& out) {
   OptionValue<RenderJob> output = {KILN_MEMBER(output.path), FileName{}};
   output.read = [](const JobObject& root, std::string_view key, RenderJob& job) {
     std::filesystem::path path;
@@ -400,34 +401,41 @@ Options<RenderJob> rootOptions() {
     job.output.files.clear();
     putOutput(path, job.output);
   };
-  add(Row("output", "-o,--output", kOutput, std::move(output),
-          "Picture to write, .exr, .png, .tif (16 bits) or .jpg, or video, .mp4, .mov, .mkv or .webm (made by ffmpeg). "
-          "In the name of a picture a run of # becomes the frame's number. - is a PNG on standard output, and -.exr an "
-          "EXR."));
+  out.push_back(JobRow(
+      "output", "-o,--output", kOutput, std::move(output),
+      "Picture to write, .exr, .png, .tif (16 bits) or .jpg, or video, .mp4, .mov, .mkv or .webm (made by ffmpeg). "
+      "In the name of a picture a run of # becomes the frame's number. - is a PNG on standard output, and -.exr an "
+      "EXR."));
   static const ListOf<OutputFile> kFiles{.options = outputFileOptions(),
                                          .name = "output",
                                          .limit = {kMostOutputs, "files"},
                                          .expected = "a list of files [{path, content}, …]"};
-  add(Row("outputs", {KILN_MEMBER(output.files), kFiles}, "More files of each frame."));
-  add(objectRow("video", {Row("rate", "--rate", kFrames, {KILN_MEMBER(output.video.rate), Rate{}},
-                              "Frames a second of a video, such as 25, 23.976 or 24000/1001.")}));
+  out.push_back(JobRow("outputs", {KILN_MEMBER(output.files), kFiles}, "More files of each frame."));
+  out.push_back(objectRow("video", {JobRow("rate", "--rate", kFrames, {KILN_MEMBER(output.video.rate), Rate{}},
+                                           "Frames a second of a video, such as 25, 23.976 or 24000/1001.")}));
   OptionValue<RenderJob> frames = custom(
       {{"type", "string"}, {"pattern", "^ *[0-9]+(-[0-9]+)?(x[0-9]+)?(, *[0-9]+(-[0-9]+)?(x[0-9]+)?)*$"}}, readFrames);
   frames.form.value_name = "FRAMES";
   frames.form.parse = [](const std::string& text) -> json { return text; };
-  add(Row("frames", "--frames", kFrames, std::move(frames), "Draw these frames: 7, 1-100, 1-100x2 or 1-10,20."));
-  add(objectRow("image", imageOptions()));
-  add(Row("mode", "--mode", kQuality,
-          {KILN_MEMBER(picture.mode), Word{kModeNames},
-           [](const RenderJob& job) { return job.picture.mode != Mode::kComposite; }},
-          "Value of a pixel: the light of the volume (composite), or the greatest, least or mean value along the ray, "
-          "in the colours of the transfer function (grey without --tf). attenuated-mip: the greatest value, each "
-          "weakened by the values in front of it. Several volumes are projected each in its own colour, and added."));
-  add(Row("attenuation", "--attenuation", kQuality,
-          {KILN_MEMBER(picture.attenuation), Number{{0, 1e6}},
-           [](const RenderJob& job) { return job.picture.mode == Mode::kAttenuatedMip; }},
-          "With --mode attenuated-mip: the weight of a value falls by exp(-ATTENUATION) behind a voxel of the greatest "
-          "value."));
+  out.push_back(
+      JobRow("frames", "--frames", kFrames, std::move(frames), "Draw these frames: 7, 1-100, 1-100x2 or 1-10,20."));
+  out.push_back(objectRow("image", imageOptions()));
+}
+
+void addValues(Options<RenderJob>& out) {
+  out.push_back(JobRow(
+      "mode", "--mode", kQuality,
+      {KILN_MEMBER(picture.mode), Word{kModeNames},
+       [](const RenderJob& job) { return job.picture.mode != Mode::kComposite; }},
+      "Value of a pixel: the light of the volume (composite), or the greatest, least or mean value along the ray, "
+      "in the colours of the transfer function (grey without --tf). attenuated-mip: the greatest value, each "
+      "weakened by the values in front of it. Several volumes are projected each in its own colour, and added."));
+  out.push_back(JobRow(
+      "attenuation", "--attenuation", kQuality,
+      {KILN_MEMBER(picture.attenuation), Number{{0, 1e6}},
+       [](const RenderJob& job) { return job.picture.mode == Mode::kAttenuatedMip; }},
+      "With --mode attenuated-mip: the weight of a value falls by exp(-ATTENUATION) behind a voxel of the greatest "
+      "value."));
   OptionValue<RenderJob> colors = OptionValue<RenderJob>::custom(
       channelColorsForm(),
       [](const JobObject& root, std::string_view key, RenderJob& job) { readChannelColors(root, key, job.picture); },
@@ -437,38 +445,53 @@ Options<RenderJob> rootOptions() {
         for (const glm::dvec3& color : job.picture.channel_colors) texts.push_back(hexText(color));
         return texts;
       });
-  add(Row("channelColors", "--channel-colors", kTransferFunction,
-          std::move(colors).resolvedIf([](const RenderJob& job) { return !job.picture.channel_colors.empty(); }),
-          "With --mode mip, minip, average or attenuated-mip of several volumes: colours of the volumes without a "
-          "transfer function, in their order, separated by colons."));
-  add(objectRow("camera", cameraObjectOptions(), readCamera));
-  add(objectRow("stereo", stereoObjectOptions(), readStereo));
-  add(objectRow("lens", optionsIn<RenderJob>(lensOptions(), KILN_MEMBER(picture.lens))));
-  add(Row("transferFunction", "--tf", kTransferFunction,
-          OptionValue<RenderJob>::custom(
-              functionForm(),
-              [](const JobObject& root, std::string_view, RenderJob& job) {
-                readTransferFunction(root, job.picture.transfer_function, job.animation.functions);
-              },
-              [](const RenderJob& job) { return statedJson(job.picture.transfer_function); })
-              .resolvedIf(ofOneVolume),
-          kFunctionHelp));
-  add(Row("window", "--window", kTransferFunction, {KILN_MEMBER(picture.window), ValueWindow{}}, kWindowHelp));
-  add(Row(
+  out.push_back(
+      JobRow("channelColors", "--channel-colors", kTransferFunction,
+             std::move(colors).resolvedIf([](const RenderJob& job) { return !job.picture.channel_colors.empty(); }),
+             "With --mode mip, minip, average or attenuated-mip of several volumes: colours of the volumes without a "
+             "transfer function, in their order, separated by colons."));
+}
+
+void addCamera(Options<RenderJob>& out) {
+  out.push_back(objectRow("camera", cameraObjectOptions(), readCamera));
+  out.push_back(objectRow("stereo", stereoObjectOptions(), readStereo));
+  out.push_back(objectRow("lens", optionsIn<RenderJob>(lensOptions(), KILN_MEMBER(picture.lens))));
+}
+
+// Colours of values, and light.
+void addColors(Options<RenderJob>& out) {
+  out.push_back(JobRow("transferFunction", "--tf", kTransferFunction,
+                       OptionValue<RenderJob>::custom(
+                           functionForm(),
+                           [](const JobObject& root, std::string_view, RenderJob& job) {
+                             readTransferFunction(root, job.picture.transfer_function, job.animation.functions);
+                           },
+                           [](const RenderJob& job) { return statedJson(job.picture.transfer_function); })
+                           .resolvedIf(ofOneVolume),
+                       kFunctionHelp));
+  out.push_back(
+      JobRow("window", "--window", kTransferFunction, {KILN_MEMBER(picture.window), ValueWindow{}}, kWindowHelp));
+  out.push_back(JobRow(
       "look", "--look", kLight, OptionValue<RenderJob>::custom(Word{kLookNames}.form(), readLook),
       "Several options in one word; options beside it win. plain: the defaults. studio: three lights that move with "
       "the camera, of which the key casts shadows, ambient occlusion and --tone soft."));
-  add(objectRow("display", displayOptions()));
-  add(objectRow("shading", optionsIn<RenderJob>(shadingOptions(), KILN_MEMBER(picture.shading))));
+  out.push_back(objectRow("display", displayOptions()));
+  out.push_back(objectRow("shading", optionsIn<RenderJob>(shadingOptions(), KILN_MEMBER(picture.shading))));
   OptionValue<RenderJob> lights = {KILN_MEMBER(picture.shading.lights), lightList()};
   lights.form.schema = {{"anyOf", {lights.form.schema, {{"$ref", "lightsKeyframes"}}}}};
   lights.read = [](const JobObject& root, std::string_view, RenderJob& job) { readLights(root, job); };
-  add(Row("lights", "--light", kLight, std::move(lights).resolvedIf(kAlways),
-          "Add a light: headlight (default), dir:x,y,z for the direction towards a far light, cam:x,y,z for a far "
-          "light that moves with the camera (right, up, towards the eye), or point:x,y,z; each may "
-          "end in :COLOR, r,g,b in linear light, a name, #rgb or #rrggbb. Repeatable."));
-  add(Row("region", "--region", kShown, {KILN_MEMBER(picture.clipping.region), VoxelBounds{}, kAlways}, kRegionHelp));
-  add(Row("worldRegion", "--world-region", kShown, {KILN_MEMBER(picture.clipping), WorldBounds{}}, kWorldRegionHelp));
+  out.push_back(
+      JobRow("lights", "--light", kLight, std::move(lights).resolvedIf(kAlways),
+             "Add a light: headlight (default), dir:x,y,z for the direction towards a far light, cam:x,y,z for a far "
+             "light that moves with the camera (right, up, towards the eye), or point:x,y,z; each may "
+             "end in :COLOR, r,g,b in linear light, a name, #rgb or #rrggbb. Repeatable."));
+}
+
+void addShown(Options<RenderJob>& out) {
+  out.push_back(JobRow("region", "--region", kShown, {KILN_MEMBER(picture.clipping.region), VoxelBounds{}, kAlways},
+                       kRegionHelp));
+  out.push_back(JobRow("worldRegion", "--world-region", kShown, {KILN_MEMBER(picture.clipping), WorldBounds{}},
+                       kWorldRegionHelp));
   OptionForm part;
   part.schema["anyOf"] = {{{"type", "string"}, {"pattern", "^[0-9]+/[0-9]+$"}}, VoxelBounds{}.form().schema};
   part.value_name = "I/N|X0,Y0,Z0,X1,Y1,Z1";
@@ -476,7 +499,7 @@ Options<RenderJob> rootOptions() {
   part.parse = [](const std::string& text) {
     return text.find('/') != std::string::npos ? json(text) : numbersOfText(text);
   };
-  add(Row(
+  out.push_back(JobRow(
       "part", "--part", kRanks,
       OptionValue<RenderJob>::custom(
           std::move(part), [](const JobObject& root, std::string_view, RenderJob& job) { readPart(root, job.picture); },
@@ -490,65 +513,93 @@ Options<RenderJob> rootOptions() {
   OptionValue<RenderJob> clip = {KILN_MEMBER(picture.clipping.planes), clipPlaneList()};
   clip.form.schema = {{"anyOf", {clip.form.schema, {{"$ref", "clipKeyframes"}}}}};
   clip.read = [](const JobObject& root, std::string_view, RenderJob& job) { readClipPlanes(root, job); };
-  add(Row("clip", "--clip", kShown,
-          std::move(clip).resolvedIf([](const RenderJob& job) { return !job.picture.clipping.planes.empty(); }),
-          "Show the half-space nx·x + ny·y + nz·z + d >= 0 of the world. Repeatable."));
-  add(Row("section", "--section", kShown, sectionValue<RenderJob>(KILN_MEMBER(picture.clipping.section)),
-          kSectionHelp));
-  add(objectRow("annotations", optionsIn<RenderJob>(annotationOptions(), KILN_MEMBER(picture.annotations))));
-  add(objectRow("visibility", visibilityOptions()));
-  add(Row("tile", "--tile", kCost, {KILN_MEMBER(speed.tile_px), TileEdge(), ofQuadtree},
-          "Least edge of the tiles that threads draw, a power of two from 64 on; 0 draws the frame as one tile."));
-  add(Row("lattice", "--lattice", kQuality, {KILN_MEMBER(picture.lattice), Word{kLatticeNames, kLatticeCount}, kAlways},
-          "Positions of samples: on the rays of pixels (pixel; ray is another name), or the voxels themselves, as by "
-          "Lee and Ihm."));
-  add(Row("interpolation", "--interpolation", kQuality,
-          {KILN_MEMBER(picture.interpolation), Word{kInterpolationNames},
-           [](const RenderJob& job) { return job.picture.lattice == Lattice::kPixel; }},
-          "Interpolation between voxels. cubic (B-spline) is smooth and blurs a little; catmull-rom is smooth and "
-          "keeps the values of voxels. Both take 2 to 3 times as long as linear; surfaces (iso:) 2.5 to 5 times."));
+  out.push_back(JobRow("clip", "--clip", kShown, std::move(clip).resolvedIf([](const RenderJob& job) {
+    return !job.picture.clipping.planes.empty();
+  }),
+                       "Show the half-space nx·x + ny·y + nz·z + d >= 0 of the world. Repeatable."));
+  out.push_back(JobRow("section", "--section", kShown, sectionValue<RenderJob>(KILN_MEMBER(picture.clipping.section)),
+                       kSectionHelp));
+  out.push_back(objectRow("annotations", optionsIn<RenderJob>(annotationOptions(), KILN_MEMBER(picture.annotations))));
+}
+
+void addQuality(Options<RenderJob>& out) {
+  out.push_back(objectRow("visibility", visibilityOptions()));
+  out.push_back(
+      JobRow("tile", "--tile", kCost, {KILN_MEMBER(speed.tile_px), TileEdge(), ofQuadtree},
+             "Least edge of the tiles that threads draw, a power of two from 64 on; 0 draws the frame as one tile."));
+  out.push_back(JobRow(
+      "lattice", "--lattice", kQuality, {KILN_MEMBER(picture.lattice), Word{kLatticeNames, kLatticeCount}, kAlways},
+      "Positions of samples: on the rays of pixels (pixel; ray is another name), or the voxels themselves, as by "
+      "Lee and Ihm."));
+  out.push_back(
+      JobRow("interpolation", "--interpolation", kQuality,
+             {KILN_MEMBER(picture.interpolation), Word{kInterpolationNames},
+              [](const RenderJob& job) { return job.picture.lattice == Lattice::kPixel; }},
+             "Interpolation between voxels. cubic (B-spline) is smooth and blurs a little; catmull-rom is smooth and "
+             "keeps the values of voxels. Both take 2 to 3 times as long as linear; surfaces (iso:) 2.5 to 5 times."));
   OptionValue<RenderJob> quality = OptionValue<RenderJob>::custom(Word{kQualityNames}.form(), readQuality);
-  add(Row(
+  out.push_back(JobRow(
       "quality", "--quality", kQuality, std::move(quality),
       "Several options in one word; options beside it win. draft: a preview, of one ray a pixel, samples one voxel "
       "apart and a level coarser. good: the defaults. best: 16 rays a pixel and samples a quarter of a voxel apart."));
-  add(Row("sampleDistance", "--sample-distance", kQuality,
-          {KILN_MEMBER(picture.sample_distance), Number{{kLeastSampleDistance, kMostSampleDistance}, "voxels"},
-           [](const RenderJob& job) { return job.picture.lattice != Lattice::kVoxel; }},
-          "Distance between samples along a ray, at least half a pixel. More is faster, less is more faithful."));
-  add(Row("level", "--level", kQuality,
-          OptionValue<RenderJob>::custom(
-              levelForm(),
-              [](const JobObject& root, std::string_view key, RenderJob& job) { readLevel(root, key, job.picture); },
-              [](const RenderJob& job) { return levelJson(job.picture); })
-              .resolvedIf(kAlways),
-          "Level of the pyramid; 0 is the finest. auto draws each region with voxels of about a pixel, auto+1 a level "
-          "coarser."));
-  add(Row("samples", "--samples", kQuality,
-          {KILN_MEMBER(picture.samples), WholeChoice{.numbers = {1, 2, 4, 16}, .or_auto = true}, kAlways},
-          "Rays of a pixel (sub-pixels with --lattice voxel). auto takes more than one where voxels are small or the "
-          "camera moves."));
-  add(Row("skipDamaged", "--skip-damaged", kShown,
-          {KILN_MEMBER(picture.skip_damaged), Switch{}, [](const RenderJob& job) { return job.picture.skip_damaged; }},
-          "Draw bricks that are damaged or missing as empty, warn about each, and succeed."));
-  add(Row("memory", "--memory", kCost, {KILN_MEMBER(speed.memory_bytes), Bytes{}},
-          "Most memory for image, index and bricks, and for the conversion of INPUT."));
-  add(Row("threads", "--threads", kCost, {KILN_MEMBER(speed.threads), Whole{0, kMostThreads}},
-          "Threads; 0 uses all processors."));
-  add(Row("trace", "--trace", kCost, {KILN_MEMBER(trace), FileName{}},
-          "Write the work of each thread over time, in Chrome's trace format, for Perfetto or chrome://tracing."));
-  add(Row("distribute", "--distribute", kRanks, {KILN_MEMBER(distribution), Word{kDistributionNames}},
-          "Under mpirun, the ranks share tiles of frames, whole frames, or bricks (each rank draws its own bricks of "
-          "every frame). auto takes tiles or frames, whichever reads less."));
-  add(Row("shareReads", "--share-reads", kRanks, {KILN_MEMBER(share_reads), Switch{.on_off = true}},
-          "Under mpirun, with tiles or frames: one rank reads each brick file and sends it to the ranks that need it. "
-          "off: each rank reads for itself, for example from a fast local copy of the store."));
-  add(objectRow("exr", exrOptions()));
-  add(objectRow("png",
-                {Row("bits", "--png-bits", kOutput, {KILN_MEMBER(output.png_bits), WholeChoice{.numbers = {8, 16}}},
+  out.push_back(
+      JobRow("sampleDistance", "--sample-distance", kQuality,
+             {KILN_MEMBER(picture.sample_distance), Number{{kLeastSampleDistance, kMostSampleDistance}, "voxels"},
+              [](const RenderJob& job) { return job.picture.lattice != Lattice::kVoxel; }},
+             "Distance between samples along a ray, at least half a pixel. More is faster, less is more faithful."));
+  out.push_back(JobRow(
+      "level", "--level", kQuality,
+      OptionValue<RenderJob>::custom(
+          levelForm(),
+          [](const JobObject& root, std::string_view key, RenderJob& job) { readLevel(root, key, job.picture); },
+          [](const RenderJob& job) { return levelJson(job.picture); })
+          .resolvedIf(kAlways),
+      "Level of the pyramid; 0 is the finest. auto draws each region with voxels of about a pixel, auto+1 a level "
+      "coarser."));
+  out.push_back(JobRow(
+      "samples", "--samples", kQuality,
+      {KILN_MEMBER(picture.samples), WholeChoice{.numbers = {1, 2, 4, 16}, .or_auto = true}, kAlways},
+      "Rays of a pixel (sub-pixels with --lattice voxel). auto takes more than one where voxels are small or the "
+      "camera moves."));
+  out.push_back(JobRow(
+      "skipDamaged", "--skip-damaged", kShown,
+      {KILN_MEMBER(picture.skip_damaged), Switch{}, [](const RenderJob& job) { return job.picture.skip_damaged; }},
+      "Draw bricks that are damaged or missing as empty, warn about each, and succeed."));
+}
+
+void addCost(Options<RenderJob>& out) {
+  out.push_back(JobRow("memory", "--memory", kCost, {KILN_MEMBER(speed.memory_bytes), Bytes{}},
+                       "Most memory for image, index and bricks, and for the conversion of INPUT."));
+  out.push_back(JobRow("threads", "--threads", kCost, {KILN_MEMBER(speed.threads), Whole{0, kMostThreads}},
+                       "Threads; 0 uses all processors."));
+  out.push_back(
+      JobRow("trace", "--trace", kCost, {KILN_MEMBER(trace), FileName{}},
+             "Write the work of each thread over time, in Chrome's trace format, for Perfetto or chrome://tracing."));
+  out.push_back(JobRow(
+      "distribute", "--distribute", kRanks, {KILN_MEMBER(distribution), Word{kDistributionNames}},
+      "Under mpirun, the ranks share tiles of frames, whole frames, or bricks (each rank draws its own bricks of "
+      "every frame). auto takes tiles or frames, whichever reads less."));
+  out.push_back(JobRow(
+      "shareReads", "--share-reads", kRanks, {KILN_MEMBER(share_reads), Switch{.on_off = true}},
+      "Under mpirun, with tiles or frames: one rank reads each brick file and sends it to the ranks that need it. "
+      "off: each rank reads for itself, for example from a fast local copy of the store."));
+}
+
+void addFileFormats(Options<RenderJob>& out) {
+  out.push_back(objectRow("exr", exrOptions()));
+  out.push_back(objectRow(
+      "png", {JobRow("bits", "--png-bits", kOutput, {KILN_MEMBER(output.png_bits), WholeChoice{.numbers = {8, 16}}},
                      "Bits per channel of a PNG.")}));
-  add(objectRow("jpeg", {Row("quality", "--jpeg-quality", kOutput, {KILN_MEMBER(output.jpeg_quality), Whole{1, 100}},
-                             "Quality of a JPEG.")}));
+  out.push_back(objectRow("jpeg", {JobRow("quality", "--jpeg-quality", kOutput,
+                                          {KILN_MEMBER(output.jpeg_quality), Whole{1, 100}}, "Quality of a JPEG.")}));
+}
+
+// The order is that of the resolved job and of the manual.
+Options<RenderJob> rootOptions() {
+  Options<RenderJob> out;
+  for (const auto add :
+       {addVolumes, addFiles, addValues, addCamera, addColors, addShown, addQuality, addCost, addFileFormats})
+    add(out);
   return out;
 }
 
@@ -604,13 +655,12 @@ void addFlags(const Options<RenderJob>& options, std::vector<JobFlag>& out) {
 }  // namespace
 
 const Options<RenderJob>& cameraObjectOptions() {
-  using Row = Option<RenderJob>;
   static const Options<RenderJob> kOptions = [] {
     Options<RenderJob> out = optionsIn<RenderJob>(cameraOptions(), KILN_MEMBER(picture.camera));
-    out.push_back(Row("fit", "--fit", kCamera, {KILN_MEMBER(picture.fit), Word{kFitNames}},
-                      "What a camera without --eye fits into the picture: what the transfer function shows after "
-                      "clipping (visible), the box of the clipped volume (region), or of the whole volume (box). A "
-                      "turntable fits all its frames. Default: visible; with --box, region."));
+    out.push_back(JobRow("fit", "--fit", kCamera, {KILN_MEMBER(picture.fit), Word{kFitNames}},
+                         "What a camera without --eye fits into the picture: what the transfer function shows after "
+                         "clipping (visible), the box of the clipped volume (region), or of the whole volume (box). A "
+                         "turntable fits all its frames. Default: visible; with --box, region."));
     OptionValue<RenderJob> turntable = custom({{"$ref", "turntable"}}, [](const JobObject& camera, RenderJob& job) {
       job.animation.camera = turntableFrom(*camera.object("turntable"));
     });
@@ -622,22 +672,22 @@ const Options<RenderJob>& cameraObjectOptions() {
       const json number = frames.parse(text);
       return number.is_null() ? number : json{{"frames", number}};
     };
-    out.push_back(Row("turntable", "--turntable", kFrames, std::move(turntable),
-                      "Turn the camera once around its target in this many frames."));
-    out.push_back(
-        Row("keyframes",
-            custom(keyframesSchema("cameraKeyframe"),
-                   [](const JobObject& camera, RenderJob& job) { job.animation.camera = cameraKeyframesFrom(camera); }),
-            "Cameras at some frames."));
-    out.push_back(Row("pivot",
-                      OptionValue<RenderJob>::custom(Word{kPivotNames}.form(),
-                                                     // Read with the keyframes.
-                                                     [](const JobObject&, std::string_view, RenderJob&) {}),
-                      "Between keyframes, the point that the orientation turns around."));
-    out.push_back(Row("matrices",
-                      custom(matricesSchema(), [](const JobObject& camera,
-                                                  RenderJob& job) { job.animation.camera = matricesFrom(camera); }),
-                      "Camera to world, 4 rows of 4 numbers, for frame 1 and the frames after it."));
+    out.push_back(JobRow("turntable", "--turntable", kFrames, std::move(turntable),
+                         "Turn the camera once around its target in this many frames."));
+    out.push_back(JobRow(
+        "keyframes",
+        custom(keyframesSchema("cameraKeyframe"),
+               [](const JobObject& camera, RenderJob& job) { job.animation.camera = cameraKeyframesFrom(camera); }),
+        "Cameras at some frames."));
+    out.push_back(JobRow("pivot",
+                         OptionValue<RenderJob>::custom(Word{kPivotNames}.form(),
+                                                        // Read with the keyframes.
+                                                        [](const JobObject&, std::string_view, RenderJob&) {}),
+                         "Between keyframes, the point that the orientation turns around."));
+    out.push_back(JobRow("matrices",
+                         custom(matricesSchema(), [](const JobObject& camera,
+                                                     RenderJob& job) { job.animation.camera = matricesFrom(camera); }),
+                         "Camera to world, 4 rows of 4 numbers, for frame 1 and the frames after it."));
     return out;
   }();
   return kOptions;
