@@ -332,36 +332,10 @@ std::string partOf(const fs::path& input) {
 
 namespace {
 
-// Opens a volume where its file places it.
-std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOptions& options) {
-  const fs::path input = containerOf(given);
-  const std::string part = partOf(given);
-  if (namesPhantom(input)) {
-    requireOptionsApply(input, "a phantom", options);
-    return openPhantom(input, options);
-  }
-  std::error_code ignored;
-  if (fs::is_directory(input, ignored)) return openDirectory(input, options);
-  requireRegularFile(input);
-  // Some magics are short and raw voxels may hold any bytes: explicit dimensions and type override the magic.
-  const bool described = options.dims && options.type;
-  Finding found = identify(input, described);
-  if (found.format == Format::kBdv && !described)
-    return openAsStored(imageOfBdv(input).string() + (part.empty() ? "" : ":" + part), options);
-  if (found.format == Format::kForeign && !described) {
-    throw Error(
-        ErrorCode::kUnsupported, input, "",
-        withArticle(found.name) + " file, which is not read; convert it to NRRD, MetaImage, NIfTI, OpenVDB or raw");
-  }
-  const bool slices = found.format == Format::kTiff || found.format == Format::kDicom;
-  if ((slices && described) || found.format == Format::kBdv || found.format == Format::kForeign ||
-      found.format == Format::kUnknown)
-    found = {Format::kUnknown, "raw"};
-  requireOptionsApply(input, found.name, options);
-  if (!part.empty() && found.format != Format::kHdf5)
-    throw Error(ErrorCode::kUsage, given, "",
-                inQuotes(part) + " names a part of an HDF5 file, and this is " + withArticle(found.name) + " file");
-  switch (found.format) {
+// Opens a file of a format that is read; null for headerless voxels.
+std::unique_ptr<VolumeSource> openFormat(Format format, const fs::path& input, const std::string& part,
+                                         const SourceOptions& options) {
+  switch (format) {
     case Format::kNrrd:
       return openNrrd(input, options);
     case Format::kMetaImage:
@@ -397,23 +371,58 @@ std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOp
     case Format::kForeign:
       break;
   }
-  if (!described) {
-    if (options.dims || options.type)
-      throw Error(ErrorCode::kUsage, input, options.dims ? "--type" : "--dims",
-                  options.dims
-                      ? "headerless raw voxels need a type, and none is given; add --type, for example --type u16"
-                      : "headerless raw voxels need a size, and none is given; add --dims X,Y,Z");
-    if (File(input).size() == 0)
-      throw Error(ErrorCode::kFormat, input, "", "is empty (found 0 bytes); copy or write the file again");
-    requireHeaderOfImage(input);
-    throw Error(
-        ErrorCode::kUsage, input, "",
-        "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, MRC, MGH, AmiraMesh, VGI, VTK, TIFF, DICOM, "
-        "OpenVDB, HDF5, Zarr); if it is headerless raw voxels, give --dims and --type, for example --dims 256,256,113 "
-        "--type "
-        "u16" +
-            headerBeside(input));
+  return nullptr;
+}
+
+// throws: Error naming what is missing to read headerless voxels.
+[[noreturn]] void refuseUndescribed(const fs::path& input, const SourceOptions& options) {
+  if (options.dims || options.type)
+    throw Error(ErrorCode::kUsage, input, options.dims ? "--type" : "--dims",
+                options.dims
+                    ? "headerless raw voxels need a type, and none is given; add --type, for example --type u16"
+                    : "headerless raw voxels need a size, and none is given; add --dims X,Y,Z");
+  if (File(input).size() == 0)
+    throw Error(ErrorCode::kFormat, input, "", "is empty (found 0 bytes); copy or write the file again");
+  requireHeaderOfImage(input);
+  throw Error(
+      ErrorCode::kUsage, input, "",
+      "not a format that is known (NRRD, MetaImage, NIfTI, NumPy, MRC, MGH, AmiraMesh, VGI, VTK, TIFF, DICOM, "
+      "OpenVDB, HDF5, Zarr); if it is headerless raw voxels, give --dims and --type, for example --dims 256,256,113 "
+      "--type u16" +
+          headerBeside(input));
+}
+
+// Opens a volume where its file places it.
+std::unique_ptr<VolumeSource> openAsStored(const fs::path& given, const SourceOptions& options) {
+  const fs::path input = containerOf(given);
+  const std::string part = partOf(given);
+  if (namesPhantom(input)) {
+    requireOptionsApply(input, "a phantom", options);
+    return openPhantom(input, options);
   }
+  std::error_code ignored;
+  if (fs::is_directory(input, ignored)) return openDirectory(input, options);
+  requireRegularFile(input);
+  // Some magics are short and raw voxels may hold any bytes: explicit dimensions and type override the magic.
+  const bool described = options.dims && options.type;
+  Finding found = identify(input, described);
+  if (found.format == Format::kBdv && !described)
+    return openAsStored(imageOfBdv(input).string() + (part.empty() ? "" : ":" + part), options);
+  if (found.format == Format::kForeign && !described) {
+    throw Error(
+        ErrorCode::kUnsupported, input, "",
+        withArticle(found.name) + " file, which is not read; convert it to NRRD, MetaImage, NIfTI, OpenVDB or raw");
+  }
+  const bool slices = found.format == Format::kTiff || found.format == Format::kDicom;
+  if ((slices && described) || found.format == Format::kBdv || found.format == Format::kForeign ||
+      found.format == Format::kUnknown)
+    found = {Format::kUnknown, "raw"};
+  requireOptionsApply(input, found.name, options);
+  if (!part.empty() && found.format != Format::kHdf5)
+    throw Error(ErrorCode::kUsage, given, "",
+                inQuotes(part) + " names a part of an HDF5 file, and this is " + withArticle(found.name) + " file");
+  if (std::unique_ptr<VolumeSource> out = openFormat(found.format, input, part, options)) return out;
+  if (!described) refuseUndescribed(input, options);
   return openRaw(input, options);
 }
 

@@ -264,8 +264,7 @@ std::string likelyLabelsText(const Manifest& manifest) {
   if (!said && (!each_has_bin || different > kMostLikely || different < 2)) return {};
   return fmt::format(
       "its values, {}, look like labels and are drawn as amounts; --labels FILE draws labels (a store is converted "
-      "with "
-      "--labels), and a transfer function (--add-tf) confirms the amounts",
+      "with --labels), and a transfer function (--add-tf) confirms the amounts",
       said ? "of a segmentation" : fmt::format("{} whole numbers", different));
 }
 

@@ -62,8 +62,7 @@ void requireSheet(const RenderJob& job) {
   if (job.output.path.empty() || !job.output.files.empty() || !job.output.video.path.empty())
     refuse(
         "a sheet is one picture, such as .exr or .png, and the job has other outputs; name the sheet by -o and leave "
-        "outputs "
-        "out");
+        "outputs out");
   const bool of_eye = job.picture.stereo && hasEyePlace(job.output.path);
   if (of_eye || hasFramePlace(job.output.path))
     refuse(fmt::format("a sheet is one picture (found {}, one for each {}); name the sheet by -o, as in -o sheet.png",

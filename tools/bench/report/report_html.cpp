@@ -70,8 +70,7 @@ std::string verdict(const Measurements& m) {
   const Standing& best = standings.front();
   std::string out = fmt::format(
       "The <b>{}</b> wins: {:.2f} times as fast as octree only over {} combination{} of case, image size and "
-      "projection "
-      "(geometric mean; {:.2f}× to {:.2f}×), and the fastest in {} of them.",
+      "projection (geometric mean; {:.2f}× to {:.2f}×), and the fastest in {} of them.",
       wordOf(best.method), best.speed_up, m.runs.size(), m.runs.size() == 1 ? "" : "s", best.least_speed_up,
       best.greatest_speed_up, best.wins);
   for (const Standing& s : standings) {
@@ -149,8 +148,7 @@ std::string artifactsSection(const Measurements& m) {
   std::string out = paragraph(
       "The quadtree tests an area that may fail to enclose the projected one, so it can drop voxels that are seen. "
       "Enlarging the projected area by ε pixels on every side reduces that; the paper leaves the choice of ε open. "
-      "Here "
-      "every ε of the suite is tried on every view.");
+      "Here every ε of the suite is tried on every view.");
   out += artifactFigures(m) + histogramTable(m) + enoughTable(m);
   std::string tables;
   for (const ArtifactStudy& study : m.artifacts) tables += epsilonTable(m, study);
@@ -196,10 +194,8 @@ std::string methodSection(const Measurements& m) {
   std::string out = paragraph(
       "A time is a frame’s wall time from the walk’s first node to the finished picture in memory, without loading "
       "bricks, writing files, or building the octree. Every brick is in memory before anything is timed, and the "
-      "methods "
-      "take turns view by view, each beginning once, so that whatever else the machine does meets them alike. "
-      "Speed-ups "
-      "are ratios of mean times, as in the paper.");
+      "methods take turns view by view, each beginning once, so that whatever else the machine does meets them "
+      "alike. Speed-ups are ratios of mean times, as in the paper.");
   if (reads > 0) {
     out += paragraph(fmt::format("The bricks did not all stay in memory: {} were read again while frames were timed. "
                                  "What that took is taken off.",
