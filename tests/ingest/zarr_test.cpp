@@ -685,6 +685,36 @@ TEST_F(IngestZarr, N5_HasItsSizesAndPlaces) {
   EXPECT_EQ(info("a.n5/raw").geometry.spacing(), glm::dvec3(5, 6, 7));
 }
 
+// Known from the descriptions of n5-viewer (scales), neuroglancer (axes, units) and OpenOrganelle (transform).
+TEST_F(IngestZarr, N5_HasTheAxesAndScalesOfEachFamilyOfPrograms) {
+  ZarrLayout layout{.version = ZarrVersion::kN5};
+  for (const char* const array : {"a.n5/s0", "a.n5/s1"}) writeZarr(in(array), few_, layout);
+  put("a.n5/attributes.json", R"({"scales": [[1, 1, 1], [2, 4, 1]], "axes": ["x", "y", "z"], "resolution": [2, 3, 4],
+                                  "units": ["nm", "nm", "um"]})");
+  EXPECT_EQ(info("a.n5/s0").geometry.spacing(), glm::dvec3(2, 3, 4000));
+  EXPECT_EQ(info("a.n5/s1").geometry.spacing(), glm::dvec3(4, 12, 4000));
+  EXPECT_EQ(info("a.n5", withScale(1)).geometry.worldOf({0, 0, 0}), glm::dvec3(1, 4.5, 0));
+
+  layout.axes = {{'z', 2}, {'c', 1, 2, 1}, {'y', 3}, {'x', 4}};
+  layout.more = R"(, "axes": ["x", "y", "c", "z"])";
+  expectReadsBack(
+      few_, [&, folder = writeZarr(in("channels.n5"), few_, layout)] { return openSource(folder, withChannel("1")); },
+      332);
+
+  layout.axes = ZarrLayout().axes;
+  const auto expectTransform = [&](const std::string& transform) {
+    layout.more = R"(, "pixelResolution": {"dimensions": [9, 9, 9], "unit": "mm"}, "transform": )" + transform;
+    writeZarr(in("organelle.n5/s1"), few_, layout);
+    EXPECT_EQ(info("organelle.n5/s1").geometry.spacing(), glm::dvec3(2, 3, 4)) << transform;
+    EXPECT_EQ(info("organelle.n5/s1").geometry.worldOf({0, 0, 0}), glm::dvec3(5, 6, 7)) << transform;
+    EXPECT_EQ(info("organelle.n5/s1").geometry.unit, "nm") << transform;
+  };
+  expectTransform(R"({"axes": ["z", "y", "x"], "ordering": "C", "scale": [4, 3, 2], "translate": [7, 6, 5],
+                      "units": ["nm", "nm", "nm"]})");
+  expectTransform(R"({"axes": ["x", "y", "z"], "ordering": "F", "scale": [2, 3, 4], "translate": [5, 6, 7],
+                      "units": ["nm", "nm", "nm"]})");
+}
+
 // A folder of slices beside another program's attributes.json is no container.
 TEST_F(IngestZarr, FileNamedAttributesAlone_MakesNoContainer) {
   put("slices/attributes.json", R"({"patient": "anonymous"})");

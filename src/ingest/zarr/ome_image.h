@@ -1,4 +1,4 @@
-// Images as OME-Zarr and N5 describe them: axes with units, scales with sizes and places.
+// Images as OME-Zarr describes them: axes with units, scales with sizes and places.
 // Source: ngff.openmicroscopy.org, versions 0.1 to 0.5, and RFC-4 for anatomical orientation.
 #pragma once
 
@@ -35,10 +35,5 @@ std::optional<OmeImage> readOmeImage(const std::filesystem::path& group, std::ui
 
 /// Throws Error kUnsupported if `group` is a plate of wells.
 void refusePlate(const std::filesystem::path& group, std::uint64_t memory_bytes);
-
-/// Sets sizes and places by the attributes that programs around N5 write, of the array or of the group above it.
-/// Returns false if there is no size.
-bool placeN5(const ZarrArray& array, const std::filesystem::path& group, std::uint64_t memory_bytes,
-             std::vector<ArrayAxis>& axes);
 
 }  // namespace kiln

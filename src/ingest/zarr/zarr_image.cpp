@@ -12,6 +12,7 @@
 #include "base/text.h"
 #include "ingest/source/chosen_part.h"
 #include "ingest/source/header_text.h"
+#include "ingest/zarr/n5_place.h"
 #include "ingest/zarr/ome_image.h"
 
 namespace kiln {
@@ -41,36 +42,43 @@ std::vector<ArrayAxis> axesOf(const ZarrArray& array) {
   return out;
 }
 
-// Opens an array of N5 below `group`, which may hold sizes and places of its arrays.
-ZarrImage ofN5Array(ZarrArray array, const fs::path& group, const SourceOptions& options) {
+// An absolute path without "." and "..", and without a slash at the end.
+fs::path wholePath(const fs::path& folder) { return withoutTrailingSlash(fs::absolute(folder).lexically_normal()); }
+
+// A multi-scale data set of N5 is a group of arrays s0, s1, and so on; s0 is the finest. Returns the number in the
+// array's name.
+std::optional<std::size_t> scaleOfN5(const fs::path& folder) {
+  const std::string name = folder.filename().string();
+  if (zarrHeaderIn(folder).filename() != "attributes.json" || !name.starts_with('s')) return std::nullopt;
+  return decimalOf<std::size_t>(name.substr(1));
+}
+
+// Opens an array of N5. The group above a scale may hold the sizes and places of its arrays.
+ZarrImage ofN5Array(ZarrArray array, const SourceOptions& options) {
+  const fs::path whole = wholePath(array.folder);
+  const std::optional<std::size_t> scale = scaleOfN5(whole);
+  std::optional<JsonNode> above;
+  if (scale) above = zarrAttributes(whole.parent_path(), options.memory_bytes);
   std::vector<ArrayAxis> axes = axesOf(array);
-  const bool has_scale = placeN5(array, group, options.memory_bytes, axes);
+  const bool has_scale = placeN5(array, above, scale, axes);
   ZarrImage out;
   out.volume = volumeOf(array.name(), std::move(axes), has_scale, {}, options);
-  if (group != array.folder) out.volume.choice = ", " + array.folder.filename().string() + out.volume.choice;
-  out.headers = {array.header};
+  if (scale) out.volume.choice = ", " + whole.filename().string() + out.volume.choice;
+  if (above) out.headers = {above->file()};
+  out.headers.push_back(array.header);
   out.array = std::move(array);
   return out;
 }
 
-// A multi-scale data set of N5 is a group of arrays s0, s1, and so on; s0 is the finest.
-bool isScaleOfN5(const fs::path& folder) {
-  return zarrHeaderIn(folder).filename() == "attributes.json" && folder.filename().string().starts_with('s') &&
-         decimalOf<std::int64_t>(folder.filename().string().substr(1)).has_value();
-}
-
 std::optional<ZarrImage> ofN5Scales(const fs::path& folder, const SourceOptions& options) {
-  if (!isScaleOfN5(folder / "s0")) return std::nullopt;
+  if (!scaleOfN5(folder / "s0")) return std::nullopt;
   std::optional<ZarrArray> array =
       readZarrArray(folder / fmt::format("s{}", options.scale.value_or(0)), options.memory_bytes);
   if (!array && options.scale)
     throw Error(ErrorCode::kUsage, folder, "--scale", fmt::format("there is no array s{}", *options.scale));
   if (!array) return std::nullopt;
-  return ofN5Array(*std::move(array), folder, options);
+  return ofN5Array(*std::move(array), options);
 }
-
-// An absolute path without "." and "..", and without a slash at the end.
-fs::path wholePath(const fs::path& folder) { return withoutTrailingSlash(fs::absolute(folder).lexically_normal()); }
 
 // The image whose scale an array is, if the group above lists the array.
 std::optional<ZarrImage> imageAbove(const fs::path& folder, const SourceOptions& options) {
@@ -88,11 +96,7 @@ std::optional<ZarrImage> imageAbove(const fs::path& folder, const SourceOptions&
 ZarrImage ofArray(ZarrArray array, const SourceOptions& options) {
   refuseScale(array.folder, options);
   if (std::optional<ZarrImage> image = imageAbove(array.folder, options)) return *std::move(image);
-  if (array.format == "N5") {
-    const fs::path whole = wholePath(array.folder);
-    const fs::path group = isScaleOfN5(whole) ? whole.parent_path() : array.folder;
-    return ofN5Array(std::move(array), group, options);
-  }
+  if (array.format == "N5") return ofN5Array(std::move(array), options);
   ZarrImage out;
   out.volume = volumeOf(array.name(), axesOf(array), false, {}, options);
   out.headers = {array.header};
