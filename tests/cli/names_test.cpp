@@ -198,6 +198,8 @@ TEST_F(Names, ADryRunOfAForeignFileMakesNoStore) {
 // Each part has the bricks of its box; with a brick missing, the part is damaged.
 TEST_F(Names, PartsOfAStoreAreVerifiedAsSuch) {
   done({"split", in("h.kiln"), "-o", in("part_#.kiln"), "--parts", "4"});
+  refused({"split", in("part_1.kiln"), "-o", in("of_part_#.kiln"), "--parts", "2"}, 2,
+          in("part_1.kiln") + ": is a part that kiln split made");
   for (const char* name : {"part_1.kiln", "part_4.kiln"}) {
     const ToolResult verified = done({"verify", in(name)});
     EXPECT_NE(verified.out.find("has all of its part"), std::string::npos) << verified.out;

@@ -28,6 +28,9 @@ void run(const SplitArguments& a, Context& context) {
     throw Error(ErrorCode::kUsage, fmt::format("--parts: expected 1 to {}, found {}", kMostParts, a.parts));
   refuseVolumeFile(a.store, "a store");
   const StoreReader store(a.store, parseBytes(a.memory, "--memory"));
+  if (findStorePart(store.path(), context.progress))
+    throw Error(ErrorCode::kUsage, a.store, "",
+                "is a part that kiln split made, and lacks the bricks of others; split the whole store");
   PictureOptions picture;
   picture.transfer_function = transferFunctionNamed(a.tf, "--tf");
   const std::vector<VoxelBox> boxes = boxesForRanks(store, transferFunctionFor(picture, store), a.parts);
