@@ -144,6 +144,19 @@ TEST(TiffPictures, OtherTiffs_areRefused) {
   expectError([&] { readImage(file); }, ErrorCode::kUnsupported, "of another program");
 }
 
+// Read as straight alpha, premultiplied colours would darken.
+TEST(TiffPictures, PremultipliedAlpha_isRefused) {
+  const fs::path file = freshDirectory("premultiplied_tiff") / "a.tif";
+  writeImage(smooth(20, 10, true), {}, {}, file);
+  // The entry of the tag 338, ExtraSamples: one number of 16 bits, 2 for straight and 1 for premultiplied alpha.
+  std::string bytes = readTextFile(file);
+  const std::size_t entry = bytes.find(std::string("\x52\x01\x03\0\x01\0\0\0\x02\0", 10));
+  ASSERT_NE(entry, std::string::npos);
+  bytes[entry + 8] = 1;
+  writeText(file, bytes);
+  expectError([&] { readImage(file); }, ErrorCode::kUnsupported, "of another program");
+}
+
 TEST(TextBlocks, Blocks_keepTextsAndRefuseOtherBytes) {
   const std::map<std::string, std::string> text = {{"a", "1:\n="}, {"b", ""}};
   EXPECT_EQ(textsOfBlock(textBlock(text)), text);

@@ -131,6 +131,14 @@ struct TiffLayout {
   std::uint32_t width = 0, height = 0, rows_of_strip = 0;
 };
 
+// Returns false for premultiplied alpha, which other programs write.
+bool hasStraightAlpha(const PictureTiff& tiff) {
+  std::uint16_t count = 0;
+  const std::uint16_t* kinds = nullptr;
+  return TIFFGetField(tiff.get(), TIFFTAG_EXTRASAMPLES, &count, &kinds) == 1 && count == 1 &&
+         kinds[0] == EXTRASAMPLE_UNASSALPHA;
+}
+
 TiffLayout requiredLayout(const PictureTiff& tiff, const std::filesystem::path& path) {
   TiffLayout out;
   std::uint16_t bits = 0, samples = 0, photometric = 0, planes = 0;
@@ -141,9 +149,9 @@ TiffLayout requiredLayout(const PictureTiff& tiff, const std::filesystem::path& 
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_SAMPLESPERPIXEL, &samples);
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_PLANARCONFIG, &planes);
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_ROWSPERSTRIP, &out.rows_of_strip);
-  if (!known || bits != 16 || samples != 4 || photometric != PHOTOMETRIC_RGB || planes != PLANARCONFIG_CONTIG ||
-      TIFFIsTiled(tiff.get()) != 0 || out.rows_of_strip > kRowsOfStrip || out.width > 2 * kLargestSide_px ||
-      out.height > kLargestSide_px)
+  if (!known || bits != 16 || samples != 4 || photometric != PHOTOMETRIC_RGB || !hasStraightAlpha(tiff) ||
+      planes != PLANARCONFIG_CONTIG || TIFFIsTiled(tiff.get()) != 0 || out.rows_of_strip > kRowsOfStrip ||
+      out.width > 2 * kLargestSide_px || out.height > kLargestSide_px)
     throw Error(ErrorCode::kUnsupported, path, "", "is a TIFF of another program; Kiln reads pictures of its own");
   out.rows_of_strip = std::min(out.rows_of_strip, out.height);
   return out;
