@@ -14,15 +14,15 @@ namespace kiln {
 /// Header key for the frames that decide camera and colours of a time series.
 inline constexpr const char* kSeriesKey = "kiln:series";
 
-/// Returns the files of a frame, with the frame's number in their names. A job with only a video keeps its frames
-/// beside the video.
+/// Returns the files of a frame, with the frame's number in their names; kept frames of a video are among them.
 std::vector<OutputFile> filesOf(const RenderJob& job, int frame);
 /// Checks, before a frame is drawn, that its files can be made. throws: as FileSystem::requirePlaceFor.
 void requirePlaces(const RenderJob& job, int frame);
 /// Returns the file whose colours the video takes. requires: a video.
 OutputFile videoFrameOf(const RenderJob& job, int frame);
-/// Returns true if the job's only output is a video. Returns the folder of the video's frames.
+/// Returns true for a video if no other output can be its frames.
 bool keepsFramesForVideo(const RenderJob& job);
+/// Returns the folder of a video's own frames.
 std::filesystem::path keptFramesOf(const VideoOptions& video);
 
 /// throws: Error kUsage for a name without a picture's ending, a picture too large for its kind of file, a name without
