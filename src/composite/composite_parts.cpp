@@ -161,6 +161,13 @@ ImageMetadata metadataOf(const std::vector<Part>& parts, const Camera& camera, c
   return out;
 }
 
+// Returns the folder of the command that drew a part; empty if the part names its volume absolutely.
+fs::path drawnFrom(const Part& part) {
+  const auto folder = part.text.find(ImageMetadata::kFolder);
+  if (folder == part.text.end() && part.job.volume.is_absolute()) return {};
+  return "." / part.path.parent_path() / (folder == part.text.end() ? "" : folder->second);
+}
+
 }  // namespace
 
 std::string partOriginText(const Manifest& volume) {
@@ -201,6 +208,7 @@ CompositedParts compositeParts(const std::vector<fs::path>& paths, Progress& pro
   const auto opacity_threshold = static_cast<float>(picture.opacity_threshold);
   std::uint64_t done = 0;
   out.metadata = metadataOf(parts, camera, view);
+  out.drawn_from = drawnFrom(parts.front());
   std::int64_t voxels = 0;
   for (const Part& part : inOrder(std::move(parts), view, volume)) {
     progress.throwIfCancelled("compositing");

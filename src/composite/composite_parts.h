@@ -18,8 +18,9 @@ std::string partOriginText(const Manifest& volume);
 
 struct CompositedParts {
   Image image;
-  ImageMetadata metadata;   // of the whole picture; owner and comments of parts that differ are joined by "; "
-  double volume_share = 0;  // share of the volume that the parts hold, from 0 to 1
+  ImageMetadata metadata;            // of the whole picture; owner and comments of parts that differ are joined by "; "
+  double volume_share = 0;           // share of the volume that the parts hold, from 0 to 1
+  std::filesystem::path drawn_from;  // folder from which relative names in the job count; empty if they are absolute
 };
 
 /// Composites the parts front to back, then over the background. The result differs from the whole picture by rounding

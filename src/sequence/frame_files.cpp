@@ -11,6 +11,7 @@
 
 #include "base/elapsed.h"
 #include "base/file/file.h"
+#include "base/file/folder.h"
 #include "base/hash.h"
 #include "base/thread/profile_scope.h"
 #include "composite/composite_parts.h"
@@ -107,20 +108,6 @@ std::string textOf(const RenderJob& of_file, const FrameScene& scene) {
   return resolvedJobText(of_file, scene.camera, scene.transfer_function);
 }
 
-// Returns the current folder as seen from the picture's. Nothing where it is the picture's, or where both share only
-// the root: the name of a folder such as /home/ann would enter a picture that may be published.
-std::optional<std::string> currentFolderFrom(const fs::path& picture) {
-  std::error_code unknown;
-  const fs::path here = fs::current_path(unknown),
-                 folder = fs::weakly_canonical(fs::absolute(picture, unknown).parent_path(), unknown);
-  const fs::path way = unknown ? fs::path() : here.lexically_relative(folder);
-  const auto topOf = [](const fs::path& path) { return *path.relative_path().begin(); };
-  const bool climbs = std::all_of(way.begin(), way.end(), [](const fs::path& step) { return step == ".."; });
-  const bool share = here.has_relative_path() && folder.has_relative_path() && topOf(here) == topOf(folder);
-  if (way.empty() || way == "." || !(climbs || share)) return std::nullopt;
-  return way.string();
-}
-
 bool namesRelatively(const RenderJob& job) {
   const std::vector<fs::path> volumes = inputVolumesOf(job);
   return std::any_of(volumes.begin(), volumes.end(),
@@ -145,7 +132,9 @@ ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const Dra
   out.panorama = view.projection == Projection::kEquirectangular;
   if (!out.panorama) out.world_to_ndc = exrWorldToNdc(view);
   out.text[ImageMetadata::kJob] = textOf(of_file, drawn.scene);
-  if (const auto folder = namesRelatively(of_file) ? currentFolderFrom(file.path) : std::nullopt)
+  std::error_code unknown;
+  if (const auto folder =
+          namesRelatively(of_file) ? folderSeenFrom(file.path, fs::current_path(unknown)) : std::nullopt)
     out.text[ImageMetadata::kFolder] = *folder;
   out.text["kiln:version"] = KILN_VERSION;
   if (job.series && !job.series->frames.empty()) out.text[kSeriesKey] = job.series->frames;

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "base/file/file.h"
+#include "image/compare.h"
 #include "image/file/image_file.h"
 #include "job/frame_list.h"
 #include "support/system/tool_test.h"
@@ -593,6 +594,33 @@ TEST_F(SequenceCli, PictureOfARelativeName_isDrawnFromWhereTheVolumeWas) {
     fs::remove_all(in("moved"));
     fs::remove(in("link"));
   }
+}
+
+// As above, for a composite in another folder than its parts.
+TEST_F(SequenceCli, CompositeOfRelativeNames_isDrawnFromWhereTheVolumeWas) {
+  fs::create_directories(in("tree/data"));
+  fs::create_directories(in("tree/parts"));
+  fs::create_directories(in("tree/out/deep"));
+  fs::copy(in("h.kiln"), in("tree/data/h.kiln"), fs::copy_options::recursive);
+  const auto run = [&](const std::string& folder, const std::vector<std::string>& words) {
+    const ToolResult result = runTool(words, {.directory = in(folder)});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  };
+  const auto again = [&](const std::string& picture) {
+    done({"render", in(picture), "-o", in("again.exr")});
+    EXPECT_GT(compareImages(readImage(in("again.exr")), readImage(in(picture))).psnr_db, 50) << picture;
+  };
+  run("tree", {"render", "data/h.kiln", "-o", "parts/p.exr", "--size", "20x18", "--part", "1/1"});
+  run("tree", {"composite", "parts/p.exr", "-o", "out/deep/whole.exr"});
+  EXPECT_EQ(readImageText(in("tree/out/deep/whole.exr")).at("kiln:folder"), "../..");
+  again("tree/out/deep/whole.exr");
+  // The folder of the command is that of the part.
+  run("tree/parts", {"render", "../data/h.kiln", "-o", "q.exr", "--size", "20x18", "--part", "1/1"});
+  run("tree/parts", {"composite", "q.exr", "-o", "whole.exr"});
+  run("tree/parts", {"composite", "q.exr", "-o", "../out/whole.exr"});
+  EXPECT_FALSE(readImageText(in("tree/parts/whole.exr")).contains("kiln:folder"));
+  again("tree/parts/whole.exr");
+  again("tree/out/whole.exr");
 }
 
 }  // namespace

@@ -37,4 +37,16 @@ bool isWithin(const fs::path& path, const fs::path& folder) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
 
+std::optional<std::string> folderSeenFrom(const fs::path& file, const fs::path& folder) {
+  std::error_code unknown;
+  const auto whole = [&](const fs::path& path) { return fs::weakly_canonical(fs::absolute(path, unknown), unknown); };
+  const fs::path to = whole(folder), from = whole(fs::absolute(file, unknown).parent_path());
+  const fs::path way = to.lexically_relative(from);  // empty where a path is unreadable
+  const auto topOf = [](const fs::path& path) { return *path.relative_path().begin(); };
+  const bool climbs = std::all_of(way.begin(), way.end(), [](const fs::path& step) { return step == ".."; });
+  const bool share = to.has_relative_path() && from.has_relative_path() && topOf(to) == topOf(from);
+  if (way.empty() || way == "." || !(climbs || share)) return std::nullopt;
+  return way.string();
+}
+
 }  // namespace kiln

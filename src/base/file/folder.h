@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
 
 namespace kiln {
 
@@ -19,5 +21,10 @@ void forEachEntryBelow(const std::filesystem::path& folder, const VisitEntry& vi
 
 /// True where `path` is `folder` or lies below it, by the names alone. requires: both are canonical.
 bool isWithin(const std::filesystem::path& path, const std::filesystem::path& folder);
+
+/// Returns `folder` as seen from the folder of `file`, such as "..". Nothing where both are one folder, where a path is
+/// unreadable, and where both share only the root: the name of a folder such as /home/ann would enter a file that may
+/// be published.
+std::optional<std::string> folderSeenFrom(const std::filesystem::path& file, const std::filesystem::path& folder);
 
 }  // namespace kiln

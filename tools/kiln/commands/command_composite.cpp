@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "base/file/file.h"
+#include "base/file/folder.h"
 #include "base/memory/memory.h"
 #include "base/memory/spare_pages.h"
 #include "commands.h"
@@ -32,8 +34,10 @@ void run(const CompositeArguments& a, Context& context) {
   for (const std::string& part : a.parts) outputs.requireNone(part);
   for (const std::string& part : a.parts) refuseVolumeFile(part, "a partial image");
   const std::uint64_t memory_bytes = parseBytes(a.memory, "--memory");
-  const CompositedParts made =
+  CompositedParts made =
       compositeParts({a.parts.begin(), a.parts.end()}, context.progress, memory_bytes, mediumOf(a.output));
+  if (const auto folder = made.drawn_from.empty() ? std::nullopt : folderSeenFrom(a.output, made.drawn_from))
+    made.metadata.text[ImageMetadata::kFolder] = *folder;
   writeImage(
       made.image, made.metadata,
       {a.exr_type == "float", a.png_bits, a.exr_compression, memory_bytes - std::min(memory_bytes, made.image.bytes())},
