@@ -475,6 +475,10 @@ TEST_F(IngestZarr, ContainersListTheirImagesAndPlatesAreRefused) {
   expectReadsBack(few_, in("a.zarr/mask"), 321);
   put("a.zarr/.zattrs", R"({"plate": {"wells": []}})");
   expectError("a.zarr", ErrorCode::kUnsupported, "is a plate of many wells");
+  put("a.zarr/.zattrs", R"({"plate": {"wells": [{"path": "B/03"}]}})");
+  put("a.zarr/B/03/.zgroup", R"({"zarr_format": 2})");
+  put("a.zarr/B/03/.zattrs", R"({"well": {"images": [{"path": "7"}]}})");
+  expectError("a.zarr", ErrorCode::kUnsupported, "name the folder of one image, as " + in("a.zarr/B/03/7").string());
 }
 
 TEST_F(IngestZarr, PathsThatLeaveTheContainerAreRefused) {

@@ -91,6 +91,12 @@ std::string textAt(const JsonNode& json, const char* key) {
   return found && found->isText() ? found->text() : "";
 }
 
+// The path of the first entry of a list; empty without one.
+fs::path firstPathIn(const JsonNode& json, const char* key) {
+  const std::vector<JsonNode> list = listAt(json, key);
+  return list.empty() ? "" : textAt(list.front(), "path");
+}
+
 // The window and the colour in which OMERO shows a channel; nothing for curves, inverted windows, and windows whose
 // ends are no values: drawing computes in floats of 32 bits.
 std::optional<DeclaredLook::Ramp> rampIn(const JsonNode& channel) {
@@ -138,11 +144,16 @@ std::optional<OmeImage> readOmeImage(const fs::path& group, std::uint64_t memory
 }
 
 void refusePlate(const fs::path& group, std::uint64_t memory_bytes) {
-  const std::optional<JsonNode> ome = omeAttributes(group, memory_bytes);
-  if (!ome || !ome->find("plate")) return;
+  const std::optional<JsonNode> ome = omeAttributes(group, memory_bytes),
+                                plate = ome ? ome->find("plate") : std::nullopt;
+  if (!plate) return;
+  const fs::path well = firstPathIn(*plate, "wells");
+  const std::optional<JsonNode> of_well = well.empty() ? std::nullopt : omeAttributes(group / well, memory_bytes),
+                                images = of_well ? of_well->find("well") : std::nullopt;
+  const fs::path image = images ? firstPathIn(*images, "images") : "";
   throw Error(ErrorCode::kUnsupported, group, "",
-              "is a plate of many wells, which is not read as a volume; name the folder of one image, as " +
-                  (group / "A" / "1" / "0").string());
+              "is a plate of many wells, which is not read as a volume; name the folder of one image" +
+                  (image.empty() ? "" : ", as " + (group / well / image).string()));
 }
 
 std::size_t OmeImage::scales() const {
