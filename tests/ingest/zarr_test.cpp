@@ -719,6 +719,13 @@ TEST_F(IngestZarr, N5_HasTheAxesAndScalesOfEachFamilyOfPrograms) {
                       "units": ["nm", "nm", "nm"]})");
 }
 
+// Paintera writes several labels a voxel as blocks of bytes.
+TEST_F(IngestZarr, LabelMultisetsOfN5_AreRefused) {
+  writeZarr(in("a.n5"), randomVolume(kFewVoxels, VoxelType::u8, 41),
+            {.version = ZarrVersion::kN5, .more = R"(, "isLabelMultiset": true)"});
+  expectError("a.n5", ErrorCode::kUnsupported, "label multisets, several labels a voxel, are not read");
+}
+
 // A folder of slices beside another program's attributes.json is no container.
 TEST_F(IngestZarr, FileNamedAttributesAlone_MakesNoContainer) {
   put("slices/attributes.json", R"({"patient": "anonymous"})");

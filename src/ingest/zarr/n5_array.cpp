@@ -37,6 +37,8 @@ AxisNumbers reversed(AxisNumbers numbers) {
 std::optional<ZarrArray> readN5(const JsonNode& header) {
   const std::optional<JsonNode> dimensions = header.find("dimensions");
   if (!dimensions) return std::nullopt;
+  if (const std::optional<JsonNode> multiset = header.find("isLabelMultiset"); multiset && multiset->truth())
+    multiset->unsupported("blocks of label multisets, several labels a voxel, are not read; write one label a voxel");
   ZarrArray out;
   out.format = "N5";
   const JsonNode type = header.at("dataType");
