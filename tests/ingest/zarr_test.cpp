@@ -251,6 +251,11 @@ TEST_F(IngestZarr, HalfFloatsAndTruthValuesAreRead) {
   float floats[4];
   std::memcpy(floats, half.data(), sizeof floats);
   EXPECT_EQ(std::vector<float>(floats, floats + 4), (std::vector<float>{1, -2, 0x1p-24f, 65504}));
+  put("object.zarr/zarr.json",
+      R"({"zarr_format": 3, "node_type": "array", "shape": [1, 1, 4], "data_type": {"name": "uint8"}, "fill_value": 7,
+          "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [1, 1, 4]}},
+          "chunk_key_encoding": {"name": "default"}, "codecs": ["bytes"]})");
+  EXPECT_EQ(readWhole(*openSource(in("object.zarr"))), std::vector(4, std::byte{7}));
   put("bool.zarr/.zarray", header("|b1"));
   put("bool.zarr/0.0.0", std::string("\1\0\1\1", 4));
   const auto truths = openSource(in("bool.zarr"));

@@ -140,10 +140,11 @@ std::optional<ZarrArray> readZarr3(const JsonNode& header) {
   ZarrArray out;
   out.attributes = header.find("attributes");
   out.format = "Zarr v3";
-  const JsonNode type = header.at("data_type");
-  const std::optional<StoredNumber> number = type.isText() ? storedNumberNamed(type.text()) : std::nullopt;
+  const Extension type(header.at("data_type"));
+  const std::optional<StoredNumber> number = storedNumberNamed(type.name);
   if (!number)
-    type.unsupported(fmt::format("numbers of type {} are not read; write whole numbers or floats", type.shown()));
+    type.node.unsupported(
+        fmt::format("numbers of type {} are not read; write whole numbers or floats", type.node.shown()));
   out.number = *number;
   out.shape = header.at("shape").wholes();
   const Extension grid(header.at("chunk_grid"));
