@@ -486,6 +486,24 @@ TEST_F(IngestZarr, ContainersListTheirImagesAndPlatesAreRefused) {
   expectError("a.zarr", ErrorCode::kUnsupported, "name the folder of one image, as " + in("a.zarr/B/03/7").string());
 }
 
+// xarray stores coordinates, numbers or texts, as arrays of one axis beside the volume.
+TEST_F(IngestZarr, CoordinatesBesideAVolume_AreNoVolumes) {
+  put("a.zarr/.zgroup", R"({"zarr_format": 2})");
+  for (const char* const dtype : {"<f8", "|S3"})
+    put(fmt::format("a.zarr/{}/.zarray", dtype),
+        fmt::format(R"({{"zarr_format": 2, "shape": [5], "chunks": [5], "dtype": "{}", "compressor": null,
+                         "fill_value": null, "order": "C", "filters": null}})",
+                    dtype));
+  expectError("a.zarr", ErrorCode::kUnsupported, "without an array of two axes or more");
+  writeZarr(in("a.zarr/density"), few_);
+  put("a.zarr/density/.zattrs", R"({"_ARRAY_DIMENSIONS": ["z", "y", "x"], "scale_factor": 0.5, "add_offset": 20})");
+  expectReadsBack(few_, in("a.zarr"), 333);
+  const std::vector<std::string> notes = info("a.zarr").notes;
+  const std::string note =
+      "the attributes say that values are 20 + 0.5 times the stored numbers; the numbers are taken as stored";
+  EXPECT_NE(std::find(notes.begin(), notes.end(), note), notes.end());
+}
+
 TEST_F(IngestZarr, PathsThatLeaveTheContainerAreRefused) {
   writeZarr(in("secret"), few_);
   for (const char* const path : {"../secret", "0/../../secret", "/", "..", "", "."}) {

@@ -188,6 +188,13 @@ ArrayVolume volumeOf(const ArrayName& array, std::vector<ArrayAxis> axes, bool h
   return out;
 }
 
+std::string noteOfScaled(double factor, double offset) {
+  if (factor == 1 && offset == 0) return "";
+  return fmt::format(
+      "the attributes say that values are {} + {} times the stored numbers; the numbers are taken as stored", offset,
+      factor);
+}
+
 void describe(const ArrayVolume& volume, VoxelType type, SourceInfo& info) {
   info.type = type;
   info.geometry = volume.geometry;

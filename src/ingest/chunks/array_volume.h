@@ -47,6 +47,10 @@ struct ArrayName {
 /// Enters the volume's description behind what `info` has: its files, and the begin of the format's name.
 void describe(const ArrayVolume& volume, VoxelType type, SourceInfo& info);
 
+/// Returns a note that the attributes scale_factor and add_offset (CF conventions) are not applied; empty if they
+/// change no value.
+std::string noteOfScaled(double factor, double offset);
+
 /// Places a volume by its axes. `channels` are names; fewer names than channels are legal. `has_scale` is false if no
 /// metadata gave a length; a note then says so. throws: Error kUnsupported if there is no volume in these axes; kUsage
 /// for a channel or time that does not exist or is not chosen.

@@ -201,12 +201,9 @@ void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
         axis.name.empty() ? std::to_string(i) : inQuotes(axis.name), axis.unit.empty() ? "1" : "1 " + axis.unit));
   }
   placeByElementSize(dataset, space, out);
-  const std::optional<double> scale = dataset.number("scale_factor"), offset = dataset.number("add_offset");
-  if (scale.value_or(1) != 1 || offset.value_or(0) != 0)
-    out.notes.push_back(
-        fmt::format("the attributes say that values are {} + {} times the stored numbers; the numbers are "
-                    "taken as stored",
-                    offset.value_or(0), scale.value_or(1)));
+  const std::string note =
+      noteOfScaled(dataset.number("scale_factor").value_or(1), dataset.number("add_offset").value_or(0));
+  if (!note.empty()) out.notes.push_back(note);
 }
 
 }  // namespace kiln

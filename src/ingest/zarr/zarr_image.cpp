@@ -93,12 +93,19 @@ std::optional<ZarrImage> imageAbove(const fs::path& folder, const SourceOptions&
   return std::nullopt;
 }
 
+double attributeOf(const ZarrArray& array, const char* key, double otherwise) {
+  const std::optional<JsonNode> number = array.attributes ? array.attributes->findIn(key) : std::nullopt;
+  return number && number->isNumber() ? number->number() : otherwise;
+}
+
 ZarrImage ofArray(ZarrArray array, const SourceOptions& options) {
   refuseScale(array.folder, options);
   if (std::optional<ZarrImage> image = imageAbove(array.folder, options)) return *std::move(image);
   if (array.format == "N5") return ofN5Array(std::move(array), options);
   ZarrImage out;
   out.volume = volumeOf(array.name(), axesOf(array), false, {}, options);
+  const std::string note = noteOfScaled(attributeOf(array, "scale_factor", 1), attributeOf(array, "add_offset", 0));
+  if (!note.empty()) out.volume.notes.push_back(note);
   out.headers = {array.header};
   out.array = std::move(array);
   return out;
@@ -129,6 +136,7 @@ class Listing {
   void visit(const fs::path& folder, int depth) {
     if (++visited_ > kMostFolders || depth > kMostDepth) return;
     try {
+      if (isLine(folder)) return;
       if (const std::optional<ZarrArray> array = readZarrArray(folder, memory_bytes_))
         return add(folder, fmt::format("({}) {}", fmt::join(array->shape, ", "), array->number.name()));
       if (const std::optional<OmeImage> image = readOmeImage(folder, memory_bytes_))
@@ -146,6 +154,14 @@ class Listing {
     std::sort(below.begin(), below.end());
     for (const fs::path& inner : below) visit(inner, depth + 1);
   }
+  // True for an array of one axis or none, whatever its type: xarray stores coordinates beside a volume.
+  bool isLine(const fs::path& folder) const {
+    const fs::path header = zarrHeaderIn(folder);
+    if (header.empty()) return false;
+    const JsonNode json(header, memory_bytes_);
+    const std::optional<JsonNode> shape = json.findIn(header.filename() == "attributes.json" ? "dimensions" : "shape");
+    return shape && shape->isList() && shape->items().size() < 2;
+  }
   void add(const fs::path& folder, const std::string& what) {
     images_.push_back({folder, fmt::format("{} {}", inQuotes(folder.lexically_relative(root_).string()), what)});
   }
@@ -158,7 +174,8 @@ class Listing {
 
 ZarrImage onlyImageBelow(const fs::path& folder, const SourceOptions& options) {
   const std::vector<Listed> images = Listing(folder, options.memory_bytes).images();
-  if (images.empty()) throw Error(ErrorCode::kUnsupported, folder, "", "is a Zarr or N5 group without an array");
+  if (images.empty())
+    throw Error(ErrorCode::kUnsupported, folder, "", "is a Zarr or N5 group without an array of two axes or more");
   if (images.size() == 1) {
     ZarrImage out = openZarrImage(images.front().folder, options);
     out.volume.choice += fmt::format(", {}", images.front().folder.lexically_relative(folder).string());
