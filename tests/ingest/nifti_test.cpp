@@ -324,6 +324,8 @@ TEST_F(Nifti, TrailingDimensionsOfOneAreAVolume) {
   NiftiHeader h;
   h.dim = {7, 5, 4, 3, 1, 1, 1, 1};
   EXPECT_EQ(open(h)->info().geometry.dims.count(), kVoxels);
+  h.dim = {5, 5, 4, 3, 0, 0};
+  EXPECT_EQ(open(h)->info().geometry.dims.count(), kVoxels);
 }
 
 TEST_F(Nifti, HostileNumbersAreFormatErrors) {

@@ -17,7 +17,8 @@ namespace {
 
 using enum NiftiField;
 
-// dim[0] is the number of dimensions; dim[1] to dim[7] are their lengths, 1 for further ones.
+// dim[0] is the number of dimensions; dim[1] to dim[7] are their lengths, 1 for further ones. Writers count further
+// dimensions and leave their lengths at 0, which stands for 1. Source: nifti_convert_nhdr2nim of nifti1_io.c.
 using NiftiDims = std::array<std::int64_t, 8>;
 
 NiftiDims dimsOf(const NiftiHeader& header) {
@@ -28,6 +29,7 @@ NiftiDims dimsOf(const NiftiHeader& header) {
   dim[0] = count;
   for (std::size_t i = 1; i <= static_cast<std::size_t>(count); ++i) {
     dim[i] = header.integer(kDim, i);
+    if (i > 3 && dim[i] == 0) dim[i] = 1;
     if (dim[i] < 1) header.fail(kDim, i, fmt::format("dim[{}] is {}", i, dim[i]));
   }
   return dim;
