@@ -16,6 +16,10 @@ std::optional<std::size_t> unpackLz4(std::span<const std::byte> packed, std::spa
 std::optional<std::size_t> unpackBloscLz(std::span<const std::byte> packed, std::span<std::byte> out);
 /// One or several Zstandard frames, with or without their content size.
 std::optional<std::size_t> unpackZstd(std::span<const std::byte> packed, std::span<std::byte> out);
+/// Memory of bzip2's largest block (bzip2's manual, section 2.5: 3.7 MB). unit: bytes.
+inline constexpr std::uint64_t kBzip2Bytes = 4 << 20;
+/// One stream of bzip2. requires: `packed` and `out` have less than 4 GiB. cost: kBzip2Bytes.
+std::optional<std::size_t> unpackBzip2(std::span<const std::byte> packed, std::span<std::byte> out);
 /// Memory of LZMA's dictionary at most. unit: bytes.
 inline constexpr std::uint64_t kMostLzmaBytes = 64 << 20;
 /// One stream of xz. cost: kMostLzmaBytes; a larger dictionary is refused.

@@ -40,6 +40,9 @@ std::uint32_t crc32cOf(std::span<const std::byte> data);
 std::unique_ptr<ByteCodec> gzipCodec();
 std::unique_ptr<ByteCodec> zlibCodec();
 std::unique_ptr<ByteCodec> zstdCodec();
+std::unique_ptr<ByteCodec> bzip2Codec();
+/// One stream of xz.
+std::unique_ptr<ByteCodec> xzCodec();
 /// An LZ4 block behind four bytes of decoded size, the form of numcodecs.
 std::unique_ptr<ByteCodec> lz4Codec();
 /// Blocks with headers, as lz4-java's LZ4BlockOutputStream writes them for N5.

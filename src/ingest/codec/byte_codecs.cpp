@@ -100,6 +100,8 @@ std::uint32_t crc32cOf(std::span<const std::byte> data) {
 std::unique_ptr<ByteCodec> gzipCodec() { return deflateCodec("gzip", DeflateWrapper::kGzip); }
 std::unique_ptr<ByteCodec> zlibCodec() { return deflateCodec("zlib", DeflateWrapper::kZlib); }
 std::unique_ptr<ByteCodec> zstdCodec() { return unpackCodec("Zstandard", &unpackZstd); }
+std::unique_ptr<ByteCodec> bzip2Codec() { return unpackCodec("bzip2", &unpackBzip2, kBzip2Bytes); }
+std::unique_ptr<ByteCodec> xzCodec() { return unpackCodec("xz", &unpackLzma, kMostLzmaBytes); }
 std::unique_ptr<ByteCodec> lz4Codec() { return unpackCodec("LZ4", &unpackSizedLz4); }
 std::unique_ptr<ByteCodec> lz4StreamCodec() { return unpackCodec("LZ4", &unpackLz4Stream); }
 std::unique_ptr<ByteCodec> bloscCodec() { return std::make_unique<BloscCodec>(); }

@@ -17,10 +17,12 @@ constexpr std::uint64_t grownBytes(std::uint64_t bytes) { return bytes + bytes /
 inline std::string roomText(std::span<const std::byte> out) { return fmt::format("(room for {} bytes)", out.size()); }
 
 /// Decodes by `unpack(packed, out)`, which returns the number of bytes written, or nothing for damaged data.
+/// `scratch_bytes` is the memory of `unpack`.
 template <class Unpack>
 class UnpackCodec : public ByteCodec {
  public:
-  UnpackCodec(const char* name, Unpack unpack) : name_(name), unpack_(std::move(unpack)) {}
+  UnpackCodec(const char* name, Unpack unpack, std::uint64_t scratch_bytes = 0)
+      : name_(name), unpack_(std::move(unpack)), scratch_bytes_(scratch_bytes) {}
   std::size_t decode(std::span<const std::byte> packed, std::span<std::byte> out,
                      const ChunkPlace& place) const override {
     const std::optional<std::size_t> bytes = unpack_(packed, out);
@@ -28,15 +30,17 @@ class UnpackCodec : public ByteCodec {
     return *bytes;
   }
   std::uint64_t packedBytes(std::uint64_t bytes) const override { return grownBytes(bytes); }
+  std::uint64_t scratchBytes(std::uint64_t) const override { return scratch_bytes_; }
 
  private:
   const char* name_;
   Unpack unpack_;
+  std::uint64_t scratch_bytes_;
 };
 
 template <class Unpack>
-std::unique_ptr<ByteCodec> unpackCodec(const char* name, Unpack unpack) {
-  return std::make_unique<UnpackCodec<Unpack>>(name, std::move(unpack));
+std::unique_ptr<ByteCodec> unpackCodec(const char* name, Unpack unpack, std::uint64_t scratch_bytes = 0) {
+  return std::make_unique<UnpackCodec<Unpack>>(name, std::move(unpack), scratch_bytes);
 }
 
 /// Four bytes behind the data, which `matches(data, checksum)` tests.

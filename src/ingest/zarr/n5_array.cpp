@@ -23,8 +23,10 @@ std::unique_ptr<ByteCodec> n5Codec(const JsonNode& header) {
   if (name == "lz4") return lz4StreamCodec();
   if (name == "blosc") return bloscCodec();
   if (name == "zstd") return zstdCodec();
-  type.unsupported(
-      fmt::format("blocks compressed by {} are not read; write gzip, lz4, blosc, zstd or raw", type.shown()));
+  if (name == "bzip2") return bzip2Codec();
+  if (name == "xz") return xzCodec();
+  type.unsupported(fmt::format("blocks compressed by {} are not read; write gzip, lz4, blosc, zstd, bzip2, xz or raw",
+                               type.shown()));
 }
 
 AxisNumbers reversed(AxisNumbers numbers) {

@@ -36,6 +36,8 @@ std::unique_ptr<ByteCodec> codecOf(const JsonNode& json) {
     if (location && location->text() != "end") location->unsupported("a checksum in front of its data is not read");
     return crc32cCodec();
   }
+  if (name == "bz2") return bzip2Codec();
+  if (name == "lzma") return lzmaOf(json.find("format"));
   if (isRounding(name)) return nullptr;
   if (name == "shuffle") return shuffleOf(json.find("elementsize"));
   id.unsupported(fmt::format("the codec {} is not read; write blosc, zstd, lz4, gzip or zlib", id.shown()));

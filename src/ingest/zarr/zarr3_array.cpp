@@ -44,6 +44,8 @@ std::unique_ptr<ByteCodec> byteCodecOf(const Extension& codec) {
   if (codec.name == "lz4") return lz4Codec();
   if (codec.name == "blosc") return bloscCodec();
   if (codec.name == "crc32c") return crc32cCodec();
+  if (codec.name == "bz2") return bzip2Codec();
+  if (codec.name == "lzma") return lzmaOf(codec.find("format"));
   if (codec.name == "shuffle") return shuffleOf(codec.find("elementsize"));
   codec.node.unsupported(
       fmt::format("the codec {} is not read; write blosc, zstd, gzip or crc32c", inQuotes(codec.name)));

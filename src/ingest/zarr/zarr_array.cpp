@@ -126,6 +126,12 @@ std::unique_ptr<ByteCodec> shuffleOf(const std::optional<JsonNode>& element_size
   return shuffleCodec(static_cast<std::size_t>(bytes));
 }
 
+std::unique_ptr<ByteCodec> lzmaOf(const std::optional<JsonNode>& format) {
+  constexpr std::int64_t kXz = 1;
+  if (format && format->whole() != kXz) format->unsupported("of the formats of lzma, 1 (xz) is read; write xz");
+  return xzCodec();
+}
+
 bool isRounding(const std::string& codec) { return codec == "bitround" || codec == "quantize"; }
 
 std::optional<ZarrArray> readZarrArray(const fs::path& folder, std::uint64_t memory_bytes) {

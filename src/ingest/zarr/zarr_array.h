@@ -70,6 +70,9 @@ std::optional<ZarrArray> readZarrArray(const std::filesystem::path& folder, std:
 
 /// The filter "shuffle" of numcodecs; 4 bytes a number unless `element_size` states another size.
 std::unique_ptr<ByteCodec> shuffleOf(const std::optional<JsonNode>& element_size);
+/// The compressor "lzma" of numcodecs, whose formats are numbered as in Python's module lzma. throws: Error
+/// kUnsupported for formats other than xz.
+std::unique_ptr<ByteCodec> lzmaOf(const std::optional<JsonNode>& format);
 /// True for a filter that only rounded numbers before they were written.
 bool isRounding(const std::string& codec);
 

@@ -3,6 +3,7 @@
 #include <blosc.h>
 #include <bzlib.h>
 #include <lz4.h>
+#include <lzma.h>
 #include <xxhash.h>
 #include <zstd.h>
 
@@ -31,6 +32,28 @@ std::string bzipped(std::string_view bytes) {
                                1, 0, 0) != BZ_OK)
     throw std::runtime_error("bzip2");
   out.resize(size);
+  return out;
+}
+
+namespace {
+
+// An encoder of LZMA. The library keeps its buffers, some MiB, for the next block: a test's file has hundreds.
+struct LzmaEncoder {
+  ~LzmaEncoder() { lzma_end(&stream); }
+  lzma_stream stream = LZMA_STREAM_INIT;
+};
+
+}  // namespace
+
+std::string xzStream(std::string_view bytes) {
+  std::string out(bytes.size() + 4096, '\0');
+  static thread_local LzmaEncoder encoder;
+  lzma_stream& stream = encoder.stream;
+  const lzma_ret begun = lzma_easy_encoder(&stream, 0, LZMA_CHECK_CRC32);
+  stream.next_in = reinterpret_cast<const std::uint8_t*>(bytes.data()), stream.avail_in = bytes.size();
+  stream.next_out = reinterpret_cast<std::uint8_t*>(out.data()), stream.avail_out = out.size();
+  if (begun != LZMA_OK || lzma_code(&stream, LZMA_FINISH) != LZMA_STREAM_END) throw std::runtime_error("LZMA");
+  out.resize(static_cast<std::size_t>(stream.total_out));
   return out;
 }
 

@@ -10,6 +10,7 @@
 namespace kiln::test {
 
 std::string bzipped(std::string_view bytes);
+std::string xzStream(std::string_view bytes);
 /// A frame with or without its content size.
 std::string zstdFrame(std::string_view bytes, bool sized = true);
 /// An LZ4 block alone.

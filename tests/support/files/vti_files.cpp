@@ -1,7 +1,6 @@
 #include "support/files/vti_files.h"
 
 #include <fmt/format.h>
-#include <lzma.h>
 
 #include <cstdint>
 #include <stdexcept>
@@ -39,12 +38,6 @@ std::string lengthsOf(const std::vector<std::size_t>& numbers, const VtiLayout& 
   return out;
 }
 
-// An encoder of LZMA. The library keeps its buffers, some MiB, for the next block: a test's file has hundreds.
-struct LzmaEncoder {
-  ~LzmaEncoder() { lzma_end(&stream); }
-  lzma_stream stream = LZMA_STREAM_INIT;
-};
-
 // The bytes of an array as they stand in the file.
 std::string arrayBytes(const std::string& stored, const VtiLayout& layout) {
   const bool text = layout.format == "binary" || layout.format == "base64";
@@ -67,15 +60,7 @@ std::string arrayBytes(const std::string& stored, const VtiLayout& layout) {
 std::string vtiBlock(std::string_view bytes, int codec) {
   if (codec == 1) return zlibbed(bytes);
   if (codec == 2) return lz4Block(bytes);
-  std::string out(bytes.size() + 4096, '\0');
-  static thread_local LzmaEncoder encoder;
-  lzma_stream& stream = encoder.stream;
-  const lzma_ret begun = lzma_easy_encoder(&stream, 0, LZMA_CHECK_CRC32);
-  stream.next_in = reinterpret_cast<const std::uint8_t*>(bytes.data()), stream.avail_in = bytes.size();
-  stream.next_out = reinterpret_cast<std::uint8_t*>(out.data()), stream.avail_out = out.size();
-  if (begun != LZMA_OK || lzma_code(&stream, LZMA_FINISH) != LZMA_STREAM_END) throw std::runtime_error("LZMA");
-  out.resize(static_cast<std::size_t>(stream.total_out));
-  return out;
+  return xzStream(bytes);
 }
 
 std::string vtiFile(const ForeignVolume& volume, const VtiLayout& layout) {

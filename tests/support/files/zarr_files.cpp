@@ -77,6 +77,10 @@ std::string packed(std::string_view bytes, const ZarrLayout& layout, std::size_t
       return zstdFrame(bytes);
     case ZarrCodec::kLz4:
       return layout.version == ZarrVersion::kN5 ? lz4Stream(bytes, 48) : sizedLz4(bytes);
+    case ZarrCodec::kBzip2:
+      return bzipped(bytes);
+    case ZarrCodec::kXz:
+      return xzStream(bytes);
     case ZarrCodec::kBlosc:
       return bloscFrame(bytes, {.shuffle = 1, .number_bytes = number_bytes});
   }
@@ -194,7 +198,9 @@ std::string headerOfTwo(const ForeignVolume& volume, const ZarrLayout& layout) {
       R"({"id": "zlib", "level": 6})",
       R"({"id": "zstd", "level": 3})",
       R"({"id": "lz4", "acceleration": 1})",
-      R"({"id": "blosc", "cname": "lz4", "clevel": 5, "shuffle": 1, "blocksize": 0})"};
+      R"({"id": "blosc", "cname": "lz4", "clevel": 5, "shuffle": 1, "blocksize": 0})",
+      R"({"id": "bz2", "level": 1})",
+      R"({"id": "lzma", "format": 1, "check": -1, "preset": null, "filters": null})"};
   const char order = sizeOf(volume.type) == 1 ? '|' : layout.big_endian ? '>' : '<';
   const std::string separator =
       layout.separator == '\0' ? "" : fmt::format(R"(, "dimension_separator": "{}")", layout.separator);
@@ -213,7 +219,9 @@ std::string codecsOfThree(const ZarrLayout& layout) {
                                      R"(, {"name": "zstd", "configuration": {"level": 3, "checksum": false}})",
                                      R"(, {"name": "numcodecs.lz4", "configuration": {"acceleration": 1}})",
                                      R"(, {"name": "blosc", "configuration": {"cname": "lz4", "clevel": 5,)"
-                                     R"( "shuffle": "shuffle", "typesize": 2, "blocksize": 0}})"};
+                                     R"( "shuffle": "shuffle", "typesize": 2, "blocksize": 0}})",
+                                     R"(, {"name": "numcodecs.bz2", "configuration": {"level": 1}})",
+                                     R"(, {"name": "numcodecs.lzma", "configuration": {"preset": 6}})"};
   std::string out;
   if (!layout.stored_axes.empty())
     out = fmt::format(R"({{"name": "transpose", "configuration": {{"order": [{}]}}}}, )",
@@ -251,7 +259,9 @@ std::string headerOfN5(const ForeignVolume& volume, const ZarrLayout& layout) {
                                            R"({"type": "gzip", "level": 5, "useZlib": true})",
                                            R"({"type": "zstd", "level": 3})",
                                            R"({"type": "lz4", "blockSize": 65536})",
-                                           R"({"type": "blosc", "cname": "lz4", "shuffle": 1})"};
+                                           R"({"type": "blosc", "cname": "lz4", "shuffle": 1})",
+                                           R"({"type": "bzip2", "blockSize": 9})",
+                                           R"({"type": "xz", "preset": 6})"};
   Numbers shape = shapeOf(volume, layout), chunk = chunkOf(layout);
   std::reverse(shape.begin(), shape.end());
   std::reverse(chunk.begin(), chunk.end());

@@ -11,10 +11,10 @@
 namespace kiln::test {
 
 enum class ZarrVersion { kTwo, kThree, kN5 };
-enum class ZarrCodec { kRaw, kGzip, kZlib, kZstd, kLz4, kBlosc };
+enum class ZarrCodec { kRaw, kGzip, kZlib, kZstd, kLz4, kBlosc, kBzip2, kXz };
 
-inline constexpr ZarrCodec kZarrCodecs[] = {ZarrCodec::kRaw,  ZarrCodec::kGzip, ZarrCodec::kZlib,
-                                            ZarrCodec::kZstd, ZarrCodec::kLz4,  ZarrCodec::kBlosc};
+inline constexpr ZarrCodec kZarrCodecs[] = {ZarrCodec::kRaw, ZarrCodec::kGzip,  ZarrCodec::kZlib,  ZarrCodec::kZstd,
+                                            ZarrCodec::kLz4, ZarrCodec::kBlosc, ZarrCodec::kBzip2, ZarrCodec::kXz};
 
 /// An axis of an array. Along an axis other than x, y and z the volume lies at one index of `count`; voxels at other
 /// indices are complements.
