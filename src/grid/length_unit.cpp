@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <numeric>
 
+#include "base/text.h"
+
 namespace kiln {
 namespace {
 
@@ -40,7 +42,10 @@ const LengthUnit* unitNamed(std::string_view text) {
   for (const LengthUnit& unit : kUnits) {
     if (text == unit.name || spaced(unit.others).find(spaced(text)) != std::string::npos) return &unit;
   }
-  return nullptr;
+  // Words may be in capitals. Symbols may not: Mm is a megametre.
+  constexpr std::size_t kLongestSymbol = 3;  // bytes; the micro sign has two
+  const std::string small = lowered(text);
+  return text.size() > kLongestSymbol && small != text ? unitNamed(small) : nullptr;
 }
 
 }  // namespace

@@ -361,6 +361,9 @@ TEST_F(IngestZarr, LengthsOfOtherUnitsAreConvertedToThatOfX) {
   EXPECT_EQ(info("a.zarr").geometry.spacing(), glm::dvec3(2, 3, 4));
   ASSERT_EQ(info("a.zarr").notes.size(), 1u);
   EXPECT_NE(info("a.zarr").notes[0].find("along z are in 'furlong' and along x in 'micrometer'"), std::string::npos);
+  putImage("a.zarr", few_, imageOf(axes("MILLIMETER", "Micrometer"), kScale));
+  EXPECT_EQ(info("a.zarr").geometry.spacing(), glm::dvec3(2, 3, 4000));
+  EXPECT_EQ(info("a.zarr").geometry.unit, "um");
   putImage("a.zarr", few_, imageOf(axes("furlong", "furlong"), kScale));
   EXPECT_EQ(info("a.zarr").geometry.unit, "");
   EXPECT_NE(info("a.zarr").notes[0].find("the unit 'furlong' is unknown"), std::string::npos);
