@@ -59,7 +59,7 @@ inline constexpr double kSampleDistance = 0.5, kLeastSampleDistance = 0.25, kMos
 ///   value. The ray goes through the middle of the part of the pixel that volume and clipping cover. If there is a
 ///   value other than NaN, alpha is the covered share; opacities, light and the opacity threshold are ignored. Values
 ///   are interpolated linearly on the level of the pixel lattice. Extrema are exact; means and kAttenuatedMip have
-///   samples at most half a voxel apart, kAttenuatedMip also where a ray crosses planes of voxels.
+///   samples at most half a voxel of depth apart, kAttenuatedMip also where a ray crosses planes of voxels.
 enum class Mode { kComposite, kMip, kMinip, kAverage, kAttenuatedMip };
 inline constexpr std::array<std::string_view, 5> kModeNames = {"composite", "mip", "minip", "average",
                                                                "attenuated-mip"};

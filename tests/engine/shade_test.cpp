@@ -51,6 +51,26 @@ TEST(SeenNormal, TurnsWithoutAJumpAndNeverFromTheEye) {
   }
 }
 
+TEST(OutsidesOnly, AreSeenOfOpaqueLabelsAndSurfaces) {
+  const glm::dvec3 white(1);
+  const auto labels = [&](double first, double second, double unit) {
+    TransferFunction out;
+    out.unit = unit;
+    out.labels = {{1, "", white, first}, {2, "", white, second}};
+    return showsOutsidesOnly(out, 0.5);
+  };
+  EXPECT_TRUE(labels(1, 1, 0));
+  EXPECT_TRUE(labels(1, 0, 0.5));
+  EXPECT_FALSE(labels(1, 0.9, 0));
+  EXPECT_FALSE(labels(1, 1, 0.6)) << "a voxel is translucent";
+  TransferFunction surfaces;
+  surfaces.surfaces = {{10, white, 1}, {20, white, 1}};
+  EXPECT_TRUE(showsOutsidesOnly(surfaces, 0.5));
+  surfaces.surfaces[0].opacity = 0.5;
+  EXPECT_FALSE(showsOutsidesOnly(surfaces, 0.5));
+  EXPECT_FALSE(showsOutsidesOnly({0, {{10, white, 0}, {20, white, 1}}}, 0.5));
+}
+
 TEST(OutwardSign, IsOfTheTransparentEnd) {
   const glm::dvec3 white(1);
   EXPECT_EQ(outwardSignOf({0, {{10, white, 0}, {20, white, 1}}}), -1);

@@ -253,6 +253,29 @@ TEST(Projection, WithoutAttenuationTheMaximumIsThatOfMip) {
   EXPECT_GT(seen, 50000);
 }
 
+// Far from the middle of a wide view a slab is many voxels long on its ray: no value beyond a brick's own samples
+// counts.
+TEST(Projection, OfAWideViewIsTheSameForAllBricks) {
+  const DenseVolume volume = fill({{96, 12, 96}, VoxelType::u8}, [](auto i, auto j, auto k) {
+    return hashUnit(7, static_cast<std::uint64_t>((k * 12 + j) * 96 + i)) < 0.02 ? 250 : 0;
+  });
+  const auto small = makeStore(volume, "wide_of_8", 8), large = makeStore(volume, "wide_of_128", 128);
+  Camera camera;
+  camera.eye = {1, -0.7, 1}, camera.target = {1, 16, 1}, camera.up = {0, 0, 1};
+  camera.fov_deg = 174;
+  FrameRequest request = requestOf(resolve(camera, {200, 200}), Mode::kAttenuatedMip);
+  request.level = 0;
+  for (const double attenuation : {0.0, 0.02}) {
+    request.attenuation = attenuation;
+    request.visibility.method = VisibilityMethod::kNone;
+    const Image truth = draw(large, request);
+    EXPECT_TRUE(equalBits(truth, draw(small, request))) << attenuation;
+    request.visibility.method = VisibilityMethod::kMask;
+    EXPECT_TRUE(equalBits(truth, draw(small, request))) << attenuation << " culled";
+    EXPECT_TRUE(equalBits(truth, draw(large, request))) << attenuation << " large, culled";
+  }
+}
+
 // Diagonal rays cross planes of voxels where they cross the faces of bricks: each such point belongs to one brick.
 TEST(Projection, RaysThroughEdgesOfBricksAreTheSameForAllBricks) {
   const DenseVolume volume = fill({{48, 48, 8}, VoxelType::f32}, [](auto i, auto j, auto k) {

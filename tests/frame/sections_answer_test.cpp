@@ -389,8 +389,9 @@ TEST(Sections, AreNotTintedByOtherVolumes) {
   label.labels = {{1, "", {0, 1, 0}, 1}};
   request.transfer_function = sectionCases(values.range())[0].function;
   request.clipping = with_face;
-  for (const double distance : {0.25, 0.5, 1.0}) {
+  for (const auto& [distance, unit] : {std::pair(0.25, 0.0), {0.5, 0.0}, {1.0, 0.0}, {1.0, 1e-4}}) {
     request.sample_distance = distance;
+    label.unit = unit;
     request.volumes = {};
     const Image alone = draw(stores[0], request);
     request.volumes = {{request.transfer_function, {}, with_face}, {label, {}, cut}};

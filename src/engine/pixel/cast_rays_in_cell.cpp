@@ -67,8 +67,9 @@ class CellCaster {
  private:
   // Thickness of a surface in a shadow map, which holds no steps. unit: slabs.
   static constexpr double kShadowLayer = 0.25;
-  // Optical depth of an opaque face beside other volumes, far above the depth of a slab of opaque matter (10).
-  static constexpr float kOpaqueFace = 1e5f;
+  // Optical depth of an opaque face beside other volumes, far above that of any matter in a slab: 9 times the slab's
+  // thickness over the unit of opacity.
+  static constexpr float kOpaqueFace = 1e30f;
   static constexpr std::size_t kLanes = CellSamples::kLanes, kLit = CellSamples::kLit;
   static constexpr int kPlane = CellInput::kPlane;
 

@@ -51,8 +51,8 @@ std::optional<RayZone> shortRay(const RayFrame& frame, const DepthSpan& whole) {
   return drawn ? std::optional(slab) : std::nullopt;
 }
 
-// The depths of a ray for which a sample in the middle of a slab stands: the slab, and for the first and the last slab
-// of a ray all that is left of the ray.
+// Depths of a ray that belong to a sample: those of its slab. The first and the last sample of a ray also have the
+// depths to the ray's ends.
 struct Piece {
   double begin, middle, end;
   bool first, last;
@@ -108,7 +108,10 @@ class MeanRule {
 class AttenuatedRule {
  public:
   AttenuatedRule(const Attenuation& attenuation, const PixelRay& ray)
-      : attenuation_(attenuation), per_depth_(attenuation.per_length * ray.oblique()) {}
+      : attenuation_(attenuation), per_depth_(attenuation.per_length * ray.oblique()) {
+    const glm::dvec3 slope = glm::abs(ray.slope());
+    reach_ = kReach / std::max({slope.x, slope.y, slope.z});
+  }
 
   double weightBehind(double sum) const { return std::exp(-sum); }
   bool endsRay(double held, double weight) const { return !(weight > held); }
@@ -128,6 +131,10 @@ class AttenuatedRule {
   }
 
  private:
+  // Values are compared up to here from the middle of a piece, whose cell bounds and holds them. Pieces of rays far
+  // from the middle of a wide view are longer. unit: voxels along each axis.
+  static constexpr double kReach = 0.5;
+
   struct Middle {
     double share, depth, sum, weight;
   };
@@ -143,10 +150,11 @@ class AttenuatedRule {
         held = std::max(held, share * std::exp(-(middle.sum + (at - piece.begin) * rate)));
     };
     const auto compareAt = [&](double at) { compare(at, attenuation_.share(field.valueAt(line.at(at)))); };
+    const double begin = std::max(piece.begin, piece.middle - reach_), end = std::min(piece.end, piece.middle + reach_);
     compare(piece.middle, middle.share);
-    if (piece.first) compareAt(piece.begin);
-    if (piece.last) compareAt(piece.end);
-    const glm::dvec3 from = line.at(piece.begin), to = line.at(piece.end);
+    if (piece.first) compareAt(begin);
+    if (piece.last) compareAt(end);
+    const glm::dvec3 from = line.at(begin), to = line.at(end);
     for (int axis = 0; axis < 3; ++axis) {
       const double plane = std::floor(std::max(from[axis], to[axis]));
       if (plane > std::min(from[axis], to[axis])) compareAt((plane - line.base[axis]) / line.slope[axis]);
@@ -155,6 +163,7 @@ class AttenuatedRule {
 
   const Attenuation& attenuation_;
   const double per_depth_;
+  double reach_;  // kReach, as a depth
 };
 
 // Takes the samples of a brick along rays, front to back.

@@ -12,7 +12,7 @@
 namespace kiln {
 namespace {
 
-// Returns the zones of the pixel engine, with slabs divided so that samples are at most half a voxel apart.
+// Returns the zones of the pixel engine, with slabs divided so that they are at most half a voxel thick.
 std::vector<SlabZone> rayZones(const Manifest& volume, const View& view, const ProjectionOptions& options,
                                double near_depth) {
   ZonedVolume zoned{&volume, near_depth};

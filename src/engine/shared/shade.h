@@ -41,9 +41,10 @@ inline float outwardSignOf(const TransferFunction& function) {
   return !points.empty() && points.back().opacity < points.front().opacity ? 1.0f : -1.0f;
 }
 
-/// Returns true if all labels that are shown, or all surfaces, are opaque. The points of a function always have a
-/// translucent part.
-inline bool showsOutsidesOnly(const TransferFunction& function) {
+/// Returns true if all labels that are shown are opaque within a voxel, or all surfaces are. The points of a function
+/// always have a translucent part. unit: mean spacing of voxels: world.
+inline bool showsOutsidesOnly(const TransferFunction& function, double spacing) {
+  if (!function.labels.empty() && function.unitIn(spacing) > spacing) return false;
   const auto opaque = [](const auto& shown) { return shown.opacity == 0 || shown.opacity >= 1; };
   return !(function.labels.empty() && function.surfaces.empty()) && std::ranges::all_of(function.labels, opaque) &&
          std::ranges::all_of(function.surfaces, opaque);
@@ -52,7 +53,8 @@ inline bool showsOutsidesOnly(const TransferFunction& function) {
 inline GradientSense gradientSenseOf(const Manifest& manifest, const TransferFunction& function) {
   const float size = gradientSizeOf(manifest, function);
   // A surface has a direction wherever its values differ.
-  return {function.surfaces.empty() ? size : 0, size, outwardSignOf(function), showsOutsidesOnly(function)};
+  return {function.surfaces.empty() ? size : 0, size, outwardSignOf(function),
+          showsOutsidesOnly(function, manifest.geometry().meanSpacing())};
 }
 
 /// Cosines to the eye of normals that point away from the eye, but are lit as at a silhouette. A ray that grazes a ball

@@ -101,6 +101,7 @@ struct Scene {
       labels.emplace(volume, function, settings.interpolation, settings.label_smoothing);
       gradient_noise = kGradientNoise;
       opaque =
+          unit_world <= volume.geometry.meanSpacing() &&
           std::ranges::all_of(function.labels, [](const LabelStyle& l) { return l.opacity == 0 || l.opacity == 1; });
     }
     if (settings.skip_empty && !labels) {
