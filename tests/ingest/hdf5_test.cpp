@@ -627,6 +627,45 @@ TEST(IngestHdf5, DimensionScalesAreCoordinates) {
             "no coordinates give a distance along the axis 1, which is taken as 1 m; --spacing sets another size");
 }
 
+// Known: the test writes two times of a volume, and its dimension scales.
+TEST(IngestHdf5, DimensionScalesMayBeTimesAndChannels) {
+  const ForeignFiles files;
+  const ForeignVolume both = randomVolume({5, 4, 6}, VoxelType::u16, 540);
+  const fs::path file = files.directory() / "a.nc";
+  const auto write = [&](const std::vector<std::string>& scales) {
+    Hdf5File out(file);
+    out.add("/v", both, {.shape = {2, 3, 4, 5}});
+    const std::size_t counts[] = {2, 3, 4, 5};
+    for (std::size_t axis = 0; axis < 4; ++axis) {
+      std::vector<double> numbers;
+      for (std::size_t i = 0; i < counts[axis]; ++i) numbers.push_back(static_cast<double>((axis + 1) * i));
+      if (!scales[axis].empty()) out.addNumbers(scales[axis], numbers);
+    }
+    out.setScales("/v", scales);
+  };
+  SourceOptions time, channel;
+  time.time = 1;
+  channel.channel = "1";
+  const auto expectRead = [&](const SourceOptions& options, const glm::dvec3& spacing) {
+    const auto source = openSource(file, options);
+    EXPECT_TRUE(readWhole(*source) == both.box({{0, 0, 3}, {5, 4, 6}}));
+    EXPECT_EQ(source->info().geometry.spacing(), spacing);
+  };
+  write({"/time", "/z", "/y", "/x"});
+  expectRead(time, {4, 3, 2});
+  expectRefused(file, ErrorCode::kUsage, "2 times");
+  write({"/Time", "/depth", "/lat", "/lon"});
+  expectRead(time, {4, 3, 2});
+  expectRefused(file, ErrorCode::kUsage, "2 times");
+  write({"/channel", "/z", "/y", "/x"});
+  expectRead(channel, {4, 3, 2});
+  write({"", "/z", "/y", "/x"});
+  expectRead(channel, {4, 3, 2});
+  expectRead(time, {4, 3, 2});
+  write({"/energy", "/z", "/y", "/x"});
+  expectRefused(file, ErrorCode::kUnsupported, "the axis 'energy' of (2, 3, 4, 5) has 2 entries");
+}
+
 // Known: ilastik writes the order of the axes; an axis of one entry behind three others is a channel.
 TEST(IngestHdf5, ChannelsMayBeBehind) {
   const ForeignFiles files;
@@ -638,6 +677,7 @@ TEST(IngestHdf5, ChannelsMayBeBehind) {
     out.setText("/tagged", "axistags", R"({"axes": [{"key": "z"}, {"key": "y"}, {"key": "x"}, {"key": "c"}]})");
     out.setNumbers("/tagged", "element_size_um", {3, 2, 1});
     out.add("/single", volume, {.shape = {5, 6, 4, 1}});
+    out.setNumbers("/single", "element_size_um", {3, 2, 1});
   }
   SourceOptions options;
   options.channel = "1";
@@ -649,6 +689,9 @@ TEST(IngestHdf5, ChannelsMayBeBehind) {
   ForeignVolume single = volume;
   single.dims = {4, 6, 5};
   expectReadsBack(single, part(file, "/single"), 538);
+  const SourceInfo info = openSource(part(file, "/single"))->info();
+  EXPECT_EQ(info.geometry.spacing(), glm::dvec3(1, 2, 3));
+  EXPECT_TRUE(info.notes.empty()) << info.notes.front();
   const std::vector<ListedVolume> listed = volumesIn(file, {});
   ASSERT_EQ(listed.size(), 2u);
   EXPECT_EQ(listed[0].dims, (Extent3{4, 6, 5}));

@@ -23,12 +23,7 @@ int axisNamed(const std::vector<ArrayAxis>& axes, std::string_view name) {
 
 std::string shownShape(const AxisNumbers& shape) { return fmt::format("({})", fmt::join(shape, ", ")); }
 
-// Returns the name in small letters; "c" and "t" for "channel" and "time".
-std::string plainName(const std::string& name) {
-  const std::string small = lowered(name);
-  if (small == "channel" || small == "channels") return "c";
-  return small == "time" ? "t" : small;
-}
+bool isTimeOrChannel(const ArrayAxis& axis) { return axis.name == "t" || axis.name == "c"; }
 
 bool isSpace(const ArrayAxis& axis) {
   return std::find(std::begin(kNamesOfSpace), std::end(kNamesOfSpace), axis.name) != std::end(kNamesOfSpace);
@@ -48,27 +43,34 @@ std::ptrdiff_t axesBehindX(const AxisNumbers& shape, const std::vector<ArrayAxis
   return out;
 }
 
-// Names axes by place if no axis is x, y or z: the last three are z, y, x, the order of nearly all writers; channels
-// and times stand in front.
+// Names the axes of space. If x, y and z are known, axes without a name become channels and times, the last one first.
 void nameByPlace(const ArrayName& array, const SourceOptions& options, std::vector<ArrayAxis>& axes,
                  std::vector<std::string>& notes) {
-  if (std::any_of(axes.begin(), axes.end(), isSpace)) return;
-  std::vector<std::string> names = {"x", "y", "z"}, taken;
-  const bool only_time = options.time && !options.channel;
-  for (const char* const name : {only_time ? "t" : "c", only_time ? "c" : "t"})
-    if (axisNamed(axes, name) < 0) names.emplace_back(name);
-  std::size_t next = 0;
-  for (auto axis = axes.rbegin() + axesBehindX(array.shape, axes); axis != axes.rend() && next < names.size(); ++axis) {
-    if (axis->name == "c" || axis->name == "t") continue;
-    // A name that is no name of space must not become a channel.
-    if (next >= std::size(kNamesOfSpace) && !axis->name.empty()) break;
-    if (!axis->name.empty()) taken.push_back(fmt::format("{} as {}", inQuotes(axis->name), names[next]));
-    axis->name = names[next++];
-  }
-  if (!taken.empty()) notes.push_back(fmt::format("took the axes {}", fmt::join(taken, ", ")));
   if (array.shape.size() < 2)
     throw Error(ErrorCode::kUnsupported, array.header, "shape",
                 fmt::format("{} has fewer than two axes; a volume has three", shownShape(array.shape)));
+  const std::array<int, 3> space = spaceAxes(array.shape, axes);
+  std::vector<std::string> taken;
+  for (std::size_t i = 0; i < space.size(); ++i) {
+    if (space[i] < 0) continue;
+    std::string& name = axes[static_cast<std::size_t>(space[i])].name;
+    if (name != kNamesOfSpace[i] && !name.empty())
+      taken.push_back(fmt::format("{} as {}", inQuotes(name), kNamesOfSpace[i]));
+    name = kNamesOfSpace[i];
+  }
+  if (!taken.empty()) notes.push_back(fmt::format("took the axes {}", fmt::join(taken, ", ")));
+  if (std::find(space.begin(), space.end(), -1) != space.end()) return;
+  std::vector<const char*> names;
+  const bool only_time = options.time && !options.channel;
+  for (const char* const name : {only_time ? "t" : "c", only_time ? "c" : "t"})
+    if (axisNamed(axes, name) < 0) names.push_back(name);
+  auto next = names.begin();
+  for (auto axis = axes.rbegin() + axesBehindX(array.shape, axes); axis != axes.rend() && next != names.end(); ++axis) {
+    if (isSpace(*axis) || isTimeOrChannel(*axis)) continue;
+    // A name that is no name of space must not become a channel.
+    if (!axis->name.empty()) break;
+    axis->name = *next++;
+  }
 }
 
 // The names of `count` channels.
@@ -163,10 +165,28 @@ void placeInWorld(const std::vector<ArrayAxis>& axes, bool has_scale, const Sour
 
 }  // namespace
 
+std::string plainAxisName(const std::string& name) {
+  const std::string small = lowered(name);
+  if (small == "channel" || small == "channels") return "c";
+  return small == "time" ? "t" : small;
+}
+
+std::array<int, 3> spaceAxes(const AxisNumbers& shape, const std::vector<ArrayAxis>& axes) {
+  std::array<int, 3> out = {-1, -1, -1};
+  if (std::any_of(axes.begin(), axes.end(), isSpace)) {
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = axisNamed(axes, kNamesOfSpace[i]);
+    return out;
+  }
+  std::size_t next = 0;
+  for (auto i = static_cast<int>(std::ssize(axes) - axesBehindX(shape, axes)); i-- > 0 && next < out.size();)
+    if (!isTimeOrChannel(axes[static_cast<std::size_t>(i)])) out[next++] = i;
+  return out;
+}
+
 ArrayVolume volumeOf(const ArrayName& array, std::vector<ArrayAxis> axes, bool has_scale,
                      const std::vector<std::string>& channels, const SourceOptions& options) {
   axes.resize(array.shape.size());
-  for (ArrayAxis& axis : axes) axis.name = plainName(axis.name);
+  for (ArrayAxis& axis : axes) axis.name = plainAxisName(axis.name);
   requireOneAxisOfAName(array, axes);
   ArrayVolume out;
   nameByPlace(array, options, axes, out.notes);

@@ -37,6 +37,14 @@ struct ArrayAxis {
   double scale = 1, translation = 0;
 };
 
+/// Returns a name in small letters; "c" and "t" for "channel" and "time".
+std::string plainAxisName(const std::string& name);
+
+/// Returns the axes x, y and z, -1 for a missing axis: the axes of these names. If there is no such name: the last
+/// three but for times, channels and a nameless axis of one entry behind x, which programs write that store channels
+/// last. requires: plain names.
+std::array<int, 3> spaceAxes(const AxisNumbers& shape, const std::vector<ArrayAxis>& axes);
+
 /// An array, as errors name it.
 struct ArrayName {
   /// The file or folder that the user gave, and the file that describes the array.
@@ -51,9 +59,10 @@ void describe(const ArrayVolume& volume, VoxelType type, SourceInfo& info);
 /// change no value.
 std::string noteOfScaled(double factor, double offset);
 
-/// Places a volume by its axes. `channels` are names; fewer names than channels are legal. `has_scale` is false if no
-/// metadata gave a length; a note then says so. throws: Error kUnsupported if there is no volume in these axes; kUsage
-/// for a channel or time that does not exist or is not chosen.
+/// Places a volume by its axes; names those of an array whose axes have no names by place, the last three z, y and x,
+/// which is the order of nearly all writers, behind channels and times. `channels` are names; fewer names than channels
+/// are legal. `has_scale` is false if no metadata gave a length; a note then says so. throws: Error kUnsupported if
+/// there is no volume in these axes; kUsage for a channel or time that does not exist or is not chosen.
 ArrayVolume volumeOf(const ArrayName& array, std::vector<ArrayAxis> axes, bool has_scale,
                      const std::vector<std::string>& channels, const SourceOptions& options);
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/text.h"
@@ -56,11 +57,6 @@ bool isForAxis(const Hdf5Object* coordinates, std::int64_t voxels, Coordinates r
          (rule == Coordinates::kOrEdges && count == voxels + 1);
 }
 
-bool isSpaceName(const std::string& name) {
-  const std::string small = lowered(name);
-  return small == "x" || small == "y" || small == "z";
-}
-
 // NeXus: a list of the group, or, before 2014, a text of the data set, "[z:y:x]" or "z,y,x".
 std::vector<std::string> nexusNames(const Hdf5Object* group, const Hdf5Object& dataset) {
   std::vector<std::string> out = group ? group->texts("axes") : std::vector<std::string>();
@@ -71,18 +67,18 @@ std::vector<std::string> nexusNames(const Hdf5Object* group, const Hdf5Object& d
   return {names.begin(), names.end()};
 }
 
-// Keeps x, y, z, t and c of a program's free names; returns none unless x, y and z are among them.
-std::vector<std::string> plainNames(std::vector<std::string> names) {
-  std::string space;
-  for (std::string& name : names) {
-    name = lowered(name);
-    if (isSpaceName(name))
-      space += name;
-    else if (name != "t" && name != "c")
-      name.clear();
-  }
-  std::sort(space.begin(), space.end());
-  return space == "xyz" ? names : std::vector<std::string>();
+// Returns all of a program's free names if x, y and z are among them; else only times and channels beside three
+// other axes; none if no name is left.
+std::vector<std::string> freeNames(std::vector<std::string> names) {
+  for (std::string& name : names) name = plainAxisName(name);
+  const auto has = [&](const char* name) { return std::count(names.begin(), names.end(), name) == 1; };
+  if (has("x") && has("y") && has("z")) return names;
+  const auto is_named = [](const std::string& name) { return name == "t" || name == "c"; };
+  const auto named = std::count_if(names.begin(), names.end(), is_named);
+  if (named == 0 || named + 3 > std::ssize(names)) return {};
+  for (std::string& name : names)
+    if (!is_named(name)) name.clear();
+  return names;
 }
 
 // EMD: attributes of dim1, dim2, ….
@@ -92,7 +88,7 @@ std::vector<std::string> emdNames(const Hdf5Objects& objects, const std::string&
     const Hdf5Object* const dim = objects.find(group + fmt::format("/dim{}", i + 1));
     out.push_back(dim ? dim->text("name").value_or("") : "");
   }
-  return plainNames(std::move(out));
+  return freeNames(std::move(out));
 }
 
 // The axis tags of vigra, which ilastik writes: {"axes": [{"key": "z"}, …]}.
@@ -109,7 +105,7 @@ std::vector<std::string> vigraNames(const Hdf5Object& dataset) {
 std::vector<std::string> scaleNames(const Hdf5Object& dataset) {
   std::vector<std::string> out;
   for (const std::string& path : dataset.scales) out.push_back(path.substr(path.find_last_of('/') + 1));
-  return plainNames(std::move(out));
+  return freeNames(std::move(out));
 }
 
 AxisWords axisWords(const Hdf5Objects& objects, const std::string& path) {
@@ -141,28 +137,14 @@ AxisWords axisWords(const Hdf5Objects& objects, const std::string& path) {
   return out;
 }
 
-// The axes of space: named, or else the last three but for times and channels.
-std::vector<std::size_t> spaceAxes(const std::vector<ArrayAxis>& axes) {
-  const bool named =
-      std::any_of(axes.begin(), axes.end(), [](const ArrayAxis& axis) { return isSpaceName(axis.name); });
-  std::vector<std::size_t> out;
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    const std::string& name = axes[i].name;
-    if (named ? isSpaceName(name) : i + 3 >= axes.size() && name != "t" && name != "c") out.push_back(i);
-  }
-  return out;
-}
-
 // The size of a voxel along z, y and x, as ilastik writes it.
-void placeByElementSize(const Hdf5Object& dataset, const std::vector<std::size_t>& space, Hdf5Image& out) {
+void placeByElementSize(const Hdf5Object& dataset, const std::array<int, 3>& space, Hdf5Image& out) {
   const std::vector<double> sizes = dataset.numbers("element_size_um");
-  if (sizes.size() != 3 || space.size() != 3 ||
-      !std::all_of(sizes.begin(), sizes.end(), [](double s) { return s > 0; }))
-    return;
-  for (std::size_t i = 0; i < 3; ++i) {
-    ArrayAxis& axis = out.axes[space[i]];
-    const bool named = isSpaceName(axis.name);
-    axis.scale = sizes[named ? static_cast<std::size_t>('z' - lowered(axis.name)[0]) : i];
+  if (sizes.size() != 3 || !std::all_of(sizes.begin(), sizes.end(), [](double s) { return s > 0; })) return;
+  for (std::size_t i = 0; i < space.size(); ++i) {
+    if (space[i] < 0) continue;
+    ArrayAxis& axis = out.axes[static_cast<std::size_t>(space[i])];
+    axis.scale = sizes[2 - i];
     axis.unit = "um";
   }
   out.has_scale = true;
@@ -174,8 +156,8 @@ void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
   const Hdf5Object& dataset = *objects.find(out.path);
   const AxisWords words = axisWords(objects, out.path);
   out.axes.resize(dataset.shape.size());
-  for (std::size_t i = 0; i < words.names.size(); ++i) out.axes[i].name = words.names[i];
-  const std::vector<std::size_t> space = spaceAxes(out.axes);
+  for (std::size_t i = 0; i < words.names.size(); ++i) out.axes[i].name = plainAxisName(words.names[i]);
+  const std::array<int, 3> space = spaceAxes(dataset.shape, out.axes);
   std::vector<std::size_t> unplaced;
   const ArrayAxis* placed = nullptr;
   for (std::size_t i = 0; i < out.axes.size(); ++i) {
@@ -188,7 +170,7 @@ void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
     if (list && !list->values.empty() && !fits)
       out.notes.push_back(fmt::format("the coordinates {} are {} numbers for {} voxels and are not used",
                                       shown(coordinates), list->values.size(), voxels));
-    if (std::find(space.begin(), space.end(), i) == space.end()) continue;
+    if (std::find(space.begin(), space.end(), static_cast<int>(i)) == space.end()) continue;
     if (has_place && !placed) placed = &out.axes[i];
     if (!has_place) unplaced.push_back(i);
   }
