@@ -1,6 +1,7 @@
 // HDF5. Known because the HDF5 library wrote the files, or because the compressors' own libraries encoded the chunks.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -696,6 +697,28 @@ TEST(IngestHdf5, ChannelsMayBeBehind) {
   ASSERT_EQ(listed.size(), 2u);
   EXPECT_EQ(listed[0].dims, (Extent3{4, 6, 5}));
   EXPECT_EQ(listed[1].dims, (Extent3{4, 3, 5}));
+}
+
+// Known: the file is readable without names of axes.
+TEST(IngestHdf5, DamagedAxisTags_areIgnoredWithANote) {
+  const ForeignFiles files;
+  const ForeignVolume volume = randomVolume({4, 3, 5}, VoxelType::u8, 541);
+  const fs::path file = files.directory() / "a.h5";
+  for (const char* const tags :
+       {"z y x", "{}", R"({"axes": [{"key": "z"}, {"key": "y"}]})", R"({"axes": [{}, {"key": "y"}, {"key": "x"}]})",
+        R"({"axes": [{"key": "x"}, {"key": "y"}, {"key": "x"}]})"}) {
+    SCOPED_TRACE(tags);
+    {
+      Hdf5File out(file);
+      out.add("/v", volume);
+      out.setText("/v", "axistags", tags);
+    }
+    const auto source = openSource(file);
+    EXPECT_TRUE(readWhole(*source) == volume.voxels);
+    EXPECT_EQ(std::count(source->info().notes.begin(), source->info().notes.end(),
+                         "the attribute axistags of /v does not name the 3 axes one by one and is ignored"),
+              1);
+  }
 }
 
 // Known: the library finds objects of other files by the path of a link.

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
+#include "base/error.h"
 #include "base/text.h"
 #include "ingest/source/header_text.h"
 
@@ -91,14 +93,25 @@ std::vector<std::string> emdNames(const Hdf5Objects& objects, const std::string&
   return freeNames(std::move(out));
 }
 
-// The axis tags of vigra, which ilastik writes: {"axes": [{"key": "z"}, …]}.
-std::vector<std::string> vigraNames(const Hdf5Object& dataset) {
+// The axis tags of vigra, which ilastik writes: {"axes": [{"key": "z"}, …]}. Returns none, with a note, unless the tags
+// are a name for each axis: tags are not needed to read the data set.
+std::vector<std::string> vigraNames(const Hdf5Object& dataset, const std::string& path,
+                                    std::vector<std::string>& notes) {
   const std::optional<std::string> tags = dataset.text("axistags");
+  if (!tags) return {};
   std::vector<std::string> out;
-  if (!tags) return out;
-  const JsonNode json(dataset.attributes.file(), *tags, UINT64_MAX);
-  for (const JsonNode& axis : json.at("axes").items(32)) out.push_back(axis.at("key").text());
-  return out;
+  std::set<std::string> different;
+  try {
+    const JsonNode json(dataset.attributes.file(), *tags, UINT64_MAX);
+    for (const JsonNode& axis : json.at("axes").items(32)) out.push_back(axis.at("key").text());
+    for (const std::string& name : out) different.insert(plainAxisName(name));
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::kFormat) throw;
+  }
+  if (different.size() == dataset.shape.size() && out.size() == different.size()) return out;
+  notes.push_back(fmt::format("the attribute axistags of {} does not name the {} axes one by one and is ignored",
+                              shown(path), dataset.shape.size()));
+  return {};
 }
 
 // Dimension scales of HDF5, which NetCDF names as its dimensions.
@@ -108,7 +121,7 @@ std::vector<std::string> scaleNames(const Hdf5Object& dataset) {
   return freeNames(std::move(out));
 }
 
-AxisWords axisWords(const Hdf5Objects& objects, const std::string& path) {
+AxisWords axisWords(const Hdf5Objects& objects, const std::string& path, std::vector<std::string>& notes) {
   const Hdf5Object& dataset = *objects.find(path);
   const std::size_t count = dataset.shape.size();
   const std::string group = parentOf(path);
@@ -125,7 +138,7 @@ AxisWords axisWords(const Hdf5Objects& objects, const std::string& path) {
     return out;
   }
   out.names = dataset.texts("DIMENSION_LABELS");
-  if (out.names.size() != count) out.names = vigraNames(dataset);
+  if (out.names.size() != count) out.names = vigraNames(dataset, path, notes);
   if (out.names.size() != count) out.names = emdNames(objects, group, count);
   if (out.names.size() != count) out.names = scaleNames(dataset);
   if (out.names.size() != count) out.names.clear();
@@ -154,7 +167,7 @@ void placeByElementSize(const Hdf5Object& dataset, const std::array<int, 3>& spa
 
 void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
   const Hdf5Object& dataset = *objects.find(out.path);
-  const AxisWords words = axisWords(objects, out.path);
+  const AxisWords words = axisWords(objects, out.path, out.notes);
   out.axes.resize(dataset.shape.size());
   for (std::size_t i = 0; i < words.names.size(); ++i) out.axes[i].name = plainAxisName(words.names[i]);
   const std::array<int, 3> space = spaceAxes(dataset.shape, out.axes);
