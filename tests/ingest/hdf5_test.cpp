@@ -699,6 +699,24 @@ TEST(IngestHdf5, ChannelsMayBeBehind) {
   EXPECT_EQ(listed[1].dims, (Extent3{4, 3, 5}));
 }
 
+// Known: the attribute gives all three sizes; coordinates of one axis alone have another size and a begin.
+TEST(IngestHdf5, ElementSizes_replaceCoordinates) {
+  const ForeignFiles files;
+  const fs::path file = files.directory() / "a.h5";
+  {
+    Hdf5File out(file);
+    out.add("/v", randomVolume({4, 3, 5}, VoxelType::u8, 542));
+    out.setNumbers("/v", "element_size_um", {4, 2, 1});
+    out.addNumbers("/x", {100, 103, 106, 109});
+    out.setScales("/v", {"", "", "/x"});
+  }
+  const auto source = openSource(file);
+  EXPECT_EQ(at(*source, {0, 0, 0}), glm::dvec3(0));
+  EXPECT_EQ(at(*source, {1, 1, 1}), glm::dvec3(1, 2, 4));
+  EXPECT_EQ(source->info().notes,
+            std::vector<std::string>{"element_size_um gives the size of a voxel; the coordinates /x are not used"});
+}
+
 // Known: the file is readable without names of axes.
 TEST(IngestHdf5, DamagedAxisTags_areIgnoredWithANote) {
   const ForeignFiles files;

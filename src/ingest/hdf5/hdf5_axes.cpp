@@ -32,8 +32,8 @@ struct AxisWords {
 };
 
 // Gives an axis the mean distance, the begin and the unit of its coordinates, which may fall.
-bool placeByCoordinates(const std::string& path, const Hdf5Object& coordinates, bool are_edges, ArrayAxis& axis,
-                        std::vector<std::string>& notes) {
+bool placeAxis(const std::string& path, const Hdf5Object& coordinates, bool are_edges, ArrayAxis& axis,
+               std::vector<std::string>& notes) {
   const std::vector<double>& at = coordinates.values;
   if (at.size() < 2) return false;
   const double step = (at.back() - at.front()) / static_cast<double>(at.size() - 1);
@@ -150,42 +150,52 @@ AxisWords axisWords(const Hdf5Objects& objects, const std::string& path, std::ve
   return out;
 }
 
-// The size of a voxel along z, y and x, as ilastik writes it.
-void placeByElementSize(const Hdf5Object& dataset, const std::array<int, 3>& space, Hdf5Image& out) {
+// Sets the size of a voxel along z, y and x, as ilastik writes it, of the axes x, y and z, -1 for a missing axis.
+// Returns false if the data set has no such sizes.
+bool placeByElementSize(const Hdf5Object& dataset, const std::array<int, 3>& space, std::vector<ArrayAxis>& axes) {
   const std::vector<double> sizes = dataset.numbers("element_size_um");
-  if (sizes.size() != 3 || !std::all_of(sizes.begin(), sizes.end(), [](double s) { return s > 0; })) return;
+  if (sizes.size() != 3 || !std::all_of(sizes.begin(), sizes.end(), [](double s) { return s > 0; })) return false;
   for (std::size_t i = 0; i < space.size(); ++i) {
     if (space[i] < 0) continue;
-    ArrayAxis& axis = out.axes[static_cast<std::size_t>(space[i])];
+    ArrayAxis& axis = axes[static_cast<std::size_t>(space[i])];
     axis.scale = sizes[2 - i];
     axis.unit = "um";
   }
-  out.has_scale = true;
+  return true;
 }
 
-}  // namespace
+// An axis of space, and the list of its coordinates, which may be missing or of another length.
+struct SpaceAxis {
+  std::size_t axis = 0;
+  std::int64_t voxels = 0;
+  std::string path;
+  const Hdf5Object* list = nullptr;
+};
 
-void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
-  const Hdf5Object& dataset = *objects.find(out.path);
-  const AxisWords words = axisWords(objects, out.path, out.notes);
-  out.axes.resize(dataset.shape.size());
-  for (std::size_t i = 0; i < words.names.size(); ++i) out.axes[i].name = plainAxisName(words.names[i]);
-  const std::array<int, 3> space = spaceAxes(dataset.shape, out.axes);
+// The axes of space in the order of the array.
+std::vector<SpaceAxis> coordinatesOfSpace(const Hdf5Objects& objects, const AxisWords& words, const AxisNumbers& shape,
+                                          const std::array<int, 3>& space) {
+  std::vector<SpaceAxis> out;
+  for (std::size_t i = 0; i < shape.size(); ++i)
+    if (std::find(space.begin(), space.end(), static_cast<int>(i)) != space.end())
+      out.push_back({i, shape[i], words.coordinates[i], objects.find(words.coordinates[i])});
+  return out;
+}
+
+// Sets sizes and places by coordinates. Notes coordinates that are not used and axes without coordinates.
+void placeByCoordinates(const std::vector<SpaceAxis>& space, Coordinates rule, Hdf5Image& out) {
   std::vector<std::size_t> unplaced;
   const ArrayAxis* placed = nullptr;
-  for (std::size_t i = 0; i < out.axes.size(); ++i) {
-    const std::string& coordinates = words.coordinates[i];
-    const Hdf5Object* const list = objects.find(coordinates);
-    const std::int64_t voxels = dataset.shape[i];
-    const bool fits = isForAxis(list, voxels, words.rule);
-    const bool edges = fits && words.rule == Coordinates::kOrEdges && std::ssize(list->values) == voxels + 1;
-    const bool has_place = fits && placeByCoordinates(coordinates, *list, edges, out.axes[i], out.notes);
-    if (list && !list->values.empty() && !fits)
+  for (const SpaceAxis& each : space) {
+    const bool fits = isForAxis(each.list, each.voxels, rule);
+    const bool edges = fits && rule == Coordinates::kOrEdges && std::ssize(each.list->values) == each.voxels + 1;
+    ArrayAxis& axis = out.axes[each.axis];
+    const bool has_place = fits && placeAxis(each.path, *each.list, edges, axis, out.notes);
+    if (each.list && !each.list->values.empty() && !fits)
       out.notes.push_back(fmt::format("the coordinates {} are {} numbers for {} voxels and are not used",
-                                      shown(coordinates), list->values.size(), voxels));
-    if (std::find(space.begin(), space.end(), static_cast<int>(i)) == space.end()) continue;
-    if (has_place && !placed) placed = &out.axes[i];
-    if (!has_place) unplaced.push_back(i);
+                                      shown(each.path), each.list->values.size(), each.voxels));
+    if (has_place && !placed) placed = &axis;
+    if (!has_place) unplaced.push_back(each.axis);
   }
   out.has_scale = placed != nullptr;
   for (const std::size_t i : placed ? unplaced : std::vector<std::size_t>()) {
@@ -195,7 +205,30 @@ void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
         "no coordinates give a distance along the axis {}, which is taken as {}; --spacing sets another size",
         axis.name.empty() ? std::to_string(i) : inQuotes(axis.name), axis.unit.empty() ? "1" : "1 " + axis.unit));
   }
-  placeByElementSize(dataset, space, out);
+}
+
+// Element sizes count, because one attribute gives all three.
+void noteUnusedCoordinates(const std::vector<SpaceAxis>& space, std::vector<std::string>& notes) {
+  for (const SpaceAxis& each : space)
+    if (each.list && !each.list->values.empty())
+      notes.push_back(
+          fmt::format("element_size_um gives the size of a voxel; the coordinates {} are not used", shown(each.path)));
+}
+
+}  // namespace
+
+void describeAxes(const Hdf5Objects& objects, Hdf5Image& out) {
+  const Hdf5Object& dataset = *objects.find(out.path);
+  const AxisWords words = axisWords(objects, out.path, out.notes);
+  out.axes.resize(dataset.shape.size());
+  for (std::size_t i = 0; i < words.names.size(); ++i) out.axes[i].name = plainAxisName(words.names[i]);
+  const std::array<int, 3> axes_of_space = spaceAxes(dataset.shape, out.axes);
+  const std::vector<SpaceAxis> space = coordinatesOfSpace(objects, words, dataset.shape, axes_of_space);
+  out.has_scale = placeByElementSize(dataset, axes_of_space, out.axes);
+  if (out.has_scale)
+    noteUnusedCoordinates(space, out.notes);
+  else
+    placeByCoordinates(space, words.rule, out);
   const std::string note =
       noteOfScaled(dataset.number("scale_factor").value_or(1), dataset.number("add_offset").value_or(0));
   if (!note.empty()) out.notes.push_back(note);
