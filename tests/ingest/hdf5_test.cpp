@@ -381,7 +381,10 @@ TEST(IngestHdf5, BigDataViewerHasItsAffineAndUnsignedNumbers) {
   EXPECT_EQ(source->info().geometry.unit, "um");
   const auto by_description = openSource(files.directory() / "a.xml");
   EXPECT_TRUE(readWhole(*by_description) == fine.voxels);
-  EXPECT_EQ(volumesIn(files.directory() / "a.xml", {}).size(), 2u);
+  const std::vector<ListedVolume> listed = volumesIn(files.directory() / "a.xml", {});
+  ASSERT_EQ(listed.size(), 2u);
+  EXPECT_EQ(listed[0].type, VoxelType::u16);
+  EXPECT_EQ(listed[1].dims, coarse.dims);
   EXPECT_EQ(volumesIn(files.directory(), {}).size(), 2u);
   expectRefused(files.write("b.xml", "<SpimData/>"), ErrorCode::kNotFound, "'b.h5', is missing");
   SourceOptions options;
@@ -903,6 +906,7 @@ TEST(IngestHdf5, SlicesOfMincAreScaledOneByOne) {
     std::memcpy(&floats.voxels[static_cast<std::size_t>(i) * sizeof value], &value, sizeof value);
   }
   expectReadsBack(floats, file, 524);
+  EXPECT_EQ(volumesIn(file, {}).at(0).type, VoxelType::f32);
   // Slices across x: the file's first axis is the volume's x, and its last one y.
   write("xspace,zspace,yspace", least);
   ForeignVolume turned{{5, 4, 3}, VoxelType::f32, std::vector<std::byte>(60 * sizeof(float))};

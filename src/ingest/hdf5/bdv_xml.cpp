@@ -127,6 +127,14 @@ std::optional<BdvDescription> readBdvXml(const fs::path& xml) {
   return BdvReader(file).read();
 }
 
+BdvXmlBeside::BdvXmlBeside(const fs::path& image) : path_(fs::path(image).replace_extension(".xml")) {}
+
+const std::optional<BdvDescription>& BdvXmlBeside::description() {
+  if (!is_read_) description_ = readBdvXml(path_);
+  is_read_ = true;
+  return description_;
+}
+
 fs::path imageOfBdv(const fs::path& xml) {
   const fs::path image = fs::path(xml).replace_extension(".h5");
   if (isThere(image)) return image;

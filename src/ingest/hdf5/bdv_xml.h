@@ -28,6 +28,20 @@ struct BdvDescription {
 /// Returns nothing if there is no file at `xml`. throws: Error kFormat if the file is no XML, kIo.
 std::optional<BdvDescription> readBdvXml(const std::filesystem::path& xml);
 
+/// The XML file beside an HDF5 file of BigDataViewer, read once, when the description is first used.
+class BdvXmlBeside {
+ public:
+  explicit BdvXmlBeside(const std::filesystem::path& image);
+  const std::filesystem::path& path() const { return path_; }
+  /// Returns nothing if there is no such file. throws: as readBdvXml.
+  const std::optional<BdvDescription>& description();
+
+ private:
+  std::filesystem::path path_;
+  bool is_read_ = false;
+  std::optional<BdvDescription> description_;
+};
+
 /// Returns the HDF5 file beside a description, which has the name of the description. throws: Error kNotFound.
 std::filesystem::path imageOfBdv(const std::filesystem::path& xml);
 

@@ -110,13 +110,12 @@ std::optional<BdvCells> bdvCellsAt(const std::string& path, const Hdf5Objects& o
   return is_bdv ? std::optional(out) : std::nullopt;
 }
 
-Hdf5Image ofBdvCells(const fs::path& file, const Hdf5Objects& objects, const BdvCells& cells) {
-  const fs::path beside = fs::path(file).replace_extension(".xml");
-  const std::optional<BdvDescription> xml = readBdvXml(beside);
+Hdf5Image ofBdvCells(const fs::path& file, const Hdf5Objects& objects, const BdvCells& cells, BdvXmlBeside& beside) {
+  const std::optional<BdvDescription>& xml = beside.description();
   Hdf5Image out;
   out.path = cells.path();
   out.is_unsigned = true;
-  if (xml) out.headers = {beside};
+  if (xml) out.headers = {beside.path()};
   out.choice = fmt::format(", BigDataViewer, time {}, setup {}, level {}", cells.time, cells.setup, cells.scale);
   if (!objects.hasDataset(out.path))
     throw Error(ErrorCode::kFormat, file, out.path, "is missing in this file of BigDataViewer");
@@ -141,13 +140,14 @@ Hdf5Image ofBigDataViewer(const fs::path& file, const Hdf5Objects& objects, cons
   BdvCells cells;
   cells.time = chosenTime(options, countOf(objects, &BdvCells::timeGroup), file);
   const auto setup_path = [](std::int64_t s) { return BdvCells{0, s, 0}.setupGroup(); };
-  const std::optional<BdvDescription> xml = readBdvXml(fs::path(file).replace_extension(".xml"));
+  BdvXmlBeside beside(file);
+  const std::optional<BdvDescription>& xml = beside.description();
   std::vector<std::string> names(static_cast<std::size_t>(countOf(objects, setup_path)));
   for (std::size_t s = 0; s < names.size() && xml; ++s) names[s] = xml->setupName(static_cast<std::int64_t>(s));
   cells.setup = chosenChannel(options, names, file);
   const auto scale_path = [&](std::int64_t l) { return BdvCells{cells.time, cells.setup, l}.scaleGroup(); };
   cells.scale = chosenScale(options, std::max<std::int64_t>(countOf(objects, scale_path), 1), file);
-  Hdf5Image out = ofBdvCells(file, objects, cells);
+  Hdf5Image out = ofBdvCells(file, objects, cells, beside);
   out.path_chooses = true;
   return out;
 }
@@ -298,15 +298,11 @@ Hdf5Image ofPath(const Hdf5Objects& objects, const std::string& path) {
 
 }  // namespace
 
-Extent3 extentOf(const fs::path& file, const std::string& path, const Hdf5Objects& objects) {
-  SourceOptions first;
-  first.channel = "0";
-  first.time = 0;
-  const Hdf5Image image = path == kMincImage            ? ofMinc(file, objects)
-                          : isImarisData(path, objects) ? ofImarisData(file, objects, path)
-                                                        : ofPath(objects, path);
-  const AxisNumbers& shape = image.used_shape.empty() ? objects.find(path)->shape : image.used_shape;
-  return volumeOf({file, file, shape}, image.axes, image.has_scale, {}, first).geometry.dims;
+Hdf5Image hdf5ImageAt(const fs::path& file, const std::string& path, const Hdf5Objects& objects, BdvXmlBeside& beside) {
+  if (path == kMincImage) return ofMinc(file, objects);
+  if (isImarisData(path, objects)) return ofImarisData(file, objects, path);
+  if (const std::optional<BdvCells> cells = bdvCellsAt(path, objects)) return ofBdvCells(file, objects, *cells, beside);
+  return ofPath(objects, path);
 }
 
 Hdf5Image findHdf5Image(const fs::path& file, const std::string& path, const Hdf5Objects& objects,
@@ -315,14 +311,13 @@ Hdf5Image findHdf5Image(const fs::path& file, const std::string& path, const Hdf
   if (path.empty() && objects.find("/s00/resolutions") && objects.find("/t00000"))
     return ofBigDataViewer(file, objects, options);
   if (options.scale) failOption(file, "--scale", "applies to files of Imaris and BigDataViewer; leave it out");
-  if (objects.hasDataset(kMincImage) && (path.empty() || path == kMincImage)) return ofMinc(file, objects);
+  if (path.empty() && objects.hasDataset(kMincImage)) return ofMinc(file, objects);
   if (!path.empty()) {
     if (!objects.hasDataset(path))
       throw Error(ErrorCode::kNotFound, file, shown(path),
                   objects.find(path) ? "is no data set of numbers" : "there is no data set of this name");
-    if (isImarisData(path, objects)) return ofImarisData(file, objects, path);
-    if (const std::optional<BdvCells> cells = bdvCellsAt(path, objects)) return ofBdvCells(file, objects, *cells);
-    return ofPath(objects, path);
+    BdvXmlBeside beside(file);
+    return hdf5ImageAt(file, path, objects, beside);
   }
   if (const std::optional<std::string> found = byConvention(objects)) {
     Hdf5Image out = ofPath(objects, *found);

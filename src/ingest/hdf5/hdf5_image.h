@@ -2,6 +2,7 @@
 #pragma once
 
 #include "ingest/chunks/array_volume.h"
+#include "ingest/hdf5/bdv_xml.h"
 #include "ingest/hdf5/hdf5_objects.h"
 #include "ingest/hdf5/scaled_slices.h"
 
@@ -30,9 +31,10 @@ struct Hdf5Image {
   std::vector<std::string> notes;
 };
 
-/// Returns the extents of the volume in the data set at `path`, of one channel and time. requires: a data set of
-/// numbers. throws: Error kUnsupported, kFormat if there is no volume in its axes.
-Extent3 extentOf(const std::filesystem::path& file, const std::string& path, const Hdf5Objects& objects);
+/// Returns the image in the data set at `path`, by the convention of the program that writes such paths. requires: a
+/// data set of numbers. throws: Error kUnsupported, kFormat.
+Hdf5Image hdf5ImageAt(const std::filesystem::path& file, const std::string& path, const Hdf5Objects& objects,
+                      BdvXmlBeside& beside);
 
 /// Chooses the data set at `path`, or without a path: BigDataViewer's, Imaris's, MINC's, NeXus's, Data Exchange's, or
 /// the only one of three axes. throws: Error kUsage, listing the data sets, if there are several, or an option does not

@@ -52,24 +52,39 @@ ArrayVolume placed(const fs::path& file, const Hdf5Image& image, const Hdf5Layou
   return out;
 }
 
+// Sets extents and type of one channel and time, and the reason why the data set is not read.
+void describeListed(const fs::path& file, const Hdf5Objects& objects, BdvXmlBeside& beside, ListedVolume& volume) {
+  const Hdf5Object& dataset = *objects.find(volume.name);
+  const std::optional<StoredNumber> number = storedNumberNamed(dataset.type);
+  if (number) volume.type = number->voxelType();
+  SourceOptions first;
+  first.channel = "0";
+  first.time = 0;
+  try {
+    const Hdf5Image image = hdf5ImageAt(file, volume.name, objects, beside);
+    const AxisNumbers& shape = image.used_shape.empty() ? dataset.shape : image.used_shape;
+    volume.dims = volumeOf({file, file, shape}, image.axes, image.has_scale, {}, first).geometry.dims;
+    if (number && image.is_unsigned) volume.type = number->withoutSign().voxelType();
+    if (!image.scales.slices.empty()) volume.type = VoxelType::f32;
+  } catch (const Error& error) {
+    volume.refusal = error.what();
+  }
+}
+
 }  // namespace
 
 std::vector<ListedVolume> listHdf5(const fs::path& file, const SourceOptions& options) {
   Hdf5Reader reader(file, kReaderAddressBytes);
   const Hdf5Objects objects(file, reader.text(hdf5::Request::kDescribe, "", options.memory_bytes),
                             options.memory_bytes);
+  BdvXmlBeside beside(file);
   std::vector<ListedVolume> out;
   for (const std::string& path : objects.volumes()) {
     const Hdf5Object& dataset = *objects.find(path);
     ListedVolume& volume = out.emplace_back();
     volume.name = path;
     volume.kind = dataset.shape.size() == 3 ? "HDF5" : fmt::format("HDF5 of {} axes", dataset.shape.size());
-    try {
-      volume.dims = extentOf(file, path, objects);
-    } catch (const Error& error) {
-      volume.refusal = error.what();
-    }
-    if (const std::optional<StoredNumber> number = storedNumberNamed(dataset.type)) volume.type = number->voxelType();
+    describeListed(file, objects, beside, volume);
     volume.option = file.string() + ":" + path;
   }
   return out;
