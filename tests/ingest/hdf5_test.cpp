@@ -769,6 +769,52 @@ TEST(IngestHdf5, GroupsOfOtherFilesAreSearched) {
   EXPECT_TRUE(readWhole(*openSource(loop)) == volume.voxels);
 }
 
+// Known: the test writes another file of more objects than are listed, to which a link in front of all others leads.
+TEST(IngestHdf5, GroupsOfOtherFilesBeyondTheList_areFoundByTheirPlace) {
+  const ForeignFiles files;
+  const ForeignVolume fine = randomVolume({6, 5, 4}, VoxelType::i16, 543),
+                      coarse = randomVolume({3, 5, 4}, VoxelType::i16, 544);
+  {
+    Hdf5File out(files.directory() / "many.h5");
+    for (int i = 0; i < 10'000; ++i) out.addGroup("/" + std::to_string(i));
+  }
+  const auto write = [&](const fs::path& file, auto add) {
+    Hdf5File out(file);
+    out.linkOutside("/a", "many.h5", "/");
+    add(out);
+  };
+  {
+    Hdf5File out(files.directory() / "part.h5");
+    out.add("/t00001/s00/0/cells", fine);
+    out.add("/t00001/s00/1/cells", coarse);
+    out.add("/level/TimePoint 0/Channel 0/Data", fine);
+  }
+  const fs::path bdv = files.directory() / "bdv.h5", imaris = files.directory() / "a.ims",
+                 plain = files.directory() / "plain.h5";
+  write(bdv, [](Hdf5File& out) {
+    out.addNumbers("/s00/resolutions", {1, 1, 1, 2, 1, 1}, {2, 3});
+    out.linkOutside("/t00000/s00", "part.h5", "/t00000/s00");
+    out.linkOutside("/t00001/s00", "part.h5", "/t00001/s00");
+  });
+  SourceOptions options;
+  options.time = 1;
+  EXPECT_TRUE(readWhole(*openSource(bdv, options)) == fine.voxels);
+  options.scale = 1;
+  EXPECT_TRUE(readWhole(*openSource(bdv, options)) == coarse.voxels);
+  EXPECT_TRUE(readWhole(*openSource(part(bdv, "/t00001/s00/1/cells"))) == coarse.voxels);
+  options.scale = 2;
+  expectRefused(bdv, ErrorCode::kUsage, "--scale: must be a number from 0 to 1", options);
+  write(imaris, [](Hdf5File& out) { out.linkOutside("/DataSet/ResolutionLevel 0", "part.h5", "/level"); });
+  EXPECT_TRUE(readWhole(*openSource(imaris)) == fine.voxels);
+  // Which data set is the only one is unknown.
+  write(plain, [&](Hdf5File& out) { out.add("/v", fine); });
+  expectRefused(plain, ErrorCode::kUsage, "more objects than are listed");
+  EXPECT_TRUE(readWhole(*openSource(part(plain, "/v"))) == fine.voxels);
+  const std::vector<ListedVolume> listed = volumesIn(plain, {});
+  ASSERT_EQ(listed.size(), 2u);
+  EXPECT_NE(listed[1].refusal.find("more objects than are listed"), std::string::npos);
+}
+
 TEST(IngestHdf5, SoftLinksLeadToDataSets) {
   const ForeignFiles files;
   const ForeignVolume volume = randomVolume(kDims, VoxelType::u16, 519);

@@ -217,11 +217,12 @@ json scalesOf(hid_t dataset, int axes) {
   return out;
 }
 
-json describedDataset(hid_t dataset) {
+// Paths of scales belong to the file of the data set.
+json describedDataset(hid_t dataset, bool is_other_file) {
   const Id type(H5Dget_type(dataset), H5Tclose, "a type"), space(H5Dget_space(dataset), H5Sclose, "a shape");
   json out = {{"kind", "dataset"}, {"shape", dimsOf(space)}, {"type", typeOf(type)}};
-  if (json scales = scalesOf(dataset, H5Sget_simple_extent_ndims(space)); !scales.is_null())
-    out["scales"] = std::move(scales);
+  json scales = is_other_file ? json() : scalesOf(dataset, H5Sget_simple_extent_ndims(space));
+  if (!scales.is_null()) out["scales"] = std::move(scales);
   // Short lists of numbers are coordinates and scales.
   const hssize_t count = H5Sget_simple_extent_npoints(space);
   const H5T_class_t kind = H5Tget_class(type);
@@ -237,15 +238,18 @@ json describedDataset(hid_t dataset) {
   return out;
 }
 
-// Returns null for an object that the library cannot open, such as a link that leads nowhere.
-json describedObject(hid_t root, const char* name) {
+// Returns null for an object that the library cannot open, such as a link that leads nowhere. `file` is the library's
+// number of the file that the user named.
+json describedObject(hid_t root, const char* name, unsigned long file) {
   const hid_t object = H5Oopen(root, name, H5P_DEFAULT);
   if (object < 0) return nullptr;
   json out;
   try {
     const H5I_type_t kind = H5Iget_type(object);
     if (kind == H5I_DATASET || kind == H5I_GROUP) {
-      out = kind == H5I_DATASET ? describedDataset(object) : json{{"kind", "group"}};
+      H5O_info_t info;
+      const bool is_other_file = H5Oget_info(object, &info) < 0 || info.fileno != file;
+      out = kind == H5I_DATASET ? describedDataset(object, is_other_file) : json{{"kind", "group"}};
       out["attributes"] = attributesOf(object);
     }
   } catch (const std::exception&) {
@@ -263,7 +267,8 @@ class Description {
     file_ = info.fileno;
   }
 
-  bool is_cut = false;
+  /// True if the user's file, or groups of other files, have more objects than are described.
+  bool is_cut = false, are_others_cut = false;
 
   // Adds the objects below `root` by their first names, then links, also to other files. Returns false if the library
   // cannot read the objects.
@@ -283,31 +288,39 @@ class Description {
     return visited >= 0;
   }
 
+  // Adds an object that may lie behind a link, and all objects below a group.
   void addNamed(hid_t file, const std::string& path) {
-    if (objects_.contains(path)) return;
-    json named = describedObject(file, path.c_str());
-    if (!named.is_null()) objects_[path] = std::move(named);
+    json named = describedObject(file, path.c_str(), file_);
+    if (named.is_null()) return;
+    const bool is_group = named["kind"] == "group";
+    objects_[path] = std::move(named);
+    if (!is_group) return;
+    const Id group(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose, "a group");
+    addAllBelow(group, path);
   }
 
-  json take() { return std::move(objects_); }
+  // Returns pairs of path and object: Kiln's reader of JSON takes time by the square of the members of one object.
+  json take() {
+    json out = json::array();
+    for (auto& [path, object] : objects_.items()) out.push_back(json::array({path, std::move(object)}));
+    return out;
+  }
 
  private:
-  // Groups of other files get half of the room, so that they cannot make a file unreadable.
+  // The named group and groups of other files get half of the room, so that they cannot make a file unreadable.
   bool isFull() const { return objects_.size() >= (prefix_.empty() ? kMostObjects : kMostObjects / 2); }
 
   // Returns 0, or 1 to end the walk of the library.
   herr_t add(hid_t root, const std::string& name, H5L_type_t link) {
     if (isFull()) {
-      is_cut = is_cut || prefix_.empty();
+      (prefix_.empty() ? is_cut : are_others_cut) = true;
       return 1;
     }
     const std::string path = name != "." ? prefix_ + "/" + name : prefix_.empty() ? "/" : prefix_;
     if (objects_.contains(path)) return 0;
-    json described = describedObject(root, name.c_str());
+    json described = describedObject(root, name.c_str(), file_);
     if (described.is_null()) return 0;
     if (link == H5L_TYPE_SOFT) described["link"] = true;
-    // Their paths are those of the other file.
-    if (link == H5L_TYPE_EXTERNAL || !prefix_.empty()) described.erase("scales");
     const bool is_group = described["kind"] == "group";
     objects_[path] = std::move(described);
     if (link == H5L_TYPE_EXTERNAL && is_group) addGroupOfOtherFile(root, name, path);
@@ -319,29 +332,33 @@ class Description {
     const hid_t group = H5Oopen(root, name.c_str(), H5P_DEFAULT);
     H5O_info_t info;
     if (group >= 0 && H5Oget_info(group, &info) >= 0 && info.fileno != file_ &&
-        followed_.emplace(info.fileno, info.addr).second) {
-      const std::string above = std::exchange(prefix_, path);
-      addAll(group);
-      prefix_ = above;
-    }
+        followed_.emplace(info.fileno, info.addr).second)
+      addAllBelow(group, path);
     if (group >= 0) H5Oclose(group);
+  }
+
+  void addAllBelow(hid_t group, const std::string& path) {
+    const std::string above = std::exchange(prefix_, path);
+    addAll(group);
+    prefix_ = above;
   }
 
   unsigned long file_ = 0;  // the library's number of the file that the user named
   json objects_ = json::object();
-  std::string prefix_;                                    // path of the group of another file that is walked
+  std::string prefix_;                                    // path of the named or linked group that is walked
   std::set<std::pair<unsigned long, haddr_t>> followed_;  // groups of other files: file and place
 };
 
-// All objects, and the path that the user named.
+// All objects, but first the object at `path`, which other objects must not crowd out.
 json describe(hid_t file, const std::string& path) {
   Description out(file);
+  if (path.size() > 1) out.addNamed(file, path);
   require(out.addAll(file), "the objects of the file");
   if (path.empty() && out.is_cut)
     throw WorkerRefusal("the file has more than " + std::to_string(kMostObjects) +
                         " objects; name a data set, as FILE:/PATH");
-  if (path.size() > 1) out.addNamed(file, path);
-  return out.take();
+  const bool are_others_cut = out.are_others_cut;
+  return {{"objects", out.take()}, {"are_others_cut", are_others_cut}};
 }
 
 json fillOf(hid_t plist) {

@@ -31,6 +31,12 @@ std::int64_t countOf(const Hdf5Objects& objects, Path path) {
   return n;
 }
 
+// Describes all below `group` if objects may be missing from the first description; else returns nothing.
+std::optional<Hdf5Objects> missingBelow(const std::string& group, const Hdf5Objects& first,
+                                        const DescribeHdf5& describe) {
+  return first.areOthersCut() ? std::optional(describe(group)) : std::nullopt;
+}
+
 // Imaris: /DataSet/ResolutionLevel R/TimePoint T/Channel C/Data. Source: the description of Imaris 5.5 files.
 bool isImarisData(const std::string& path, const Hdf5Objects& objects) {
   return path.starts_with("/DataSet/ResolutionLevel ") && path.ends_with("/Data") && objects.find(parentOf(path)) &&
@@ -69,9 +75,12 @@ Hdf5Image ofImarisData(const fs::path& file, const Hdf5Objects& objects, const s
   return out;
 }
 
-Hdf5Image ofImaris(const fs::path& file, const Hdf5Objects& objects, const SourceOptions& options) {
+Hdf5Image ofImaris(const fs::path& file, const Hdf5Objects& first, const DescribeHdf5& describe,
+                   const SourceOptions& options) {
   const auto level = [](std::int64_t r) { return fmt::format("/DataSet/ResolutionLevel {}", r); };
-  const std::int64_t scale = chosenScale(options, std::max<std::int64_t>(countOf(objects, level), 1), file);
+  const std::int64_t scale = chosenScale(options, std::max<std::int64_t>(countOf(first, level), 1), file);
+  const std::optional<Hdf5Objects> more = missingBelow(level(scale), first, describe);
+  const Hdf5Objects& objects = more ? *more : first;
   const auto time_path = [&](std::int64_t t) { return fmt::format("{}/TimePoint {}", level(scale), t); };
   const std::int64_t time = chosenTime(options, countOf(objects, time_path), file);
   const auto channel_path = [&](std::int64_t c) { return fmt::format("{}/Channel {}", time_path(time), c); };
@@ -136,15 +145,19 @@ Hdf5Image ofBdvCells(const fs::path& file, const Hdf5Objects& objects, const Bdv
   return out;
 }
 
-Hdf5Image ofBigDataViewer(const fs::path& file, const Hdf5Objects& objects, const SourceOptions& options) {
+Hdf5Image ofBigDataViewer(const fs::path& file, const Hdf5Objects& first, const DescribeHdf5& describe,
+                          const SourceOptions& options) {
   BdvCells cells;
-  cells.time = chosenTime(options, countOf(objects, &BdvCells::timeGroup), file);
+  cells.time = chosenTime(options, countOf(first, &BdvCells::timeGroup), file);
   const auto setup_path = [](std::int64_t s) { return BdvCells{0, s, 0}.setupGroup(); };
   BdvXmlBeside beside(file);
   const std::optional<BdvDescription>& xml = beside.description();
-  std::vector<std::string> names(static_cast<std::size_t>(countOf(objects, setup_path)));
+  std::vector<std::string> names(static_cast<std::size_t>(countOf(first, setup_path)));
   for (std::size_t s = 0; s < names.size() && xml; ++s) names[s] = xml->setupName(static_cast<std::int64_t>(s));
   cells.setup = chosenChannel(options, names, file);
+  const std::optional<Hdf5Objects> more =
+      missingBelow(BdvCells::timeGroup(cells.time) + cells.setupGroup(), first, describe);
+  const Hdf5Objects& objects = more ? *more : first;
   const auto scale_path = [&](std::int64_t l) { return BdvCells{cells.time, cells.setup, l}.scaleGroup(); };
   cells.scale = chosenScale(options, std::max<std::int64_t>(countOf(objects, scale_path), 1), file);
   Hdf5Image out = ofBdvCells(file, objects, cells, beside);
@@ -265,6 +278,7 @@ std::optional<std::string> onlySignal(const Hdf5Objects& objects) {
 
 std::string onlyVolume(const fs::path& file, const Hdf5Objects& objects) {
   const std::vector<std::string> volumes = objects.volumes();
+  if (objects.areOthersCut()) throw Error(ErrorCode::kUsage, file, "", kOthersAreCut);
   if (volumes.size() == 1) return volumes.front();
   if (volumes.empty())
     throw Error(ErrorCode::kUnsupported, file, "",
@@ -285,7 +299,8 @@ std::string onlyVolume(const fs::path& file, const Hdf5Objects& objects) {
 std::optional<std::string> byConvention(const Hdf5Objects& objects) {
   if (const std::optional<std::string> found = nexusDefault(objects)) return found;
   if (objects.volumes().size() == 1) return std::nullopt;
-  if (const std::optional<std::string> found = onlySignal(objects)) return found;
+  // Groups that are not listed may have signals, too.
+  if (const std::optional<std::string> found = onlySignal(objects); found && !objects.areOthersCut()) return found;
   return objects.hasDataset("/exchange/data") ? std::optional<std::string>("/exchange/data") : std::nullopt;
 }
 
@@ -305,11 +320,12 @@ Hdf5Image hdf5ImageAt(const fs::path& file, const std::string& path, const Hdf5O
   return ofPath(objects, path);
 }
 
-Hdf5Image findHdf5Image(const fs::path& file, const std::string& path, const Hdf5Objects& objects,
+Hdf5Image findHdf5Image(const fs::path& file, const std::string& path, const DescribeHdf5& describe,
                         const SourceOptions& options) {
-  if (path.empty() && objects.find("/DataSet/ResolutionLevel 0")) return ofImaris(file, objects, options);
+  const Hdf5Objects objects = describe(path);
+  if (path.empty() && objects.find("/DataSet/ResolutionLevel 0")) return ofImaris(file, objects, describe, options);
   if (path.empty() && objects.find("/s00/resolutions") && objects.find("/t00000"))
-    return ofBigDataViewer(file, objects, options);
+    return ofBigDataViewer(file, objects, describe, options);
   if (options.scale) failOption(file, "--scale", "applies to files of Imaris and BigDataViewer; leave it out");
   if (path.empty() && objects.hasDataset(kMincImage)) return ofMinc(file, objects);
   if (!path.empty()) {
@@ -323,6 +339,7 @@ Hdf5Image findHdf5Image(const fs::path& file, const std::string& path, const Hdf
     Hdf5Image out = ofPath(objects, *found);
     if (const std::size_t count = objects.volumes().size(); count > 1)
       out.notes.push_back(fmt::format("took {} of {} data sets; FILE:/PATH names another", shown(*found), count));
+    if (objects.areOthersCut()) out.notes.push_back(kOthersAreCut);
     return out;
   }
   return ofPath(objects, onlyVolume(file, objects));

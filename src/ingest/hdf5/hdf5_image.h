@@ -1,6 +1,8 @@
 // Finds the volume in an HDF5 file by the conventions of the programs that write such files.
 #pragma once
 
+#include <functional>
+
 #include "ingest/chunks/array_volume.h"
 #include "ingest/hdf5/bdv_xml.h"
 #include "ingest/hdf5/hdf5_objects.h"
@@ -36,10 +38,13 @@ struct Hdf5Image {
 Hdf5Image hdf5ImageAt(const std::filesystem::path& file, const std::string& path, const Hdf5Objects& objects,
                       BdvXmlBeside& beside);
 
+/// Describes a file, first the object at a path and all below. throws: Error kFormat, kBudget.
+using DescribeHdf5 = std::function<Hdf5Objects(const std::string& path)>;
+
 /// Chooses the data set at `path`, or without a path: BigDataViewer's, Imaris's, MINC's, NeXus's, Data Exchange's, or
 /// the only one of three axes. throws: Error kUsage, listing the data sets, if there are several, or an option does not
 /// apply; kUnsupported, kFormat.
-Hdf5Image findHdf5Image(const std::filesystem::path& file, const std::string& path, const Hdf5Objects& objects,
+Hdf5Image findHdf5Image(const std::filesystem::path& file, const std::string& path, const DescribeHdf5& describe,
                         const SourceOptions& options);
 
 }  // namespace kiln

@@ -65,9 +65,12 @@ std::vector<std::string> Hdf5Object::texts(const std::string& attribute) const {
 }
 
 Hdf5Objects::Hdf5Objects(const std::filesystem::path& file, std::string json, std::uint64_t memory_bytes) {
-  const JsonNode root(file, std::move(json), memory_bytes);
-  for (const std::string& path : root.keys()) {
-    const JsonNode node = root.at(path);
+  const JsonNode answer(file, std::move(json), memory_bytes);
+  are_others_cut_ = answer.at("are_others_cut").truth();
+  for (const JsonNode& pair : answer.at("objects").items()) {
+    const std::vector<JsonNode> path_and_object = pair.items(2);
+    if (path_and_object.size() != 2) pair.fail("must be a path and an object");
+    const JsonNode& node = path_and_object.back();
     Hdf5Object object{
         node.at("kind").text() == "dataset", node.find("link").has_value(), {}, "", {}, {}, node.at("attributes")};
     if (object.is_dataset) {
@@ -76,7 +79,7 @@ Hdf5Objects::Hdf5Objects(const std::filesystem::path& file, std::string json, st
       if (const std::optional<JsonNode> values = node.find("values")) object.values = values->numbers();
       if (const std::optional<JsonNode> scales = node.find("scales")) object.scales = scales->texts();
     }
-    all_.emplace(path, std::move(object));
+    all_.emplace(path_and_object.front().text(), std::move(object));
   }
 }
 

@@ -44,11 +44,18 @@ class Hdf5Objects {
   const Hdf5Object* find(const std::string& path) const;
   bool hasDataset(const std::string& path) const;
   const std::map<std::string, Hdf5Object>& all() const { return all_; }
+  /// True if groups of other files have objects that are not described.
+  bool areOthersCut() const { return are_others_cut_; }
   /// Data sets that may be volumes: numbers along three axes of two entries and more.
   std::vector<std::string> volumes() const;
 
  private:
   std::map<std::string, Hdf5Object> all_;
+  bool are_others_cut_ = false;
 };
+
+/// The end of errors and notes on a file of which `areOthersCut`.
+inline constexpr const char* kOthersAreCut =
+    "groups of other files that this file leads to have more objects than are listed; FILE:/PATH names a data set";
 
 }  // namespace kiln

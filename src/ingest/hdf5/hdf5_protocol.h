@@ -7,7 +7,7 @@
 namespace kiln::hdf5 {
 
 enum class Request : std::uint32_t {
-  kDescribe = 1,  // payload: a path or nothing. answer: JSON of all objects, and of that path if a link leads there
+  kDescribe = 1,  // payload: a path or nothing. answer: JSON of that path, of objects below, and of all other objects
   kLayout,        // payload: a path. answer: JSON of the data set
   kTable,         // payload: a path. answer: the table of chunks; nothing for more than kMostListedChunks
   kRead,          // payload: a path, a NUL, first and end index of each axis as i64. answer: the voxels of that box

@@ -87,14 +87,21 @@ std::vector<ListedVolume> listHdf5(const fs::path& file, const SourceOptions& op
     describeListed(file, objects, beside, volume);
     volume.option = file.string() + ":" + path;
   }
+  if (objects.areOthersCut()) {
+    ListedVolume& more = out.emplace_back();
+    more.name = "...";
+    more.kind = "HDF5";
+    more.refusal = kOthersAreCut;
+  }
   return out;
 }
 
 std::unique_ptr<VolumeSource> openHdf5(const fs::path& file, const std::string& path, const SourceOptions& options) {
   Hdf5Reader reader(file, kReaderAddressBytes);
-  const Hdf5Objects objects(file, reader.text(hdf5::Request::kDescribe, path, options.memory_bytes),
-                            options.memory_bytes);
-  const Hdf5Image image = findHdf5Image(file, path, objects, options);
+  const auto describe = [&](const std::string& first) {
+    return Hdf5Objects(file, reader.text(hdf5::Request::kDescribe, first, options.memory_bytes), options.memory_bytes);
+  };
+  const Hdf5Image image = findHdf5Image(file, path, describe, options);
   Hdf5Layout layout = readHdf5Layout(reader, file, image.path, options.memory_bytes);
   if (image.is_unsigned) {
     layout.number = layout.number.withoutSign();
