@@ -96,6 +96,21 @@ TEST(DicomSegmentation, RoundedPositions_areMeanGapsApart) {
   EXPECT_NEAR(source->info().geometry.spacing().z, 0.7031, 1e-4);
 }
 
+// Known because planes are 2.5 mm apart; frames of two segments in one plane differ by a micrometre, more than a
+// thousandth of a pixel.
+TEST(DicomSegmentation, NoiseOfPositions_isNotTheDistanceOfPlanes) {
+  const ForeignFiles files;
+  for (const char* const thickness : {"2.5", ""}) {
+    SCOPED_TRACE(thickness);
+    DicomSpec spec = segmentation();
+    spec.thickness = thickness;
+    spec.frame_positions = {"1\\2\\37.5", "1\\2\\30", "1\\2\\32.5", "1\\2\\32.501"};
+    const auto path = files.write("seg.dcm", dicomFile(spec));
+    expectReadsBack(expectedVolume(), path, 815);
+    EXPECT_DOUBLE_EQ(openSource(path)->info().geometry.spacing().z, 2.5);
+  }
+}
+
 TEST(DicomSegmentation, NumbersBeyondAByte_takeTwo) {
   const ForeignFiles files;
   DicomSpec spec = segmentation();

@@ -27,7 +27,7 @@
 namespace kiln {
 namespace {
 
-// Tolerances: of heights and of gaps, in planes; of the heights of one plane, in pixels.
+// Tolerances: of heights and of gaps, in planes; of the heights of one plane, in pixels, at the least.
 constexpr double kPlaneTolerance = 0.02, kGapTolerance = 0.1, kSamePlane = 1e-3;
 
 struct SegmentFrame {
@@ -86,19 +86,42 @@ class PlaneFinder {
     }
   }
 
-  // Returns the gaps between neighbouring planes, from the lowest plane up.
+  // Returns the smallest gap between frames of one segment; a pixel if no segment has two planes. Frames of one segment
+  // lie in different planes, whereas frames of several segments in one plane may differ by noise.
+  double gapWithinSegments() const {
+    std::map<int, std::vector<double>> heights;
+    for (std::size_t i = 0; i < header_.frames.size(); ++i)
+      heights[header_.segments[i]].push_back(along(header_.frames[i]));
+    double out = 0;
+    for (auto& [segment, own] : heights) {
+      std::sort(own.begin(), own.end());
+      for (std::size_t i = 1; i < own.size(); ++i)
+        if (const double gap = own[i] - own[i - 1]; gap > kSamePlane * first_.spacing->x && (out == 0 || gap < out))
+          out = gap;
+    }
+    return out > 0 ? out : first_.spacing->x;
+  }
+
+  // Returns the gaps between neighbouring planes, from the lowest plane up. The lowest frame of a plane is its height.
   std::vector<double> gaps() const {
     std::vector<double> heights;
     for (const DicomFrame& frame : header_.frames) heights.push_back(along(frame));
     std::sort(heights.begin(), heights.end());
+    const double distance = first_.distance() > 0 ? first_.distance() : gapWithinSegments();
+    const double noise = std::max(kSamePlane * first_.spacing->x, kPlaneTolerance * distance);
     std::vector<double> out;
-    for (std::size_t i = 1; i < heights.size(); ++i)
-      if (const double gap = heights[i] - heights[i - 1]; gap > kSamePlane * first_.spacing->x) out.push_back(gap);
+    double plane = heights.front();
+    for (const double height : heights) {
+      if (height - plane <= noise) continue;
+      out.push_back(height - plane);
+      plane = height;
+    }
     return out;
   }
 
   // The stated distance of planes, else the smallest gap: the thickness of overlapping or separate slices is another
-  // length. Both may be rounded: if each gap is a multiple, but their sum is none, the mean is taken.
+  // length. Both may be rounded: if each gap is a multiple of that step, but the sum of gaps is no multiple, the step
+  // is the sum divided by the number of planes.
   double spacing() const {
     const std::vector<double> all = gaps();
     if (all.empty()) return first_.distance() > 0 ? first_.distance() : first_.spacing->x;
