@@ -1,4 +1,8 @@
-// NeXus, EMD and NetCDF give coordinates, h5py names (labels), ilastik names (tags) and element sizes.
+// Problem. Programs describe the axes of a data set in different attributes and data sets around it.
+// Method. Names are those of the first that names each axis: NeXus, labels of h5py, tags of vigra (ilastik), dim1, dim2
+// … of EMD, dimension scales of HDF5 (NetCDF). Sizes are element_size_um (ilastik), else the mean distance of
+// coordinates. Source: manual.nexusformat.org, NXdata; emdatasets.com, the EMD format; docs.hdfgroup.org, the HDF5
+// Dimension Scale Specification.
 #include "ingest/hdf5/hdf5_axes.h"
 
 #include <fmt/format.h>
@@ -22,7 +26,7 @@ std::string unitOf(const Hdf5Object& coordinates) {
   return out;
 }
 
-// What a list of coordinates may hold instead of one number for each voxel.
+// The legal lengths of a list of coordinates: a number for each voxel, or also another length.
 enum class Coordinates { kOfVoxels, kOrFirstTwo, kOrEdges };
 
 // The names of axes, none or one for each, and the paths of their coordinates, which may lead nowhere.
