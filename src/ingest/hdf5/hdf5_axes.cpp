@@ -1,7 +1,7 @@
 // Problem. Programs describe the axes of a data set in different attributes and data sets around it.
-// Method. Names are those of the first that names each axis: NeXus, labels of h5py, tags of vigra (ilastik), dim1, dim2
-// … of EMD, dimension scales of HDF5 (NetCDF). Sizes are element_size_um (ilastik), else the mean distance of
-// coordinates. Source: manual.nexusformat.org, NXdata; emdatasets.com, the EMD format; docs.hdfgroup.org, the HDF5
+// Method. Names are those of the first source that names each axis: NeXus, labels of h5py, tags of vigra (ilastik),
+// dim1, dim2 … of EMD, dimension scales of HDF5 (NetCDF). Sizes are element_size_um (ilastik), else the mean distance
+// of coordinates. Source: manual.nexusformat.org, NXdata; emdatasets.com, the EMD format; docs.hdfgroup.org, the HDF5
 // Dimension Scale Specification.
 #include "ingest/hdf5/hdf5_axes.h"
 

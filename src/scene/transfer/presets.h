@@ -24,7 +24,8 @@ std::string presetHint(std::string_view text);
 
 /// True if the name is in the list, or begins with "iso:" or "solid:".
 bool isPreset(std::string_view name);
-/// Tests the numbers of "iso:" and "solid:" names before a volume is there. throws: Error kUsage without an option's name.
+/// Tests the numbers of "iso:" and "solid:" names before a volume is there. throws: Error kUsage without an option's
+/// name.
 void requirePresetNumbers(std::string_view name);
 
 /// Returns a preset mapped to this volume's values.
