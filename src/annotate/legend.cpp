@@ -48,6 +48,9 @@ double leastStepOf(const std::vector<IsoSurface>& surfaces) {
   return out;
 }
 
+// All digits of a whole number, else as many as tell surfaces apart that are `step` apart.
+std::string surfaceText(double value, double step) { return numberText(value, value == std::floor(value) ? 1 : step); }
+
 LegendEntry countOfOthers(std::size_t others) { return {glm::dvec3(-1), fmt::format("+{} more", others)}; }
 
 bool hasBar(const TransferFunction& function) {
@@ -324,7 +327,7 @@ std::vector<LegendEntry> legendEntries(const ShownFunction& shown, std::size_t m
   std::vector<LegendEntry> out;
   const double step = leastStepOf(function.surfaces);
   for (auto surface = function.surfaces.rbegin(); surface != function.surfaces.rend(); ++surface) {
-    if (surface->opacity > 0) out.push_back({surface->color, numberText(surface->value, step)});
+    if (surface->opacity > 0) out.push_back({surface->color, surfaceText(surface->value, step)});
   }
   const auto exists = [&](double label) {
     return !shown.labels || std::binary_search(shown.labels->begin(), shown.labels->end(), label);

@@ -549,6 +549,10 @@ TEST(Legend, LargeNumbers_differFromTheirNeighbours) {
   EXPECT_EQ(entries[1].text, "1234567");
   EXPECT_EQ(entries[2].text, "8388607");
   EXPECT_EQ(entries[3].text, "8388608");
+  function.surfaces = {{1234567, {1, 0, 0}, 1}};
+  EXPECT_EQ(legendEntries({"", function, {}, {}}, kMostEntries)[0].text, "1234567");
+  function.surfaces = {{0.25, {1, 0, 0}, 1}};
+  EXPECT_EQ(legendEntries({"", function, {}, {}}, kMostEntries)[0].text, "0.25");
 }
 
 TEST(Legend, RegionsOfAColour_areEntries) {

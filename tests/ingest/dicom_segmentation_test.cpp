@@ -100,7 +100,7 @@ TEST(DicomSegmentation, RoundedPositions_areMeanGapsApart) {
 // thousandth of a pixel.
 TEST(DicomSegmentation, NoiseOfPositions_isNotTheDistanceOfPlanes) {
   const ForeignFiles files;
-  for (const char* const thickness : {"2.5", ""}) {
+  for (const char* const thickness : {"2.5", "250", ""}) {
     SCOPED_TRACE(thickness);
     DicomSpec spec = segmentation();
     spec.thickness = thickness;

@@ -724,9 +724,15 @@ TEST_F(IngestZarr, N5_HasTheAxesAndScalesOfEachFamilyOfPrograms) {
   EXPECT_EQ(info("a.n5/s0").geometry.spacing(), glm::dvec3(2, 3, 4000));
   EXPECT_EQ(info("a.n5/s1").geometry.spacing(), glm::dvec3(4, 12, 4000));
   EXPECT_EQ(info("a.n5", withScale(1)).geometry.worldOf({0, 0, 0}), glm::dvec3(1, 4.5, 0));
+  put("a.n5/attributes.json", R"({"downsamplingFactors": [[1, 1, 1], [2, 4, 1]], "resolution": [2, 3, 4]})");
+  EXPECT_EQ(info("a.n5/s1").geometry.spacing(), glm::dvec3(4, 12, 4));
+  put("a.n5/attributes.json", R"({"scales": [[1, 1, 1], [2, 4, 1]], "axes": ["x", "y", "z"]})");
+  layout.more = R"(, "resolution": [4, 12, 4])";
+  writeZarr(in("a.n5/s1"), few_, layout);
+  EXPECT_EQ(info("a.n5/s1").geometry.spacing(), glm::dvec3(4, 12, 4)) << "a size of its own";
 
   layout.axes = {{'z', 2}, {'c', 1, 2, 1}, {'y', 3}, {'x', 4}};
-  layout.more = R"(, "axes": ["x", "y", "c", "z"])";
+  layout.more = R"(, "axes": ["x", "y", "c^", "z"])";
   expectReadsBack(
       few_, [&, folder = writeZarr(in("channels.n5"), few_, layout)] { return openSource(folder, withChannel("1")); },
       332);

@@ -107,7 +107,8 @@ class PlaneFinder {
     std::vector<double> heights;
     for (const DicomFrame& frame : header_.frames) heights.push_back(along(frame));
     std::sort(heights.begin(), heights.end());
-    const double distance = first_.distance() > 0 ? first_.distance() : gapWithinSegments();
+    // A thickness may be far from the distance of planes.
+    const double distance = first_.between > 0 ? first_.between : gapWithinSegments();
     const double noise = std::max(kSamePlane * first_.spacing->x, kPlaneTolerance * distance);
     std::vector<double> out;
     double plane = heights.front();

@@ -68,14 +68,21 @@ bool transformN5(const std::optional<JsonNode>& attributes, std::vector<ArrayAxi
   return true;
 }
 
-// The voxels of the finest array along a voxel's edges: the array's own factors, or those of its scale in the group.
-std::optional<std::vector<double>> factorsOf(const std::optional<JsonNode>& own, const std::optional<JsonNode>& above,
-                                             std::optional<std::size_t> scale, std::size_t axes) {
-  if (const auto factors = lengthsAt(own, "downsamplingFactors", axes)) return factors;
-  const std::optional<JsonNode> scales = above && scale ? above->find("scales") : std::nullopt;
-  if (!scales || !scales->isList()) return std::nullopt;
-  const std::vector<JsonNode> items = scales->items();
-  return *scale < items.size() ? numbersIn(items[*scale], axes) : std::nullopt;
+// The factors of an array in the list of its group, which has two names (neuroglancer).
+std::optional<std::vector<double>> factorsInGroup(const JsonNode& above, std::size_t scale, std::size_t axes) {
+  for (const char* const key : {"scales", "downsamplingFactors"}) {
+    const std::optional<JsonNode> scales = above.find(key);
+    if (!scales || !scales->isList()) continue;
+    const std::vector<JsonNode> items = scales->items();
+    if (scale < items.size() && items[scale].isList()) return numbersIn(items[scale], axes);
+  }
+  return std::nullopt;
+}
+
+// Neuroglancer marks channels by ^ and axes local to a layer by '.
+std::string withoutMark(std::string name) {
+  if (name.size() > 1 && (name.back() == '^' || name.back() == '\'')) name.pop_back();
+  return name;
 }
 
 }  // namespace
@@ -86,18 +93,25 @@ bool placeN5(const ZarrArray& array, const std::optional<JsonNode>& above, std::
   const std::size_t count = axes.size();
   auto names = textsAt(own, "axes", count);
   if (!names) names = textsAt(above, "axes", count);
-  for (std::size_t i = 0; names && i < count; ++i) axes[i].name = (*names)[i];
+  for (std::size_t i = 0; names && i < count; ++i) axes[i].name = withoutMark((*names)[i]);
   if (transformN5(own, axes)) return true;
   const auto lengths = [&](const char* key) {
     const auto found = lengthsAt(own, key, count);
     return found ? found : lengthsAt(above, key, count);
   };
-  std::optional<std::vector<double>> size = lengths("pixelResolution");
-  if (!size) size = lengths("resolution");
+  const auto sizeIn = [&](const std::optional<JsonNode>& attributes) {
+    const auto found = lengthsAt(attributes, "pixelResolution", count);
+    return found ? found : lengthsAt(attributes, "resolution", count);
+  };
+  std::optional<std::vector<double>> size = sizeIn(own), factors = lengthsAt(own, "downsamplingFactors", count);
+  if (!size) {
+    size = sizeIn(above);
+    // The group's size is that of its finest array; an array's own size counts as it is.
+    if (!factors && above && scale) factors = factorsInGroup(*above, *scale, count);
+  }
   if (!size) return false;
   std::optional<std::vector<double>> offset = lengths("offset");
   if (!offset) offset = lengths("translate");
-  const std::optional<std::vector<double>> factors = factorsOf(own, above, scale, count);
   std::vector<std::string> units = unitsIn(own, count);
   if (units.empty()) units = unitsIn(above, count);
   units.resize(count);
