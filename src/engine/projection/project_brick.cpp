@@ -62,24 +62,21 @@ struct Piece {
 class Pieces {
  public:
   // `whole`: the ray's interval in the whole volume.
-  Pieces(const RayZone& zone, const DepthSpan& whole) : zone_(zone), whole_(whole) {
-    // Operations of slabFrom, so that the first and the last slab of every ray are recognised.
-    const auto slabsTo = [&](double depth) { return (depth - zone.near) / zone.thickness - 0.5; };
-    from_ = slabsTo(whole.near), to_ = slabsTo(whole.far);
-  }
+  Pieces(const RayZone& zone, const DepthSpan& whole)
+      : zone_(zone), whole_(whole), slabs_{zone.slabFrom(whole.near), zone.slabFrom(whole.far)} {}
 
   double middle(int slab) const { return zone_.near + (slab + 0.5) * zone_.thickness; }
   Piece at(int slab) const {
     const double begin = zone_.near + slab * zone_.thickness;
-    const bool first = slab == 0 ? zone_.before < whole_.near : slab - 1 < from_;
-    const bool last = slab + 1 == zone_.slabs ? zone_.after >= whole_.far : slab + 1 >= to_;
+    const bool first = slab == slabs_.first && (slab > 0 || zone_.before < whole_.near);
+    const bool last = slab + 1 == slabs_.end && (slabs_.end < zone_.slabs || zone_.after >= whole_.far);
     return {first ? whole_.near : begin, middle(slab), last ? whole_.far : begin + zone_.thickness, first, last};
   }
 
  private:
   const RayZone& zone_;
   const DepthSpan whole_;
-  double from_, to_;
+  const SlabSpan slabs_;  // slabs with samples of the ray
 };
 
 // Means of values, weighted by depth. Equation (5).
