@@ -67,18 +67,21 @@ TEST(DicomSegmentation, FramesBecomeLabelsInTheirPlanes) {
   }
 }
 
-// Known because planes are 2.5 mm apart, whatever the thickness of a slice.
-TEST(DicomSegmentation, ThicknessIsNotTheDistanceOfPlanes) {
+// The planes are 2.5 mm apart, whatever the thickness of a slice. The last two frames, of two segments, lie in one
+// plane.
+void expectPlanesOf(const char* thickness, const char* last_position) {
+  SCOPED_TRACE(thickness);
   const ForeignFiles files;
-  for (const char* const thickness : {"5", "1.25", "2.4"}) {
-    SCOPED_TRACE(thickness);
-    DicomSpec spec = segmentation();
-    spec.thickness = thickness;
-    spec.frame_positions = {"1\\2\\37.5", "1\\2\\30", "1\\2\\32.5", "1\\2\\32.5"};
-    const auto path = files.write("seg.dcm", dicomFile(spec));
-    expectReadsBack(expectedVolume(), path, 814);
-    EXPECT_EQ(openSource(path)->info().geometry.worldOf({0, 0, 1}), glm::dvec3(1, 2, 32.5));
-  }
+  DicomSpec spec = segmentation();
+  spec.thickness = thickness;
+  spec.frame_positions = {"1\\2\\37.5", "1\\2\\30", "1\\2\\32.5", last_position};
+  const auto path = files.write("seg.dcm", dicomFile(spec));
+  expectReadsBack(expectedVolume(), path, 814);
+  EXPECT_EQ(openSource(path)->info().geometry.worldOf({0, 0, 1}), glm::dvec3(1, 2, 32.5));
+}
+
+TEST(DicomSegmentation, ThicknessIsNotTheDistanceOfPlanes) {
+  for (const char* const thickness : {"5", "1.25", "2.4"}) expectPlanesOf(thickness, "1\\2\\32.5");
 }
 
 // Known because the planes lie at multiples of 0.7031 mm, rounded to a hundredth; the smallest gap is 0.7 mm.
@@ -96,19 +99,9 @@ TEST(DicomSegmentation, RoundedPositions_areMeanGapsApart) {
   EXPECT_NEAR(source->info().geometry.spacing().z, 0.7031, 1e-4);
 }
 
-// Known because planes are 2.5 mm apart; frames of two segments in one plane differ by a micrometre, more than a
-// thousandth of a pixel.
+// A micrometre is more than a thousandth of a pixel.
 TEST(DicomSegmentation, NoiseOfPositions_isNotTheDistanceOfPlanes) {
-  const ForeignFiles files;
-  for (const char* const thickness : {"2.5", "250", ""}) {
-    SCOPED_TRACE(thickness);
-    DicomSpec spec = segmentation();
-    spec.thickness = thickness;
-    spec.frame_positions = {"1\\2\\37.5", "1\\2\\30", "1\\2\\32.5", "1\\2\\32.501"};
-    const auto path = files.write("seg.dcm", dicomFile(spec));
-    expectReadsBack(expectedVolume(), path, 815);
-    EXPECT_DOUBLE_EQ(openSource(path)->info().geometry.spacing().z, 2.5);
-  }
+  for (const char* const thickness : {"2.5", "250", ""}) expectPlanesOf(thickness, "1\\2\\32.501");
 }
 
 TEST(DicomSegmentation, NumbersBeyondAByte_takeTwo) {
