@@ -6,7 +6,7 @@
 #include "job/job_names.h"
 #include "job/job_options.h"
 #include "job/job_parts.h"
-#include "job/json/points_text.h"
+#include "job/transfer_function_choice.h"
 #include "job/transfer_function_json.h"
 #include "scene/transfer/presets.h"
 #include "scene/volume_part.h"
@@ -42,27 +42,16 @@ Light lightFrom(const JobObject& object) {
   return light;
 }
 
-namespace {
-
-// throws: Error kUsage naming the key.
-TransferFunctionChoice writtenFunction(const JobObject& owner, std::string_view key, const std::string& text) {
-  try {
-    if (!isPreset(text)) return functionOfPoints(text);
-    requirePresetNumbers(text);
-    return text;
-  } catch (const Error& error) {
-    owner.complain(key, error.what());
-  }
-}
-
-}  // namespace
-
 // A name without a dot or a slash that is no preset is a misspelt preset, not a file.
 std::optional<TransferFunctionChoice> transferFunctionChoiceFrom(const JobObject& owner, std::string_view key) {
   if (!owner.has(key)) return std::nullopt;
   if (!owner.isText(key)) return transferFunctionFrom(*owner.object(key));
   const std::string name = *owner.text(key, "a preset, points, a file or an object");
-  if (isPreset(name) || isPointsText(name)) return writtenFunction(owner, key, name);
+  try {
+    if (auto written = writtenChoice(name)) return written;
+  } catch (const Error& error) {
+    owner.complain(key, error.what());
+  }
   if (name.find_first_of("./") != std::string::npos) return owner.path().parent_path() / name;
   const std::vector<std::string_view> words(presetNames().begin(), presetNames().end());
   owner.complain(key, "'" + name + "' is neither a preset nor a file name with an ending; did you mean '" +

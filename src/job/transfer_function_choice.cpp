@@ -6,6 +6,7 @@
 #include "base/file/file.h"
 #include "base/text.h"
 #include "job/json/paraview_map.h"
+#include "job/json/points_text.h"
 #include "job/transfer_function_json.h"
 #include "scene/transfer/label_styles.h"
 #include "scene/transfer/preset_ranges.h"
@@ -78,6 +79,15 @@ void fitInto(const Window& window, std::vector<Entry>& entries) {
 }
 
 }  // namespace
+
+std::optional<TransferFunctionChoice> writtenChoice(const std::string& text) {
+  if (isPreset(text)) {
+    requirePresetNumbers(text);
+    return text;
+  }
+  if (isPointsText(text)) return functionOfPoints(text);
+  return std::nullopt;
+}
 
 fs::path fileOf(const fs::path& file_and_name) { return parted(file_and_name).file; }
 

@@ -10,6 +10,10 @@
 
 namespace kiln {
 
+/// Returns the choice that a text states by itself, a preset or points (functionOfPoints); nothing for other texts.
+/// throws: Error kUsage without an option's name.
+std::optional<TransferFunctionChoice> writtenChoice(const std::string& text);
+
 /// Returns the file without #NAME.
 std::filesystem::path fileOf(const std::filesystem::path& file_and_name);
 

@@ -4,28 +4,18 @@
 
 #include "base/error.h"
 #include "base/file/path_status.h"
-#include "job/json/points_text.h"
 #include "job/option_kinds.h"
 #include "scene/transfer/presets.h"
 #include "source_arguments.h"
 
 namespace kiln::tool {
-namespace {
 
-TransferFunctionChoice writtenFunction(const std::string& text, const char* option) {
+TransferFunctionChoice transferFunctionNamed(const std::string& text, const char* option) {
   try {
-    if (!isPreset(text)) return functionOfPoints(text);
-    requirePresetNumbers(text);
-    return text;
+    if (auto written = writtenChoice(text)) return *std::move(written);
   } catch (const Error& error) {
     throw Error(ErrorCode::kUsage, fmt::format("{}: {}", option, error.what()));
   }
-}
-
-}  // namespace
-
-TransferFunctionChoice transferFunctionNamed(const std::string& text, const char* option) {
-  if (isPreset(text) || isPointsText(text)) return writtenFunction(text, option);
   std::error_code ignored;
   if (std::filesystem::is_directory(fileOf(text), ignored))
     throw Error(ErrorCode::kUsage, fmt::format("{}: '{}' is a folder; name a file of a transfer function or one of {}",
