@@ -161,10 +161,10 @@ ImageMetadata metadataOf(const std::vector<Part>& parts, const Camera& camera, c
   return out;
 }
 
-// Returns the folder of the command that drew a part; empty if the part names its volume absolutely.
+// Returns the folder of the command that drew a part; empty if the part's names are absolute.
 fs::path drawnFrom(const Part& part) {
+  if (!namesRelatively(part.job)) return {};
   const auto folder = part.text.find(ImageMetadata::kFolder);
-  if (folder == part.text.end() && part.job.volume.is_absolute()) return {};
   return "." / part.path.parent_path() / (folder == part.text.end() ? "" : folder->second);
 }
 

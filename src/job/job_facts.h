@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -29,6 +30,15 @@ void requireEngineOptions(const PictureOptions& picture);
 
 /// Returns whether the job draws a partial image: a part of the volume without background.
 bool drawsPart(const PictureOptions& picture);
+
+/// Renames all volumes of the job, and their companions.
+void forEachVolume(RenderJob& job, const std::function<std::filesystem::path(const std::filesystem::path&)>& change);
+/// Returns the names of all volumes that are drawn.
+std::vector<std::filesystem::path> volumesOf(const RenderJob& job);
+/// Returns the names of all volumes that are drawn, and then of their companions (Companions).
+std::vector<std::filesystem::path> inputVolumesOf(const RenderJob& job);
+/// Returns whether a name of these is relative to the folder of the command.
+bool namesRelatively(const RenderJob& job);
 
 /// Returns whether anything changes from frame to frame.
 bool moves(const RenderJob& job);

@@ -23,6 +23,17 @@ namespace {
 
 constexpr std::uint64_t kLargestJob_bytes = 16u << 20;
 
+// Calls change(path) for the file of each companion.
+template <class Job, class Change>
+void forEachCompanion(Job& job, const Change& change) {
+  const auto each = [&](auto& companions) {
+    if (companions.mask) change(companions.mask->volume);
+    if (companions.color_by) change(companions.color_by->volume);
+  };
+  for (auto& volume : job.volumes) each(volume.companions);
+  each(job.companions);
+}
+
 }  // namespace
 
 OutputOptions encodingsOf(const OutputOptions& output) {
@@ -40,6 +51,30 @@ std::vector<fs::path> namesOf(const OutputOptions& output) {
   out.push_back(output.video.path);
   std::erase_if(out, [](const fs::path& name) { return name.empty(); });
   return out;
+}
+
+std::vector<fs::path> volumesOf(const RenderJob& job) {
+  std::vector<fs::path> out;
+  for (const VolumeOptions& volume : job.volumes) out.push_back(volume.volume);
+  if (out.empty()) out.push_back(job.volume);
+  return out;
+}
+
+std::vector<fs::path> inputVolumesOf(const RenderJob& job) {
+  std::vector<fs::path> out = volumesOf(job);
+  forEachCompanion(job, [&](const fs::path& volume) { out.push_back(volume); });
+  return out;
+}
+
+void forEachVolume(RenderJob& job, const std::function<fs::path(const fs::path&)>& change) {
+  for (VolumeOptions& volume : job.volumes) volume.volume = change(volume.volume);
+  job.volume = job.volumes.empty() ? change(job.volume) : job.volumes.front().volume;
+  forEachCompanion(job, [&](fs::path& volume) { volume = change(volume); });
+}
+
+bool namesRelatively(const RenderJob& job) {
+  return std::ranges::any_of(inputVolumesOf(job),
+                             [](const fs::path& volume) { return !volume.empty() && volume.is_relative(); });
 }
 
 Shading shadingOf(const RenderJob& job) {

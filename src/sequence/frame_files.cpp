@@ -26,7 +26,6 @@
 #include "sequence/file_part.h"
 #include "sequence/frame_annotations.h"
 #include "sequence/frame_checkpoint.h"
-#include "sequence/sequence_frames.h"
 
 namespace kiln {
 namespace fs = std::filesystem;
@@ -106,12 +105,6 @@ RenderJob jobOfFile(const RenderJob& job, const OutputFile& file, const FrameSce
 
 std::string textOf(const RenderJob& of_file, const FrameScene& scene) {
   return resolvedJobText(of_file, scene.camera, scene.transfer_function);
-}
-
-bool namesRelatively(const RenderJob& job) {
-  const std::vector<fs::path> volumes = inputVolumesOf(job);
-  return std::any_of(volumes.begin(), volumes.end(),
-                     [](const fs::path& volume) { return !volume.empty() && volume.is_relative(); });
 }
 
 ImageMetadata metadataOf(const RenderJob& job, const OutputFile& file, const DrawnFrame& drawn, const View& view,

@@ -17,34 +17,6 @@
 namespace kiln {
 namespace fs = std::filesystem;
 
-std::vector<fs::path> volumesOf(const RenderJob& job) {
-  std::vector<fs::path> out;
-  for (const VolumeOptions& volume : job.volumes) out.push_back(volume.volume);
-  if (out.empty()) out.push_back(job.volume);
-  return out;
-}
-
-namespace {
-
-// Calls change(path) for the file of each companion.
-template <class Job, class Change>
-void forEachCompanion(Job& job, const Change& change) {
-  const auto each = [&](auto& companions) {
-    if (companions.mask) change(companions.mask->volume);
-    if (companions.color_by) change(companions.color_by->volume);
-  };
-  for (auto& volume : job.volumes) each(volume.companions);
-  each(job.companions);
-}
-
-}  // namespace
-
-std::vector<fs::path> inputVolumesOf(const RenderJob& job) {
-  std::vector<fs::path> out = volumesOf(job);
-  forEachCompanion(job, [&](const fs::path& volume) { out.push_back(volume); });
-  return out;
-}
-
 bool isSeries(const RenderJob& job) {
   const std::vector<fs::path> volumes = inputVolumesOf(job);
   return std::any_of(volumes.begin(), volumes.end(), hasFramePlace) && (!job.frames.empty() || moves(job));
@@ -54,12 +26,6 @@ RenderJob jobAtFrame(const RenderJob& job, int frame) {
   RenderJob out = job;
   if (isSeries(job)) forEachVolume(out, [&](const fs::path& volume) { return pathOfFrame(volume, frame); });
   return out;
-}
-
-void forEachVolume(RenderJob& job, const std::function<fs::path(const fs::path&)>& change) {
-  for (VolumeOptions& volume : job.volumes) volume.volume = change(volume.volume);
-  job.volume = job.volumes.empty() ? change(job.volume) : job.volumes.front().volume;
-  forEachCompanion(job, [&](fs::path& volume) { volume = change(volume); });
 }
 
 SequenceFrames::SequenceFrames(const RenderJob& job, StoreFor store_for, Progress& progress, const MemoryBeside& beside,

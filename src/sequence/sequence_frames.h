@@ -19,13 +19,6 @@ bool isSeries(const RenderJob& job);
 /// Returns the job with the volumes of one frame.
 RenderJob jobAtFrame(const RenderJob& job, int frame);
 
-/// Renames all volumes of the job, and their companions.
-void forEachVolume(RenderJob& job, const std::function<std::filesystem::path(const std::filesystem::path&)>& change);
-/// Returns the names of all volumes that are drawn.
-std::vector<std::filesystem::path> volumesOf(const RenderJob& job);
-/// Returns the names of all volumes that are drawn, and then of their companions (Companions).
-std::vector<std::filesystem::path> inputVolumesOf(const RenderJob& job);
-
 /// Returns the store of a volume; converts a foreign file.
 using StoreFor = std::function<std::filesystem::path(const std::filesystem::path&)>;
 

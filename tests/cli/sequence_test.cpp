@@ -621,6 +621,11 @@ TEST_F(SequenceCli, CompositeOfRelativeNames_isDrawnFromWhereTheVolumeWas) {
   EXPECT_FALSE(readImageText(in("tree/parts/whole.exr")).contains("kiln:folder"));
   again("tree/parts/whole.exr");
   again("tree/out/whole.exr");
+  // The volume of colours may be the only relative name.
+  run("tree/parts",
+      {"render", in("h.kiln"), "--color-by", "../data/h.kiln", "-o", "m.exr", "--size", "20x18", "--part", "1/1"});
+  run("tree/parts", {"composite", "m.exr", "-o", "../out/colored.exr"});
+  EXPECT_EQ(readImageText(in("tree/out/colored.exr")).at("kiln:folder"), "../parts");
 }
 
 }  // namespace

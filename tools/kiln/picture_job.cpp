@@ -14,8 +14,8 @@
 #include "base/file/path_name.h"
 #include "base/file/path_status.h"
 #include "image/file/image_file.h"
+#include "job/job_facts.h"
 #include "job/job_names.h"
-#include "sequence/sequence_frames.h"
 
 namespace kiln::tool {
 namespace fs = std::filesystem;
